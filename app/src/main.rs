@@ -1,0 +1,2 @@
+//! coif.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Bytes to data and data to bytes. Nothing here opens a file or knows a path.
