@@ -1,4 +1,107 @@
 //! The groom nodes: pure functions from geometry to geometry, one file each.
+//!
+//! Folders follow the order in which hair is made (scalp, guides, braid, partition, curl, puff, cluster, shape,
+//! output), so the list below is also the order of the menu and of the manual.
+//!
+//! **Invariant:** this crate opens no files, owns no threads, reads no clock and knows nothing of documents,
+//! windows or GPUs. Same arguments, same bits, on every machine.
 
 pub mod data;
+pub mod define;
+pub mod eval;
 pub mod formats;
+pub mod maths;
+mod shape;
+#[cfg(test)]
+mod testing;
+
+use define::NodeDef;
+
+/// The folders of nodes, in the order in which hair is made, with their names in the menu.
+pub const STAGES: &[(&str, &[&NodeDef])] = &[("shape", shape::NODES)];
+
+/// Every node, in the order in which hair is made.
+pub fn all() -> impl Iterator<Item = &'static NodeDef> {
+    STAGES.iter().flat_map(|(_, nodes)| nodes.iter().copied())
+}
+
+/// The node that documents call `id`.
+pub fn by_id(id: &str) -> Option<&'static NodeDef> {
+    all().find(|node| node.id == id)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::define::Value;
+    use std::{collections::BTreeSet, fs, path::Path};
+
+    #[test]
+    fn ids_are_unique_and_snake_case() {
+        let mut seen = BTreeSet::new();
+        for node in all() {
+            assert!(node.id.bytes().all(|b| b.is_ascii_lowercase() || b == b'_'), "{:?}", node.id);
+            assert!(seen.insert(node.id), "two nodes are called {:?}", node.id);
+            let names: BTreeSet<&str> = node.inputs.iter().map(|i| i.name).collect();
+            assert_eq!(names.len(), node.inputs.len(), "{}: two inputs of one name", node.id);
+        }
+    }
+
+    #[test]
+    fn everything_the_user_sees_is_documented() {
+        for node in all() {
+            assert!(!node.doc().is_empty() && !node.words.is_empty(), "{}", node.id);
+            for input in node.inputs {
+                assert!(!input.doc().is_empty(), "{}.{}", node.id, input.name);
+            }
+            for output in node.outputs {
+                assert!(!output.doc().is_empty(), "{}.{}", node.id, output.name);
+            }
+        }
+    }
+
+    #[test]
+    fn defaults_lie_within_their_ranges_and_sliders_within_what_is_allowed() {
+        for node in all() {
+            for input in node.inputs {
+                let what = format!("{}.{}", node.id, input.name);
+                let value = input.default.map(|default| default());
+                let number = match value {
+                    Some(Value::Float(x)) => Some(f64::from(x)),
+                    Some(Value::Int(x)) => Some(x as f64),
+                    _ => None,
+                };
+                if let (Some(x), Some((lo, hi))) = (number, input.hard) {
+                    // The range is written in decimals, the default rounded to f32.
+                    assert!(x >= lo - 1e-6 && x <= hi + 1e-6 * hi.abs(), "{what}: {x} {lo} {hi}");
+                }
+                if let (Some((lo, hi)), Some((soft_lo, soft_hi))) = (input.hard, input.soft) {
+                    assert!(lo <= soft_lo && soft_lo < soft_hi && soft_hi <= hi, "{what}");
+                }
+                if let Some(fault) = value.and_then(|value| value.fault()) {
+                    panic!("{what}: {fault}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_file_in_a_stage_folder_is_a_listed_node() {
+        for (stage, nodes) in STAGES {
+            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(stage);
+            for entry in fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                let text = fs::read_to_string(&path).unwrap_or_default();
+                if !text.contains("node! {") {
+                    continue;
+                }
+                let name = path.file_stem().unwrap().to_str().unwrap();
+                assert!(
+                    nodes.iter().any(|n| n.id == name),
+                    "{} is in no NODES list",
+                    path.display()
+                );
+            }
+        }
+    }
+}

@@ -1,3 +1,10 @@
 //! What wires carry, and what readers and writers exchange with it.
 
+pub mod attributes;
+pub mod curves;
+pub mod field;
 pub mod mesh;
+pub mod ramp;
+pub mod scalp;
+pub mod shapes;
+pub mod strokes;

@@ -1,0 +1,196 @@
+//! Named, typed columns of curves, and the names that nodes agree on.
+//!
+//! A column holds one value for each curve or each point of a tuft, or a single value that all share.
+//! A missing attribute reads as its declared default, so no node has to ask whether it is there.
+
+use glam::{Vec2, Vec3};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// An attribute's name: one of the declared ones, or the user's own.
+pub type Name = Cow<'static, str>;
+
+/// What a column has one value for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Domain {
+    /// One value a curve.
+    Curve,
+    /// One value a point (CV).
+    Point,
+}
+
+/// The values of an attribute: as many as its domain has items, or one for all.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Column {
+    /// Numbers.
+    F32(Arc<Vec<f32>>),
+    /// Whole numbers.
+    I32(Arc<Vec<i32>>),
+    /// Ids.
+    U64(Arc<Vec<u64>>),
+    /// Texture coordinates.
+    Vec2(Arc<Vec<Vec2>>),
+    /// Vectors and linear Rec.709 colours.
+    Vec3(Arc<Vec<Vec3>>),
+}
+
+/// A type that a column can hold.
+pub trait Item: Copy + PartialEq + Send + Sync + bytemuck::NoUninit + 'static {
+    /// The column of these values.
+    fn column(values: Vec<Self>) -> Column;
+    /// The values of a column of this type.
+    fn values(column: &Column) -> Option<&Arc<Vec<Self>>>;
+}
+
+macro_rules! items {
+    ($($ty:ty => $variant:ident),*) => {$(
+        impl Item for $ty {
+            fn column(values: Vec<Self>) -> Column {
+                Column::$variant(Arc::new(values))
+            }
+            fn values(column: &Column) -> Option<&Arc<Vec<Self>>> {
+                match column {
+                    Column::$variant(values) => Some(values),
+                    _ => None,
+                }
+            }
+        }
+    )*};
+}
+items!(f32 => F32, i32 => I32, u64 => U64, Vec2 => Vec2, Vec3 => Vec3);
+
+impl Column {
+    /// How many values are stored (1 may stand for all).
+    pub fn len(&self) -> usize {
+        match self {
+            Column::F32(v) => v.len(),
+            Column::I32(v) => v.len(),
+            Column::U64(v) => v.len(),
+            Column::Vec2(v) => v.len(),
+            Column::Vec3(v) => v.len(),
+        }
+    }
+    /// Whether nothing is stored.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// The stored bytes and the name of the type, for hashing and files.
+    pub fn bytes(&self) -> (&'static str, &[u8]) {
+        match self {
+            Column::F32(v) => ("f32", bytemuck::cast_slice(v)),
+            Column::I32(v) => ("i32", bytemuck::cast_slice(v)),
+            Column::U64(v) => ("u64", bytemuck::cast_slice(v)),
+            Column::Vec2(v) => ("vec2", bytemuck::cast_slice(v)),
+            Column::Vec3(v) => ("vec3", bytemuck::cast_slice(v)),
+        }
+    }
+    /// The values at `pick`, in that order; a shared value stays one value.
+    pub fn gather(&self, pick: &[u32]) -> Column {
+        fn picked<T: Item>(values: &Arc<Vec<T>>, pick: &[u32]) -> Column {
+            T::column(pick.iter().map(|i| values[*i as usize]).collect())
+        }
+        if self.len() == 1 {
+            return self.clone();
+        }
+        match self {
+            Column::F32(v) => picked(v, pick),
+            Column::I32(v) => picked(v, pick),
+            Column::U64(v) => picked(v, pick),
+            Column::Vec2(v) => picked(v, pick),
+            Column::Vec3(v) => picked(v, pick),
+        }
+    }
+    /// The values from `start` to `end`; a shared value stays one value.
+    pub fn slice(&self, start: usize, end: usize) -> Column {
+        fn cut<T: Item>(values: &[T], start: usize, end: usize) -> Column {
+            T::column(values[start..end].to_vec())
+        }
+        if self.len() == 1 {
+            return self.clone();
+        }
+        match self {
+            Column::F32(v) => cut(v, start, end),
+            Column::I32(v) => cut(v, start, end),
+            Column::U64(v) => cut(v, start, end),
+            Column::Vec2(v) => cut(v, start, end),
+            Column::Vec3(v) => cut(v, start, end),
+        }
+    }
+}
+
+/// A named column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    /// Its name, as files show it.
+    pub name: Name,
+    /// What it has values for.
+    pub domain: Domain,
+    /// The values.
+    pub values: Column,
+}
+
+/// An attribute that nodes agree on: its name, type and what is read where it is missing.
+#[derive(Clone, Copy, Debug)]
+pub struct Declared<T> {
+    /// The name in files and fields.
+    pub name: &'static str,
+    /// What a curve without it has.
+    pub default: T,
+    /// What it means, with its unit.
+    pub doc: &'static str,
+}
+
+macro_rules! declare {
+    ($($(#[doc = $doc:literal])* $id:ident: $ty:ty = $name:literal, $default:expr;)*) => {
+        $($(#[doc = $doc])* pub const $id: Declared<$ty> =
+            Declared { name: $name, default: $default, doc: concat!($($doc),*) };)*
+        /// Name, type and meaning of every declared attribute, for the manual.
+        pub const DECLARED: &[(&str, &str, &str)] =
+            &[$(($name, stringify!($ty), concat!($($doc),*))),*];
+    };
+}
+
+declare! {
+    /// Stable id of the curve: 64-bit hash of its parent's id, the maker's seed tag and its index. 0: none.
+    ID: u64 = "id", 0;
+    /// Id of the curve it was made from. 0: none.
+    PARENT: u64 = "parent", 0;
+    /// Scalp triangle under the root; -1: not bound.
+    ROOT_TRIANGLE: i32 = "root_triangle", -1;
+    /// Barycentric coordinates of the root: weights of the triangle's second and third corner.
+    ROOT_BARY: Vec2 = "root_bary", Vec2::ZERO;
+    /// Texture coordinates of the scalp under the root.
+    ROOT_UV: Vec2 = "root_uv", Vec2::ZERO;
+    /// Normal of the scalp nearest to the point (or to the root). Unit; zero: not known.
+    SCALP_NORMAL: Vec3 = "scalp_normal", Vec3::ZERO;
+    /// Radius of a cluster's or braid strand's cross-section, cm.
+    RADIUS: f32 = "radius", 1.0;
+    /// Diameter of a hair, cm.
+    WIDTH: f32 = "width", 0.008;
+    /// Turn of what is laid along the curve about it, degrees, running sum from the root.
+    ROLL: f32 = "roll", 0.0;
+    /// How much strands differ from their cluster, 0 to 1.
+    FRIZZ: f32 = "frizz", 0.0;
+    /// How densely a cluster is filled, 0 to 1.
+    DENSITY: f32 = "density", 0.5;
+    /// Colour, linear Rec.709.
+    COLOUR: Vec3 = "colour", Vec3::new(0.09, 0.05, 0.03);
+    /// How deep under the skin the curve may go, cm.
+    ALLOW_DEPTH: f32 = "allow_depth", 0.0;
+    /// Normal of the frame across the curve at each point. Unit; zero: not known.
+    NORMAL: Vec3 = "normal", Vec3::ZERO;
+    /// Id of the braid a strand, stitch or hair belongs to. 0: none.
+    BRAID: u64 = "braid", 0;
+    /// Number of the strand within its braid, from 0.
+    STRAND: i32 = "strand", 0;
+    /// Where a braid strand stands in its cycle at the root, 0 to 1.
+    PHASE: f32 = "phase", 0.0;
+    /// Fraction of the source's arc length at which a point lies, 0 to 1.
+    ALONG: f32 = "along", 0.0;
+    /// Side of the source: -1 left, 1 right (seen along the curve, normal up).
+    SIDE: i32 = "side", 0;
+    /// Number of the group a curve belongs to, such as the stitch that parting hairs run to.
+    GROUP: i32 = "group", 0;
+    /// Arc length before shortening or coiling, cm; 0: as it is.
+    FIBRE: f32 = "fibre_length", 0.0;
+}

@@ -1,0 +1,392 @@
+//! Curves in tufts: the one type for guides, clusters, braids and hair.
+//!
+//! [`Curves`] is an ordered list of [`Tuft`]s; a tuft is up to 4,096 curves and 65,536 points made from
+//! one parent, flat in memory: points, offsets and named columns, each shared while nobody changes it.
+//! The tuft is the unit of parallel work, reuse, cancellation and upload.
+//!
+//! **Invariant:** a tuft's key is the hash of its content. Two tufts with the same key hold the same
+//! hair, whoever made them, so work that would give the same again is never done downstream.
+
+use super::attributes::{Attribute, Declared, Domain, Item, Name};
+use crate::maths::hash::{Key, KeyBuilder};
+use glam::Vec3;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The most curves a tuft may hold; [`Tuft::split`] cuts larger ones.
+pub const MOST_CURVES: usize = 4_096;
+/// The most points a tuft may hold.
+pub const MOST_POINTS: usize = 65_536;
+
+/// Curves made from one parent. Immutable; see [`TuftBuilder`].
+#[derive(Clone, Debug)]
+pub struct Tuft {
+    key: Key,
+    points: Arc<Vec<Vec3>>,
+    /// Curve `i` owns `points[offsets[i]..offsets[i + 1]]`.
+    offsets: Arc<Vec<u32>>,
+    /// Sorted by name.
+    attributes: Vec<Attribute>,
+}
+
+/// Values of one attribute in a tuft, whatever its domain, with the declared default behind it.
+#[derive(Clone, Copy, Debug)]
+pub enum View<'a, T> {
+    /// One value for all.
+    Shared(T),
+    /// One value a curve.
+    Curve(&'a [T]),
+    /// One value a point.
+    Point(&'a [T]),
+}
+
+impl<T: Copy> View<'_, T> {
+    /// The value at point number `point` of the tuft, which is a point of curve number `curve`.
+    #[inline]
+    pub fn at(&self, curve: usize, point: usize) -> T {
+        match self {
+            View::Shared(value) => *value,
+            View::Curve(values) => values[curve],
+            View::Point(values) => values[point],
+        }
+    }
+}
+
+impl Tuft {
+    /// Number of curves.
+    pub fn len(&self) -> usize {
+        self.offsets.len() - 1
+    }
+    /// Whether there are no curves.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// Hash of the content.
+    pub fn key(&self) -> Key {
+        self.key
+    }
+    /// All points of all curves, root to tip, cm.
+    pub fn points(&self) -> &[Vec3] {
+        &self.points
+    }
+    /// Where curve `i` lies in [`Self::points`].
+    #[inline]
+    pub fn range(&self, i: usize) -> Range<usize> {
+        self.offsets[i] as usize..self.offsets[i + 1] as usize
+    }
+    /// The points of curve `i`, root to tip, cm.
+    #[inline]
+    pub fn curve(&self, i: usize) -> &[Vec3] {
+        &self.points[self.range(i)]
+    }
+    /// Start of each curve in [`Self::points`], and the end of the last.
+    pub fn offsets(&self) -> &[u32] {
+        &self.offsets
+    }
+    /// All attributes, by name.
+    pub fn attributes(&self) -> &[Attribute] {
+        &self.attributes
+    }
+    /// The attribute of a name.
+    pub fn attribute(&self, name: &str) -> Option<&Attribute> {
+        let at = self.attributes.binary_search_by(|a| a.name.as_ref().cmp(name)).ok()?;
+        Some(&self.attributes[at])
+    }
+    /// The values of a declared attribute; its default where the tuft has none (or one of another
+    /// type).
+    pub fn view<T: Item>(&self, declared: Declared<T>) -> View<'_, T> {
+        self.view_named(declared.name).unwrap_or(View::Shared(declared.default))
+    }
+    /// The values of an attribute of any name, when it has this type.
+    pub fn view_named<T: Item>(&self, name: &str) -> Option<View<'_, T>> {
+        let attribute = self.attribute(name)?;
+        let values = T::values(&attribute.values)?;
+        Some(match (attribute.domain, &values[..]) {
+            (_, [one]) => View::Shared(*one),
+            (Domain::Curve, all) => View::Curve(all),
+            (Domain::Point, all) => View::Point(all),
+        })
+    }
+    /// The stable id of curve `i`.
+    pub fn id(&self, i: usize) -> u64 {
+        self.view(super::attributes::ID).at(i, self.offsets[i] as usize)
+    }
+    /// A builder with this tuft's content: what is not changed stays shared.
+    pub fn edit(&self) -> TuftBuilder {
+        TuftBuilder {
+            points: self.points.clone(),
+            offsets: self.offsets.clone(),
+            attributes: self.attributes.clone(),
+        }
+    }
+    /// The curves at `pick`, in that order.
+    pub fn gather(&self, pick: &[u32]) -> TuftBuilder {
+        let mut out = TuftBuilder::new();
+        let mut points_picked = vec![];
+        for i in pick {
+            points_picked.extend(self.range(*i as usize).map(|p| p as u32));
+            out.push_curve(self.curve(*i as usize));
+        }
+        for attribute in &self.attributes {
+            let pick = match attribute.domain {
+                Domain::Curve => pick,
+                Domain::Point => &points_picked,
+            };
+            out.attributes
+                .push(Attribute { values: attribute.values.gather(pick), ..attribute.clone() });
+        }
+        out
+    }
+    /// This tuft, or its parts where it is over the limits. One curve is never cut.
+    pub fn split(self) -> Vec<Arc<Tuft>> {
+        if self.len() <= MOST_CURVES && self.points.len() <= MOST_POINTS {
+            return vec![Arc::new(self)];
+        }
+        let mut parts = vec![];
+        let mut first = 0;
+        while first < self.len() {
+            let start = self.offsets[first] as usize;
+            let mut end = first + 1;
+            while end < self.len()
+                && end - first < MOST_CURVES
+                && self.offsets[end + 1] as usize - start <= MOST_POINTS
+            {
+                end += 1;
+            }
+            let stop = self.offsets[end] as usize;
+            let part = TuftBuilder {
+                points: Arc::new(self.points[start..stop].to_vec()),
+                offsets: Arc::new(
+                    self.offsets[first..=end].iter().map(|o| o - start as u32).collect(),
+                ),
+                attributes: self
+                    .attributes
+                    .iter()
+                    .map(|a| {
+                        let values = match a.domain {
+                            Domain::Curve => a.values.slice(first, end),
+                            Domain::Point => a.values.slice(start, stop),
+                        };
+                        Attribute { values, ..a.clone() }
+                    })
+                    .collect(),
+            };
+            parts.push(Arc::new(part.build()));
+            first = end;
+        }
+        parts
+    }
+    /// Bytes held, shared columns counted in full.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.points())
+            + size_of_val(self.offsets())
+            + self.attributes.iter().map(|a| a.values.bytes().1.len() + 64).sum::<usize>()
+            + size_of::<Self>()
+    }
+}
+
+/// A tuft while it is made.
+#[derive(Clone, Debug, Default)]
+pub struct TuftBuilder {
+    points: Arc<Vec<Vec3>>,
+    offsets: Arc<Vec<u32>>,
+    attributes: Vec<Attribute>,
+}
+
+impl TuftBuilder {
+    /// No curves yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+    /// A tuft of `curves` curves of `points` points each, whose points are filled in by the caller.
+    pub fn even(points: Vec<Vec3>, points_each: usize) -> Self {
+        let curves = points.len().checked_div(points_each).unwrap_or(0);
+        let offsets = (0..=curves).map(|i| (i * points_each) as u32).collect();
+        Self { points: Arc::new(points), offsets: Arc::new(offsets), attributes: vec![] }
+    }
+    /// Adds a curve, root first.
+    pub fn push_curve(&mut self, points: &[Vec3]) {
+        Arc::make_mut(&mut self.points).extend_from_slice(points);
+        let offsets = Arc::make_mut(&mut self.offsets);
+        if offsets.is_empty() {
+            offsets.push(0);
+        }
+        offsets.push(self.points.len() as u32);
+    }
+    /// Number of curves so far.
+    pub fn len(&self) -> usize {
+        self.offsets.len().saturating_sub(1)
+    }
+    /// Whether there are no curves yet.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// All points, to change in place.
+    pub fn points_mut(&mut self) -> &mut [Vec3] {
+        Arc::make_mut(&mut self.points).as_mut_slice()
+    }
+    /// Replaces all points by as many others.
+    ///
+    /// # Panics
+    /// When the number differs, for that is a mistake in a node.
+    pub fn set_points(&mut self, points: Vec<Vec3>) {
+        assert_eq!(points.len(), self.points.len(), "as many points as before");
+        self.points = Arc::new(points);
+    }
+    /// Sets a declared attribute for all: one value, one for each curve, or one for each point.
+    ///
+    /// # Panics
+    /// When `values` has neither one value nor as many as the domain has items.
+    pub fn set<T: Item>(&mut self, declared: Declared<T>, domain: Domain, values: Vec<T>) {
+        self.set_named(Name::Borrowed(declared.name), domain, values);
+    }
+    /// [`Self::set`] for a name that is not declared.
+    pub fn set_named<T: Item>(&mut self, name: Name, domain: Domain, values: Vec<T>) {
+        let items = match domain {
+            Domain::Curve => self.len(),
+            Domain::Point => self.points.len(),
+        };
+        assert!(values.len() == items || values.len() == 1, "{name}: one value, or one an item");
+        self.set_column(Attribute { name, domain, values: T::column(values) });
+    }
+    /// Puts an attribute in place of one of the same name.
+    pub fn set_column(&mut self, attribute: Attribute) {
+        self.remove(&attribute.name);
+        self.attributes.push(attribute);
+    }
+    /// Takes an attribute away.
+    pub fn remove(&mut self, name: &str) {
+        self.attributes.retain(|a| a.name != name);
+    }
+    /// Finishes the tuft: sorts its attributes and hashes its content.
+    pub fn build(self) -> Tuft {
+        let Self { points, mut offsets, mut attributes } = self;
+        if offsets.is_empty() {
+            offsets = Arc::new(vec![0]);
+        }
+        attributes.retain(|a| !a.values.is_empty());
+        attributes.sort_by(|a, b| a.name.cmp(&b.name));
+        let mut key = KeyBuilder::new("tuft").column(bytemuck::cast_slice::<_, f32>(&points));
+        // Curves of one length, the usual case, are told by two numbers.
+        let each = offsets.get(1).copied().unwrap_or(0);
+        let even = offsets.iter().enumerate().all(|(i, o)| *o as usize == i * each as usize);
+        key = if even {
+            key.int(u64::from(each)).int(offsets.len() as u64)
+        } else {
+            key.column(&offsets)
+        };
+        for a in &attributes {
+            let (ty, bytes) = a.values.bytes();
+            key = key.text(&a.name).int(a.domain as u64).text(ty).column(bytes);
+        }
+        Tuft { key: key.finish(), points, offsets, attributes }
+    }
+}
+
+/// An ordered list of tufts. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Curves {
+    tufts: Arc<[Arc<Tuft>]>,
+    key: Key,
+}
+
+impl Default for Curves {
+    fn default() -> Self {
+        Self::new(vec![])
+    }
+}
+
+impl Curves {
+    /// Curves of these tufts; empty ones are left out.
+    pub fn new(tufts: Vec<Arc<Tuft>>) -> Self {
+        let tufts: Arc<[Arc<Tuft>]> = tufts.into_iter().filter(|t| !t.is_empty()).collect();
+        let key = tufts.iter().fold(KeyBuilder::new("curves"), |key, t| key.key(t.key)).finish();
+        Self { tufts, key }
+    }
+    /// The tufts, in order.
+    pub fn tufts(&self) -> &[Arc<Tuft>] {
+        &self.tufts
+    }
+    /// Hash of the content.
+    pub fn key(&self) -> Key {
+        self.key
+    }
+    /// Number of curves.
+    pub fn curve_count(&self) -> usize {
+        self.tufts.iter().map(|t| t.len()).sum()
+    }
+    /// Number of points.
+    pub fn point_count(&self) -> usize {
+        self.tufts.iter().map(|t| t.points.len()).sum()
+    }
+    /// Every curve in order: its tuft and its number there.
+    pub fn each(&self) -> impl Iterator<Item = (&Tuft, usize)> {
+        self.tufts.iter().flat_map(|t| (0..t.len()).map(move |i| (&**t, i)))
+    }
+    /// Lowest and highest corner of the bounding box, cm; none without points.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let mut points = self.tufts.iter().flat_map(|t| t.points.iter().copied());
+        let first = points.next()?;
+        Some(points.fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p))))
+    }
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.tufts.iter().map(|t| t.bytes()).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::attributes::{ID, RADIUS, WIDTH};
+    use super::*;
+
+    fn two() -> TuftBuilder {
+        let mut b = TuftBuilder::new();
+        b.push_curve(&[Vec3::ZERO, Vec3::Y]);
+        b.push_curve(&[Vec3::X, Vec3::X + Vec3::Y, Vec3::X + Vec3::Y * 2.0]);
+        b.set(ID, Domain::Curve, vec![7, 8]);
+        b
+    }
+
+    #[test]
+    fn a_missing_attribute_reads_as_its_default() {
+        let tuft = two().build();
+        assert_eq!(tuft.view(RADIUS).at(1, 4), 1.0);
+        assert_eq!(tuft.id(1), 8);
+    }
+
+    #[test]
+    fn the_key_is_the_content() {
+        assert_eq!(two().build().key(), two().build().key());
+        let mut wider = two();
+        wider.set(WIDTH, Domain::Curve, vec![0.01]);
+        assert_ne!(wider.build().key(), two().build().key());
+        let mut other = two();
+        other.points_mut()[0].x = 1.0;
+        assert_ne!(other.build().key(), two().build().key());
+    }
+
+    #[test]
+    fn unchanged_columns_are_shared() {
+        let tuft = two().build();
+        let mut edit = tuft.edit();
+        edit.set(WIDTH, Domain::Curve, vec![0.02]);
+        let wider = edit.build();
+        assert!(Arc::ptr_eq(&tuft.points, &wider.points));
+    }
+
+    #[test]
+    fn a_large_tuft_is_cut_between_curves() {
+        let mut b = TuftBuilder::even(vec![Vec3::ONE; 10_000 * 16], 16);
+        b.set(ID, Domain::Curve, (0..10_000).collect());
+        b.set(RADIUS, Domain::Curve, vec![0.5]);
+        let parts = b.build().split();
+        assert_eq!(parts.iter().map(|t| t.len()).sum::<usize>(), 10_000);
+        for part in &parts {
+            assert!(part.len() <= MOST_CURVES && part.points().len() <= MOST_POINTS);
+            assert_eq!(part.curve(0).len(), 16);
+            assert_eq!(part.view(RADIUS).at(3, 0), 0.5);
+        }
+        assert_eq!(parts[1].id(0), parts[0].len() as u64);
+    }
+}

@@ -1,0 +1,217 @@
+//! A number that may vary over the hair: constant, ramp, attribute, mask, or a product of these.
+
+use super::attributes::{ALONG, Declared, ROOT_BARY, ROOT_TRIANGLE};
+use super::curves::{Tuft, View};
+use super::ramp::Ramp;
+use super::scalp::Scalp;
+use crate::maths::hash::KeyBuilder;
+
+/// Where a field's number comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Field {
+    /// The same everywhere; costs nothing.
+    Constant(f32),
+    /// Along the curve, by the fraction of its arc length from root to tip.
+    Ramp(Ramp),
+    /// The curve's or point's attribute of this name.
+    Attribute(String),
+    /// The scalp's mask of this name, under the curve's root.
+    Mask(String),
+    /// All of them multiplied.
+    Product(Vec<Field>),
+}
+
+/// Why a field has no value on some curves.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FieldFault {
+    /// No curve has it.
+    #[error("the curves have no attribute {0:?} that is a number")]
+    NoAttribute(String),
+    /// The scalp has no such mask.
+    #[error("the scalp has no mask {name:?}; it has: {known}")]
+    NoMask {
+        /// The name asked for.
+        name: String,
+        /// Names there are.
+        known: String,
+    },
+    /// Nothing says where the roots are.
+    #[error("mask {0:?} needs the scalp wired to this node")]
+    NoScalp(String),
+}
+
+impl Field {
+    /// The value, when it is the same everywhere.
+    pub fn constant(&self) -> Option<f32> {
+        match self {
+            Field::Constant(x) => Some(*x),
+            Field::Product(parts) => {
+                parts.iter().try_fold(1.0, |product, part| Some(product * part.constant()?))
+            }
+            _ => None,
+        }
+    }
+
+    /// The field on the curves of a tuft. `scalp` is needed by masks only. `range` is the hard range of the
+    /// input: every value is clamped to it.
+    pub fn on<'a>(
+        &'a self,
+        tuft: &'a Tuft,
+        scalp: Option<&Scalp>,
+        range: (f32, f32),
+    ) -> Result<Sampler<'a>, FieldFault> {
+        Ok(Sampler { part: self.part(tuft, scalp)?, range })
+    }
+
+    fn part<'a>(&'a self, tuft: &'a Tuft, scalp: Option<&Scalp>) -> Result<Part<'a>, FieldFault> {
+        Ok(match self {
+            Field::Constant(x) => Part::View(View::Shared(*x)),
+            Field::Ramp(ramp) => Part::Ramp(ramp),
+            Field::Attribute(name) => {
+                if let Some(view) = tuft.view_named::<f32>(name) {
+                    Part::View(view)
+                } else if let Some(view) = tuft.view_named::<i32>(name) {
+                    Part::Whole(view)
+                } else if name == ALONG.name {
+                    Part::Along
+                } else if let Some(default) = declared_number(name) {
+                    Part::View(View::Shared(default))
+                } else {
+                    return Err(FieldFault::NoAttribute(name.clone()));
+                }
+            }
+            Field::Mask(name) => {
+                let scalp = scalp.ok_or_else(|| FieldFault::NoScalp(name.clone()))?;
+                let mask = scalp.mask(name).ok_or_else(|| FieldFault::NoMask {
+                    name: name.clone(),
+                    known: scalp.mask_names().join(", "),
+                })?;
+                let (triangle, bary) = (tuft.view(ROOT_TRIANGLE), tuft.view(ROOT_BARY));
+                let value = |i: usize| {
+                    let root = tuft.offsets()[i] as usize;
+                    match u32::try_from(triangle.at(i, root)) {
+                        Ok(t) => scalp.mask_at(mask, t, bary.at(i, root)),
+                        Err(_) => 0.0,
+                    }
+                };
+                Part::Roots((0..tuft.len()).map(value).collect())
+            }
+            Field::Product(parts) => Part::Product(
+                parts.iter().map(|part| part.part(tuft, scalp)).collect::<Result<_, _>>()?,
+            ),
+        })
+    }
+
+    /// Adds the field's definition to a key.
+    pub fn add_to(&self, key: KeyBuilder) -> KeyBuilder {
+        match self {
+            Field::Constant(x) => key.text("constant").float(*x),
+            Field::Ramp(ramp) => ramp.add_to(key.text("ramp")),
+            Field::Attribute(name) => key.text("attribute").text(name),
+            Field::Mask(name) => key.text("mask").text(name),
+            Field::Product(parts) => parts
+                .iter()
+                .fold(key.text("product").int(parts.len() as u64), |key, part| part.add_to(key)),
+        }
+    }
+
+    /// Whether every number in it is finite.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Field::Constant(x) => x.is_finite(),
+            Field::Product(parts) => parts.iter().all(Field::is_finite),
+            _ => true,
+        }
+    }
+}
+
+fn declared_number(name: &str) -> Option<f32> {
+    use super::attributes as a;
+    let numbers: [Declared<f32>; 8] =
+        [a::RADIUS, a::WIDTH, a::ROLL, a::FRIZZ, a::DENSITY, a::ALLOW_DEPTH, a::PHASE, a::FIBRE];
+    numbers.iter().find(|d| d.name == name).map(|d| d.default)
+}
+
+/// A field bound to the curves of one tuft.
+#[derive(Debug)]
+pub struct Sampler<'a> {
+    part: Part<'a>,
+    range: (f32, f32),
+}
+
+#[derive(Debug)]
+enum Part<'a> {
+    View(View<'a, f32>),
+    Whole(View<'a, i32>),
+    Ramp(&'a Ramp),
+    Along,
+    Roots(Vec<f32>),
+    Product(Vec<Part<'a>>),
+}
+
+impl Part<'_> {
+    fn at(&self, curve: usize, point: usize, u: f32) -> f32 {
+        match self {
+            Part::View(view) => view.at(curve, point),
+            Part::Whole(view) => view.at(curve, point) as f32,
+            Part::Ramp(ramp) => ramp.at(u),
+            Part::Along => u,
+            Part::Roots(values) => values[curve],
+            Part::Product(parts) => parts.iter().map(|part| part.at(curve, point, u)).product(),
+        }
+    }
+}
+
+impl Sampler<'_> {
+    /// The value on curve number `curve`, at point number `point` of the tuft, which lies at the fraction `u` of
+    /// the curve's length. NaN (an attribute can hold anything) reads as the range's low end.
+    #[inline]
+    pub fn at(&self, curve: usize, point: usize, u: f32) -> f32 {
+        if let Part::View(View::Shared(x)) = self.part {
+            return x.max(self.range.0).min(self.range.1);
+        }
+        self.part.at(curve, point, u).max(self.range.0).min(self.range.1)
+    }
+    /// The value at the fraction `u` of a curve, between whose points attributes are not interpolated: the
+    /// nearest point before counts.
+    pub fn along(&self, tuft: &Tuft, curve: usize, u: f32) -> f32 {
+        let range = tuft.range(curve);
+        let last = range.len().saturating_sub(1);
+        let point = range.start + ((u * last as f32) as usize).min(last);
+        self.at(curve, point, u)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::attributes::Domain;
+    use crate::data::curves::TuftBuilder;
+    use glam::Vec3;
+
+    #[test]
+    fn a_field_is_clamped_to_the_range_of_its_input_wherever_it_comes_from() {
+        let mut b = TuftBuilder::new();
+        b.push_curve(&[Vec3::ZERO, Vec3::Y]);
+        b.set_named("mine".into(), Domain::Point, vec![f32::NAN, 7.0]);
+        let tuft = b.build();
+        let attribute = Field::Attribute("mine".into());
+        let sampler = attribute.on(&tuft, None, (0.0, 2.0)).unwrap();
+        assert_eq!((sampler.at(0, 0, 0.0), sampler.at(0, 1, 1.0)), (0.0, 2.0));
+        let product =
+            Field::Product(vec![Field::Constant(3.0), Field::Ramp(Ramp::linear(0.0, 1.0))]);
+        assert_eq!(product.on(&tuft, None, (0.0, 9.0)).unwrap().at(0, 0, 0.5), 1.5);
+        assert_eq!(product.constant(), None);
+    }
+
+    #[test]
+    fn what_is_not_there_is_named() {
+        let tuft = TuftBuilder::new().build();
+        let fault = |field: Field| field.on(&tuft, None, (0.0, 1.0)).unwrap_err().to_string();
+        assert_eq!(
+            fault(Field::Attribute("wetness".into())),
+            "the curves have no attribute \"wetness\" that is a number"
+        );
+        assert_eq!(fault(Field::Mask("x".into())), "mask \"x\" needs the scalp wired to this node");
+    }
+}

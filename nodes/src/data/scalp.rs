@@ -1,0 +1,331 @@
+//! The head that hair grows on: surface, head frame, scalp region, masks and distance field.
+//!
+//! Coordinates are centimetres in the space of the mesh file (scaled, never moved), so that a groom
+//! lies on the head it was made for. Uvs, materials and masks may be missing; holes, several
+//! parts and non-manifold edges are allowed.
+
+use crate::maths::closest::{Hit, Surface};
+use crate::maths::distance_field::{Depth, DistanceField, ForEach};
+use crate::maths::hash::{Key, KeyBuilder};
+use glam::{Vec2, Vec3};
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+/// Radius of the cranium that head units are measured by, cm: one head unit is a centimetre on a head of this
+/// radius.
+pub const HEAD_RADIUS: f32 = 8.9;
+
+/// Where the head is and how it stands (methods.md 0.1). Axes are unit and at right angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeadFrame {
+    /// Centre of the cranium sphere, cm.
+    pub origin: Vec3,
+    /// To the head's own left, the picture's right when it looks at us: up x forward.
+    pub right: Vec3,
+    /// Up.
+    pub up: Vec3,
+    /// The way the face looks.
+    pub forward: Vec3,
+    /// Radius of the cranium sphere, cm.
+    pub radius: f32,
+}
+
+impl HeadFrame {
+    /// A frame at the origin with file axes, for meshes that are no heads.
+    pub const IDENTITY: Self = Self {
+        origin: Vec3::ZERO,
+        right: Vec3::X,
+        up: Vec3::Y,
+        forward: Vec3::Z,
+        radius: HEAD_RADIUS,
+    };
+    /// Centimetres in one head unit.
+    pub fn unit(&self) -> f32 {
+        self.radius / HEAD_RADIUS
+    }
+    /// A point in head units to cm in the head's space.
+    pub fn point_from_head(&self, p: Vec3) -> Vec3 {
+        self.origin + self.vector_from_head(p) * self.unit()
+    }
+    /// A point in the head's space (cm) to head units.
+    pub fn head_from_point(&self, p: Vec3) -> Vec3 {
+        self.head_from_vector(p - self.origin) / self.unit()
+    }
+    /// A direction in the head frame to the head's space; lengths are kept.
+    pub fn vector_from_head(&self, v: Vec3) -> Vec3 {
+        self.right * v.x + self.up * v.y + self.forward * v.z
+    }
+    /// A direction in the head's space to the head frame; lengths are kept.
+    pub fn head_from_vector(&self, v: Vec3) -> Vec3 {
+        Vec3::new(v.dot(self.right), v.dot(self.up), v.dot(self.forward))
+    }
+}
+
+/// A point of the scalp that a curve is rooted in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Root {
+    /// Scalp triangle.
+    pub triangle: u32,
+    /// Weights of its second and third corner.
+    pub bary: Vec2,
+    /// Texture coordinates there; zero without uvs.
+    pub uv: Vec2,
+    /// The point, cm.
+    pub point: Vec3,
+    /// Smooth normal. Unit.
+    pub normal: Vec3,
+}
+
+/// A head with everything that nodes ask of it.
+pub struct Scalp {
+    key: Key,
+    surface: Surface,
+    uvs: Option<Vec<[Vec2; 3]>>,
+    frame: HeadFrame,
+    /// Name to one value for each vertex, 0 to 1. Always holds `scalp`, the region where hair grows.
+    masks: BTreeMap<String, Vec<f32>>,
+    field: OnceLock<DistanceField>,
+}
+
+/// Name of the mask that says where hair grows.
+pub const REGION: &str = "scalp";
+
+impl Scalp {
+    /// A scalp. `masks` must hold one value a vertex under each name, and one named [`REGION`].
+    ///
+    /// # Panics
+    /// When the region is missing or a mask's length is wrong: a mistake of the maker.
+    pub fn new(
+        surface: Surface,
+        uvs: Option<Vec<[Vec2; 3]>>,
+        frame: HeadFrame,
+        masks: BTreeMap<String, Vec<f32>>,
+    ) -> Self {
+        assert!(masks.contains_key(REGION), "a scalp has a region");
+        assert!(masks.values().all(|m| m.len() == surface.points.len()), "one value a vertex");
+        let mut key = KeyBuilder::new("scalp")
+            .column(bytemuck::cast_slice::<_, f32>(&surface.points))
+            .column(bytemuck::cast_slice::<_, u32>(&surface.triangles))
+            .vec3(frame.origin)
+            .vec3(frame.up)
+            .vec3(frame.forward)
+            .float(frame.radius);
+        if let Some(uvs) = &uvs {
+            key = key.column(bytemuck::cast_slice::<_, f32>(uvs));
+        }
+        for (name, mask) in &masks {
+            key = key.text(name).column(mask);
+        }
+        Self { key: key.finish(), surface, uvs, frame, masks, field: OnceLock::new() }
+    }
+
+    /// Hash of the content.
+    pub fn key(&self) -> Key {
+        self.key
+    }
+    /// The triangles.
+    pub fn surface(&self) -> &Surface {
+        &self.surface
+    }
+    /// Texture coordinates of each triangle's corners, when the mesh has them.
+    pub fn uvs(&self) -> Option<&[[Vec2; 3]]> {
+        self.uvs.as_deref()
+    }
+    /// Where the head is.
+    pub fn frame(&self) -> &HeadFrame {
+        &self.frame
+    }
+    /// Names of all masks.
+    pub fn mask_names(&self) -> Vec<String> {
+        self.masks.keys().cloned().collect()
+    }
+    /// A mask's values, one a vertex.
+    pub fn mask(&self, name: &str) -> Option<&[f32]> {
+        self.masks.get(name).map(Vec::as_slice)
+    }
+    /// Where hair grows: 0 to 1 a vertex.
+    pub fn region(&self) -> &[f32] {
+        &self.masks[REGION]
+    }
+    /// A mask's value at a point of a triangle; 0 for a triangle that is not there.
+    pub fn mask_at(&self, mask: &[f32], triangle: u32, bary: Vec2) -> f32 {
+        let Some(t) = self.surface.triangles.get(triangle as usize) else { return 0.0 };
+        let [a, b, c] = t.map(|v| mask[v as usize]);
+        a * (1.0 - bary.x - bary.y) + b * bary.x + c * bary.y
+    }
+    /// Binds a point of a triangle.
+    pub fn root(&self, triangle: u32, bary: Vec2) -> Root {
+        let uv = self.uvs.as_ref().map_or(Vec2::ZERO, |uvs| {
+            let [a, b, c] = uvs[triangle as usize];
+            a + (b - a) * bary.x + (c - a) * bary.y
+        });
+        Root {
+            triangle,
+            bary,
+            uv,
+            point: self.surface.at(triangle, bary),
+            normal: self.surface.smooth_normal(triangle, bary),
+        }
+    }
+    /// The scalp point closest to `p`; none on an empty mesh or for a `p` that is not finite.
+    pub fn closest_root(&self, p: Vec3) -> Option<Root> {
+        let Hit { triangle, bary, .. } = self.surface.closest(p)?;
+        Some(self.root(triangle, bary))
+    }
+    /// The skin, ready for inside tests. Builds the distance field at the first call.
+    ///
+    /// Never call this inside a kernel that already runs on the pool (`EvalCx::skin` does it before): building waits
+    /// for the pool.
+    pub fn skin(&self, for_each: ForEach) -> Skin<'_> {
+        let field = self.field.get_or_init(|| DistanceField::new(&self.surface, for_each));
+        Skin { surface: &self.surface, field }
+    }
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let vertices = self.surface.points.len() * (24 + 4 * self.masks.len());
+        vertices
+            + self.surface.triangles.len() * 150
+            + self.field.get().map_or(0, DistanceField::bytes)
+    }
+}
+
+impl std::fmt::Debug for Scalp {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Scalp({} triangles)", self.surface.triangles.len())
+    }
+}
+
+/// The skin of a head: what keeps hair out of it.
+#[derive(Clone, Copy)]
+pub struct Skin<'a> {
+    surface: &'a Surface,
+    field: &'a DistanceField,
+}
+
+/// Nearer to the skin than this (cm) the field is not trusted and the exact surface is asked: half a
+/// cell, the field's error at sharp creases.
+const DOUBT: f32 = 0.1;
+/// How far outside the allowed depth a pushed point is put, cm: beyond the rounding of coordinates
+/// of a few tens of cm.
+const CLEAR: f32 = 1e-4;
+
+impl Skin<'_> {
+    /// Signed distance of `p` from the skin, cm, negative inside; exact within [`DOUBT`] of it, from the field
+    /// beyond, and +-1 cm or more beyond the field's band.
+    pub fn distance(&self, p: Vec3) -> f32 {
+        match self.field.depth(p) {
+            Depth::Outside => 1.0,
+            Depth::Near(d, _) if d.abs() > DOUBT => d,
+            _ => self.exact(p).map_or(1.0, |(d, _)| d),
+        }
+    }
+
+    fn exact(&self, p: Vec3) -> Option<(f32, Hit)> {
+        let hit = self.surface.closest(p)?;
+        Some((self.surface.signed_distance(p, &hit), hit))
+    }
+
+    /// `p`, or the nearest point not deeper than `allow_depth` (cm, 0 = the skin itself) when it lies deeper.
+    /// The second value tells whether it was moved.
+    #[inline]
+    pub fn push_out(&self, p: Vec3, allow_depth: f32) -> (Vec3, bool) {
+        match self.field.depth(p) {
+            Depth::Outside => return (p, false),
+            Depth::Near(d, _) if d > DOUBT - allow_depth => return (p, false),
+            _ => {}
+        }
+        self.push_out_exactly(p, -allow_depth)
+    }
+
+    /// [`Self::push_out`] to a height (cm) over the skin instead of a depth under it.
+    #[inline]
+    pub fn lift(&self, p: Vec3, height: f32) -> (Vec3, bool) {
+        match self.field.depth(p) {
+            Depth::Outside => return (p, false),
+            Depth::Near(d, _) if d > DOUBT + height => return (p, false),
+            _ => {}
+        }
+        self.push_out_exactly(p, height)
+    }
+
+    #[inline(never)]
+    fn push_out_exactly(&self, p: Vec3, height: f32) -> (Vec3, bool) {
+        let Some((d, hit)) = self.exact(p) else { return (p, false) };
+        if d >= height {
+            return (p, false);
+        }
+        // Outward is away from the closest point when outside, towards it when inside; on the skin
+        // itself only the normal can tell.
+        let outward = if d.abs() > 1e-3 {
+            (p - hit.point) / d
+        } else {
+            self.surface.smooth_normal(hit.triangle, hit.bary)
+        };
+        let mut moved = hit.point + outward * (height + CLEAR);
+        // In a crease the way out of one side may lead into the other: twice more is enough for the
+        // creases heads have, and the laws count what is left.
+        for _ in 0..3 {
+            match self.exact(moved) {
+                Some((d, hit)) if d < height => {
+                    let normal = self.surface.smooth_normal(hit.triangle, hit.bary);
+                    moved += normal * (height - d + CLEAR);
+                }
+                _ => break,
+            }
+        }
+        (moved, true)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::maths::closest::tests::sphere;
+    use crate::maths::hash::Dice;
+
+    /// A ball of 8.9 cm whose upper half is scalp.
+    pub(crate) fn ball() -> Scalp {
+        let surface = sphere(HEAD_RADIUS, 48);
+        let region = surface.points.iter().map(|p| f32::from(p.y > 0.0)).collect();
+        Scalp::new(surface, None, HeadFrame::IDENTITY, [(REGION.to_owned(), region)].into())
+    }
+
+    pub(crate) fn in_order(n: usize, f: &(dyn Fn(usize) + Sync)) {
+        (0..n).for_each(f);
+    }
+
+    #[test]
+    fn nothing_stays_deeper_than_allowed_and_nothing_else_moves() {
+        let scalp = ball();
+        let skin = scalp.skin(&in_order);
+        let dice = Dice::new(1, 0, "query");
+        for id in 0..3000 {
+            let p = Vec3::new(dice.signed(id, 0), dice.signed(id, 1), dice.signed(id, 2)) * 11.0;
+            let allowed = if id % 2 == 0 { 0.0 } else { 0.3 };
+            let exact = |p| skin.exact(p).unwrap().0;
+            let before = exact(p);
+            let (q, moved) = skin.push_out(p, allowed);
+            assert_eq!(moved, before < -allowed, "{p} {before}");
+            assert!(exact(q) >= -allowed, "{p} {}", exact(q));
+            if moved {
+                assert!(exact(q) < -allowed + 0.01);
+            } else {
+                assert_eq!(p, q);
+            }
+        }
+    }
+
+    #[test]
+    fn head_units_are_centimetres_on_a_head_of_average_size() {
+        let frame = HeadFrame {
+            origin: Vec3::new(1.0, 2.0, 3.0),
+            right: Vec3::NEG_Z,
+            forward: Vec3::X,
+            radius: 2.0 * HEAD_RADIUS,
+            ..HeadFrame::IDENTITY
+        };
+        let p = frame.point_from_head(Vec3::new(0.0, 1.0, 2.0));
+        assert_eq!(p, Vec3::new(5.0, 4.0, 3.0));
+        assert!(frame.head_from_point(p).distance(Vec3::new(0.0, 1.0, 2.0)) < 1e-6);
+    }
+}

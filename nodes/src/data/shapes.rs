@@ -1,0 +1,106 @@
+//! The list of cross-sections that a curl draws from (Lightyear, 3.1), as a document states it.
+//!
+//! This is the wish: which shapes, in which tier. Turning it into 4,096 entries and into points is
+//! the curl node's work.
+
+use crate::maths::hash::KeyBuilder;
+use glam::Vec2;
+
+/// A closed curve that one turn of a curl follows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Section {
+    /// A circle: the helix.
+    Circle,
+    /// An ellipse; the ratio of its axes, above 0 up to 1.
+    Ellipse(f32),
+    /// A Lamé curve (superellipse) of this exponent, 0.3 to 20: 2 is a circle, less is pinched, more is square.
+    Lame(f32),
+    /// A regular polygon of 3 to 12 sides.
+    Polygon(u32),
+    /// A polar rose 1 + depth cos(petals phi): 2 to 12 petals, depth 0 to 0.95.
+    Rose {
+        /// How many petals.
+        petals: u32,
+        /// How deep the waist between petals is.
+        depth: f32,
+    },
+    /// Drawn points of a closed Catmull-Rom curve, at least three.
+    Custom(Vec<Vec2>),
+}
+
+/// How often a shape occurs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Tier {
+    /// The primary shape: probability U, the uniformity.
+    A,
+    /// Secondary.
+    B,
+    /// Tertiary.
+    C,
+}
+
+/// Shapes with their tiers; within a tier all are equally likely.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ShapeList(pub Vec<(Tier, Section)>);
+
+impl ShapeList {
+    /// Why the list cannot be used, in words for the artist; none when it can.
+    pub fn fault(&self) -> Option<String> {
+        let within = |x: f32, lo: f32, hi: f32| x.is_finite() && (lo..=hi).contains(&x);
+        for (_, section) in &self.0 {
+            let fault = match section {
+                Section::Circle => None,
+                Section::Ellipse(ratio) if within(*ratio, 0.01, 1.0) => None,
+                Section::Ellipse(ratio) => {
+                    Some(format!("Ellipse({ratio}): the ratio runs from 0.01 to 1"))
+                }
+                Section::Lame(e) if within(*e, 0.3, 20.0) => None,
+                Section::Lame(e) => Some(format!("Lame({e}): the exponent runs from 0.3 to 20")),
+                Section::Polygon(n) if (3..=12).contains(n) => None,
+                Section::Polygon(n) => Some(format!("Polygon({n}): a polygon has 3 to 12 sides")),
+                Section::Rose { petals, depth }
+                    if (2..=12).contains(petals) && within(*depth, 0.0, 0.95) =>
+                {
+                    None
+                }
+                Section::Rose { petals, depth } => {
+                    Some(format!("Rose({petals}, {depth}): 2 to 12 petals, depth from 0 to 0.95"))
+                }
+                Section::Custom(points) => {
+                    let usable = points.len() >= 3
+                        && points.len() <= 256
+                        && points.iter().all(|p| p.is_finite() && p.length() < 1e3)
+                        && points.iter().any(|p| p.distance(points[0]) > 1e-4);
+                    (!usable)
+                        .then(|| "Custom: 3 to 256 finite points, not all at one place".to_owned())
+                }
+            };
+            if fault.is_some() {
+                return fault;
+            }
+        }
+        (!self.0.iter().any(|(tier, _)| *tier == Tier::A))
+            .then(|| "a shape list needs at least one shape in tier A".to_owned())
+    }
+
+    /// Adds the list to a key.
+    pub fn add_to(&self, key: KeyBuilder) -> KeyBuilder {
+        self.0.iter().fold(key.int(self.0.len() as u64), |key, (tier, section)| {
+            let key = key.int(*tier as u64);
+            match section {
+                Section::Circle => key.text("circle"),
+                Section::Ellipse(ratio) => key.text("ellipse").float(*ratio),
+                Section::Lame(e) => key.text("lame").float(*e),
+                Section::Polygon(n) => key.text("polygon").int(u64::from(*n)),
+                Section::Rose { petals, depth } => {
+                    key.text("rose").int(u64::from(*petals)).float(*depth)
+                }
+                Section::Custom(points) => {
+                    points.iter().fold(key.text("custom").int(points.len() as u64), |key, p| {
+                        key.float(p.x).float(p.y)
+                    })
+                }
+            }
+        })
+    }
+}

@@ -1,0 +1,785 @@
+//! How a node describes itself: one [`node!`] block and one `eval`.
+//!
+//! The block turns doc comments into tooltips and the manual, defaults and ranges into widgets, and names into typed
+//! `Inputs` and `Outputs`, so a name is written once. Every parameter is an input: it has a value, or a wire.
+//! Ids are chosen by hand and stored in documents; they never change.
+
+use crate::data::curves::Curves;
+use crate::data::field::{Field, FieldFault};
+use crate::data::ramp::Ramp;
+use crate::data::scalp::Scalp;
+use crate::data::shapes::ShapeList;
+use crate::data::strokes::Strokes;
+use crate::eval::EvalCx;
+use crate::maths::hash::{Key, KeyBuilder};
+use glam::Vec3;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A node as the editor, the scheduler, the file format and the manual see it.
+pub struct NodeDef {
+    /// What documents store. Chosen once, never changed.
+    pub id: &'static str,
+    /// Goes up when old values mean something else; part of every key.
+    pub version: u32,
+    /// What the menu shows.
+    pub label: &'static str,
+    /// What people of the trade call it, for the search.
+    pub words: &'static str,
+    doc: &'static [&'static str],
+    /// Makes fewer strands in preview quality, so that quality is in its keys.
+    pub thins: bool,
+    /// Values and wires in.
+    pub inputs: &'static [InputDef],
+    /// Wires out.
+    pub outputs: &'static [OutputDef],
+    /// The node itself: the values of each input in order, several where the input takes many, none where
+    /// nothing is set or wired. Same arguments, same result.
+    pub run: fn(&EvalCx, &[Vec<Value>]) -> Result<Vec<Value>, NodeError>,
+}
+
+/// One input: its type, default, limits, unit and tooltip.
+pub struct InputDef {
+    /// Stored in documents.
+    pub name: &'static str,
+    /// Names it had in older documents.
+    pub old_names: &'static [&'static str],
+    doc: &'static [&'static str],
+    /// What it takes.
+    pub ty: Type,
+    /// How many it takes.
+    pub arity: Arity,
+    /// The value of a fresh node; none for what must be wired or may be missing.
+    pub default: Option<fn() -> Value>,
+    /// Values outside are clamped with a warning, typed or wired.
+    pub hard: Option<(f64, f64)>,
+    /// Where the slider ends; typing can go further, up to `hard`.
+    pub soft: Option<(f64, f64)>,
+    /// What the number counts.
+    pub unit: Unit,
+    /// What people of the trade call it, for the search.
+    pub words: &'static str,
+    /// How it can be dragged in the viewport.
+    pub handle: Option<Handle>,
+}
+
+/// One output.
+pub struct OutputDef {
+    /// Stored in documents.
+    pub name: &'static str,
+    doc: &'static [&'static str],
+    /// What it gives.
+    pub ty: Type,
+}
+
+/// How many values an input takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arity {
+    /// Exactly one: a value or a wire.
+    One,
+    /// One wire or none.
+    Optional,
+    /// Any number of wires, in the document's order.
+    Many,
+}
+
+/// What an input takes or an output gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Type {
+    /// On or off.
+    Bool,
+    /// A whole number.
+    Int,
+    /// A number.
+    Float,
+    /// A number that may vary over the hair.
+    Field,
+    /// A position or direction.
+    Vec3,
+    /// Linear Rec.709.
+    Colour,
+    /// Words.
+    Text,
+    /// One of a few words, each with its explanation.
+    Choice(&'static [(&'static str, &'static str)]),
+    /// The path of a file, relative to the document.
+    File,
+    /// A number along something.
+    Ramp,
+    /// Cross-sections in tiers.
+    Shapes,
+    /// Pen strokes.
+    Strokes,
+    /// Guides, clusters, braids or hair.
+    Curves,
+    /// A head.
+    Scalp,
+}
+
+impl Type {
+    /// The type's name in messages and the manual.
+    pub fn name(self) -> &'static str {
+        match self {
+            Type::Bool => "true or false",
+            Type::Int => "whole number",
+            Type::Float => "number",
+            Type::Field => "field (number, ramp, attribute or mask)",
+            Type::Vec3 => "vector",
+            Type::Colour => "colour",
+            Type::Text => "text",
+            Type::Choice(_) => "choice",
+            Type::File => "file",
+            Type::Ramp => "ramp",
+            Type::Shapes => "shape list",
+            Type::Strokes => "strokes",
+            Type::Curves => "curves",
+            Type::Scalp => "scalp",
+        }
+    }
+    /// Whether an output of this type may be wired to an input of type `to`.
+    pub fn fits(self, to: Type) -> bool {
+        self == to
+            || matches!(
+                (self, to),
+                (Type::Int, Type::Float)
+                    | (Type::Int | Type::Float, Type::Field)
+                    | (Type::Vec3, Type::Colour)
+                    | (Type::Colour, Type::Vec3)
+            )
+    }
+}
+
+/// What a number counts. Documents store cm and degrees; functions use radians inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Plain number.
+    None,
+    /// 0 to 1, shown as a percentage.
+    Ratio,
+    /// Centimetres; a field under 1 cm shows millimetres.
+    Length,
+    /// Degrees.
+    Angle,
+    /// A number of things.
+    Count,
+    /// Things in a centimetre.
+    PerCm,
+    /// Things in a square centimetre.
+    PerCm2,
+}
+
+impl Unit {
+    /// The unit after a number, with a space before it; empty for plain numbers.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Unit::Length => " cm",
+            Unit::Angle => " degrees",
+            Unit::PerCm => " per cm",
+            Unit::PerCm2 => " per cm2",
+            Unit::None | Unit::Ratio | Unit::Count => "",
+        }
+    }
+}
+
+/// How an input can be dragged in the viewport.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Handle {
+    /// A point in space or on the scalp.
+    Point,
+    /// A circle whose radius is the value.
+    Radius,
+    /// The height of something over the scalp or along a curve.
+    Length,
+    /// An arc.
+    Angle,
+    /// A position along the source curve.
+    Along,
+}
+
+/// A file that a document names, read by the scheduler.
+#[derive(Debug)]
+pub struct FileData {
+    /// As the document has it, for messages.
+    pub path: String,
+    /// Lower case, without the dot.
+    pub extension: String,
+    /// The content.
+    pub bytes: Arc<[u8]>,
+    /// Files that it refers to, by the name it uses.
+    pub sides: BTreeMap<String, Arc<[u8]>>,
+}
+
+/// What a wire carries or an input holds. Cheap to clone.
+#[derive(Clone, Debug)]
+pub enum Value {
+    /// See [`Type::Bool`].
+    Bool(bool),
+    /// See [`Type::Int`].
+    Int(i64),
+    /// See [`Type::Float`]; also a constant [`Type::Field`].
+    Float(f32),
+    /// See [`Type::Vec3`] and [`Type::Colour`].
+    Vec3(Vec3),
+    /// See [`Type::Text`]; also the word of a [`Type::Choice`] and the path of a [`Type::File`] before it is read.
+    Text(Arc<str>),
+    /// See [`Type::Field`].
+    Field(Arc<Field>),
+    /// See [`Type::Ramp`].
+    Ramp(Arc<Ramp>),
+    /// See [`Type::Shapes`].
+    Shapes(Arc<ShapeList>),
+    /// See [`Type::Strokes`].
+    Strokes(Arc<Strokes>),
+    /// See [`Type::File`].
+    File(Arc<FileData>),
+    /// See [`Type::Curves`].
+    Curves(Curves),
+    /// See [`Type::Scalp`].
+    Scalp(Arc<Scalp>),
+}
+
+impl Value {
+    /// What the value is, in words.
+    pub fn type_name(&self) -> &'static str {
+        match self {
+            Value::Bool(_) => Type::Bool.name(),
+            Value::Int(_) => Type::Int.name(),
+            Value::Float(_) => Type::Float.name(),
+            Value::Vec3(_) => Type::Vec3.name(),
+            Value::Text(_) => Type::Text.name(),
+            Value::Field(_) => "field",
+            Value::Ramp(_) => Type::Ramp.name(),
+            Value::Shapes(_) => Type::Shapes.name(),
+            Value::Strokes(_) => Type::Strokes.name(),
+            Value::File(_) => Type::File.name(),
+            Value::Curves(_) => Type::Curves.name(),
+            Value::Scalp(_) => Type::Scalp.name(),
+        }
+    }
+    /// Hash of the content. A file counts as its bytes, never as its path.
+    pub fn key(&self) -> Key {
+        match self {
+            Value::Bool(b) => KeyBuilder::new("bool").int(u64::from(*b)).finish(),
+            Value::Int(i) => KeyBuilder::new("int").int(*i as u64).finish(),
+            Value::Float(x) => KeyBuilder::new("float").float(*x).finish(),
+            Value::Vec3(v) => KeyBuilder::new("vec3").vec3(*v).finish(),
+            Value::Text(text) => KeyBuilder::new("text").text(text).finish(),
+            Value::Field(field) => match field.constant() {
+                Some(x) => Value::Float(x).key(),
+                None => field.add_to(KeyBuilder::new("field")).finish(),
+            },
+            Value::Ramp(ramp) => ramp.add_to(KeyBuilder::new("ramp")).finish(),
+            Value::Shapes(shapes) => shapes.add_to(KeyBuilder::new("shapes")).finish(),
+            Value::Strokes(strokes) => strokes.key(),
+            Value::File(file) => {
+                let key = KeyBuilder::new("file").text(&file.extension).column(&file.bytes);
+                file.sides
+                    .iter()
+                    .fold(key, |key, (name, bytes)| key.text(name).column(bytes))
+                    .finish()
+            }
+            Value::Curves(curves) => curves.key(),
+            Value::Scalp(scalp) => scalp.key(),
+        }
+    }
+    /// Why the value cannot be used, whatever input it is for; none when it can. NaN and infinities are
+    /// refused here, before anything runs.
+    pub fn fault(&self) -> Option<String> {
+        let finite = match self {
+            Value::Float(x) => x.is_finite(),
+            Value::Vec3(v) => v.is_finite(),
+            Value::Field(field) => field.is_finite(),
+            Value::Shapes(shapes) => return shapes.fault(),
+            Value::Strokes(strokes) => return strokes.fault(),
+            _ => true,
+        };
+        (!finite).then(|| "not a finite number".to_owned())
+    }
+    /// Bytes held by what the value points to.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Value::Curves(curves) => curves.bytes(),
+            Value::Scalp(scalp) => scalp.bytes(),
+            Value::File(file) => file.bytes.len(),
+            Value::Strokes(strokes) => strokes.0.iter().map(|s| s.samples.len() * 20 + 32).sum(),
+            _ => 64,
+        }
+    }
+}
+
+macro_rules! values {
+    ($($ty:ty => |$x:ident| $value:expr;)*) => {$(
+        impl From<$ty> for Value {
+            fn from($x: $ty) -> Self {
+                $value
+            }
+        }
+    )*};
+}
+values! {
+    bool => |x| Value::Bool(x);
+    i64 => |x| Value::Int(x);
+    i32 => |x| Value::Int(i64::from(x));
+    f32 => |x| Value::Float(x);
+    Vec3 => |x| Value::Vec3(x);
+    &str => |x| Value::Text(x.into());
+    Field => |x| Value::Field(Arc::new(x));
+    Ramp => |x| Value::Ramp(Arc::new(x));
+    ShapeList => |x| Value::Shapes(Arc::new(x));
+    Strokes => |x| Value::Strokes(Arc::new(x));
+    Curves => |x| Value::Curves(x);
+    Scalp => |x| Value::Scalp(Arc::new(x));
+    Arc<Scalp> => |x| Value::Scalp(x);
+}
+
+/// Why a node gave no result. The text is what the user reads on the node; its name is put before it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NodeError {
+    /// Nothing is wired to an input the node cannot do without.
+    #[error("{input} is not connected: wire {expected} to it")]
+    Unconnected {
+        /// Input.
+        input: &'static str,
+        /// Type it takes.
+        expected: &'static str,
+    },
+    /// A wire or a document carries another type than the input takes.
+    #[error("{input} takes a {expected}, not a {found}")]
+    WrongType {
+        /// Input.
+        input: &'static str,
+        /// Type it takes.
+        expected: &'static str,
+        /// Type it got.
+        found: &'static str,
+    },
+    /// A value that means nothing here.
+    #[error("{input}: {value} {reason}")]
+    BadValue {
+        /// Input.
+        input: &'static str,
+        /// The value, as the document writes it.
+        value: String,
+        /// What is wrong with it and what was expected.
+        reason: String,
+    },
+    /// A file is missing, broken or of a kind that cannot be read. Counts as an error of the document: nothing
+    /// should have run.
+    #[error("{file}: {reason}")]
+    Refused {
+        /// Its path, as the document has it.
+        file: String,
+        /// Place and reason.
+        reason: String,
+    },
+    /// Somebody asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+    /// Anything else.
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl From<FieldFault> for NodeError {
+    fn from(fault: FieldFault) -> Self {
+        NodeError::Failed(fault.to_string())
+    }
+}
+
+impl NodeError {
+    /// A failure in words.
+    pub fn failed(text: impl Into<String>) -> Self {
+        NodeError::Failed(text.into())
+    }
+}
+
+/// A Rust type that an input can have.
+pub trait Input: Sized {
+    /// The type in documents.
+    const TYPE: Type;
+    /// How many values it takes.
+    const ARITY: Arity = Arity::One;
+    /// Reads what is set or wired (or the default).
+    fn read(cx: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError>;
+}
+
+/// A Rust type that an output can have.
+pub trait Output {
+    /// The type in documents.
+    const TYPE: Type;
+}
+impl Output for Curves {
+    const TYPE: Type = Type::Curves;
+}
+impl Output for Arc<Scalp> {
+    const TYPE: Type = Type::Scalp;
+}
+
+/// A field with the hard range of the input that holds it, ready to be bound to curves.
+#[derive(Clone, Debug)]
+pub struct FieldInput {
+    /// Where the number comes from.
+    pub field: Arc<Field>,
+    /// Every value is clamped to this.
+    pub range: (f32, f32),
+}
+
+impl FieldInput {
+    /// The field on the curves of a tuft; masks need the scalp.
+    pub fn on<'a>(
+        &'a self,
+        tuft: &'a crate::data::curves::Tuft,
+        scalp: Option<&Scalp>,
+    ) -> Result<crate::data::field::Sampler<'a>, NodeError> {
+        Ok(self.field.on(tuft, scalp, self.range)?)
+    }
+    /// The value, when it is the same everywhere.
+    pub fn constant(&self) -> Option<f32> {
+        self.field.constant().map(|x| x.max(self.range.0).min(self.range.1))
+    }
+}
+
+fn one(values: &[Value], def: &InputDef) -> Result<Value, NodeError> {
+    if let Some(value) = values.first() {
+        return Ok(value.clone());
+    }
+    def.default
+        .map(|default| default())
+        .ok_or(NodeError::Unconnected { input: def.name, expected: def.ty.name() })
+}
+
+fn wrong(def: &InputDef, found: &Value) -> NodeError {
+    NodeError::WrongType { input: def.name, expected: def.ty.name(), found: found.type_name() }
+}
+
+fn clamped(cx: &EvalCx, def: &InputDef, x: f64) -> f64 {
+    let Some((lo, hi)) = def.hard else { return x };
+    let y = x.clamp(lo, hi);
+    if y != x {
+        let unit = def.unit.suffix();
+        cx.warn(format!("{} {x}{unit} is outside {lo} to {hi}{unit} and was clamped", def.name));
+    }
+    y
+}
+
+impl Input for f32 {
+    const TYPE: Type = Type::Float;
+    fn read(cx: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+        let x = match one(values, def)? {
+            Value::Float(x) => f64::from(x),
+            Value::Int(x) => x as f64,
+            other => return Err(wrong(def, &other)),
+        };
+        Ok(clamped(cx, def, x) as f32)
+    }
+}
+impl Input for i64 {
+    const TYPE: Type = Type::Int;
+    fn read(cx: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+        match one(values, def)? {
+            Value::Int(x) if def.hard.is_none() => Ok(x),
+            Value::Int(x) => Ok(clamped(cx, def, x as f64) as i64),
+            other => Err(wrong(def, &other)),
+        }
+    }
+}
+impl Input for FieldInput {
+    const TYPE: Type = Type::Field;
+    fn read(cx: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+        let field = match one(values, def)? {
+            Value::Float(x) => Arc::new(Field::Constant(clamped(cx, def, f64::from(x)) as f32)),
+            Value::Int(x) => Arc::new(Field::Constant(clamped(cx, def, x as f64) as f32)),
+            Value::Ramp(ramp) => Arc::new(Field::Ramp((*ramp).clone())),
+            Value::Field(field) => field,
+            other => return Err(wrong(def, &other)),
+        };
+        let (lo, hi) = def.hard.unwrap_or((f64::from(f32::MIN), f64::from(f32::MAX)));
+        Ok(Self { field, range: (lo as f32, hi as f32) })
+    }
+}
+
+macro_rules! plain_inputs {
+    ($($ty:ty, $of:ident <= $($variant:ident)|+;)*) => {$(
+        impl Input for $ty {
+            const TYPE: Type = Type::$of;
+            fn read(_: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+                match one(values, def)? {
+                    $(Value::$variant(x) => Ok(x.into()),)+
+                    other => Err(wrong(def, &other)),
+                }
+            }
+        }
+    )*};
+}
+plain_inputs! {
+    bool, Bool <= Bool;
+    Vec3, Vec3 <= Vec3;
+    Arc<str>, Text <= Text;
+    Arc<Ramp>, Ramp <= Ramp;
+    Arc<ShapeList>, Shapes <= Shapes;
+    Arc<Strokes>, Strokes <= Strokes;
+    Curves, Curves <= Curves;
+    Arc<Scalp>, Scalp <= Scalp;
+}
+
+/// A colour, linear Rec.709.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colour(pub Vec3);
+impl Input for Colour {
+    const TYPE: Type = Type::Colour;
+    fn read(_: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+        match one(values, def)? {
+            Value::Vec3(x) => Ok(Colour(x.max(Vec3::ZERO))),
+            other => Err(wrong(def, &other)),
+        }
+    }
+}
+impl Input for Option<Arc<FileData>> {
+    const TYPE: Type = Type::File;
+    const ARITY: Arity = Arity::Optional;
+    fn read(_: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+        match values.first() {
+            None => Ok(None),
+            Some(Value::File(file)) => Ok(Some(file.clone())),
+            Some(Value::Text(path)) if path.is_empty() => Ok(None),
+            Some(other) => Err(wrong(def, other)),
+        }
+    }
+}
+macro_rules! optional_and_many {
+    ($($ty:ty, $variant:ident;)*) => {$(
+        impl Input for Option<$ty> {
+            const TYPE: Type = Type::$variant;
+            const ARITY: Arity = Arity::Optional;
+            fn read(_: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+                match values.first() {
+                    None => Ok(None),
+                    Some(Value::$variant(x)) => Ok(Some(x.clone())),
+                    Some(other) => Err(wrong(def, other)),
+                }
+            }
+        }
+        impl Input for Vec<$ty> {
+            const TYPE: Type = Type::$variant;
+            const ARITY: Arity = Arity::Many;
+            fn read(_: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+                values
+                    .iter()
+                    .map(|value| match value {
+                        Value::$variant(x) => Ok(x.clone()),
+                        other => Err(wrong(def, other)),
+                    })
+                    .collect()
+            }
+        }
+    )*};
+}
+optional_and_many! {
+    Curves, Curves;
+    Arc<Scalp>, Scalp;
+}
+
+/// Reads the word of a choice; for [`choice!`].
+pub(crate) fn read_choice<T: Copy>(
+    values: &[Value],
+    def: &InputDef,
+    words: &[(&str, T)],
+) -> Result<T, NodeError> {
+    match one(values, def)? {
+        Value::Text(word) => {
+            words.iter().find(|(known, _)| **known == *word).map(|(_, it)| *it).ok_or_else(|| {
+                let known: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+                NodeError::BadValue {
+                    input: def.name,
+                    value: format!("{word:?}"),
+                    reason: format!("is none of {}", known.join(", ")),
+                }
+            })
+        }
+        other => Err(wrong(def, &other)),
+    }
+}
+
+/// Declares the words of a choice, each with its explanation.
+macro_rules! choice {
+    ($(#[doc = $doc:literal])* $name:ident { $($(#[doc = $word_doc:literal])+ $variant:ident = $word:literal,)+ }) => {
+        $(#[doc = $doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) enum $name { $($(#[doc = $word_doc])+ $variant,)+ }
+        impl $crate::define::Input for $name {
+            const TYPE: $crate::define::Type =
+                $crate::define::Type::Choice(&[$(($word, concat!($($word_doc),+))),+]);
+            fn read(
+                _: &$crate::eval::EvalCx,
+                values: &[$crate::define::Value],
+                def: &$crate::define::InputDef,
+            ) -> Result<Self, $crate::define::NodeError> {
+                $crate::define::read_choice(values, def, &[$(($word, $name::$variant)),+])
+            }
+        }
+        impl From<$name> for $crate::define::Value {
+            fn from(it: $name) -> Self {
+                match it { $($name::$variant => $word.into(),)+ }
+            }
+        }
+    };
+}
+pub(crate) use choice;
+
+impl InputDef {
+    pub(crate) const fn new<T: Input>(
+        name: &'static str,
+        doc: &'static [&'static str],
+        old_names: &'static [&'static str],
+    ) -> Self {
+        Self {
+            name,
+            old_names,
+            doc,
+            ty: T::TYPE,
+            arity: T::ARITY,
+            default: None,
+            hard: None,
+            soft: None,
+            unit: Unit::None,
+            words: "",
+            handle: None,
+        }
+    }
+    pub(crate) const fn default(mut self, default: fn() -> Value) -> Self {
+        self.default = Some(default);
+        self
+    }
+    pub(crate) const fn hard(mut self, lo: f64, hi: f64) -> Self {
+        self.hard = Some((lo, hi));
+        self
+    }
+    pub(crate) const fn soft(mut self, lo: f64, hi: f64) -> Self {
+        self.soft = Some((lo, hi));
+        self
+    }
+    pub(crate) const fn unit(mut self, unit: Unit) -> Self {
+        self.unit = unit;
+        self
+    }
+    pub(crate) const fn words(mut self, words: &'static str) -> Self {
+        self.words = words;
+        self
+    }
+    pub(crate) const fn handle(mut self, handle: Handle) -> Self {
+        self.handle = Some(handle);
+        self
+    }
+    /// Tooltip and manual entry.
+    pub fn doc(&self) -> String {
+        paragraphs(self.doc)
+    }
+}
+
+impl OutputDef {
+    pub(crate) const fn new<T: Output>(name: &'static str, doc: &'static [&'static str]) -> Self {
+        Self { name, doc, ty: T::TYPE }
+    }
+    /// Tooltip and manual entry.
+    pub fn doc(&self) -> String {
+        paragraphs(self.doc)
+    }
+}
+
+impl NodeDef {
+    pub(crate) const fn new(
+        (id, version): (&'static str, u32),
+        label: &'static str,
+        words: &'static str,
+        doc: &'static [&'static str],
+        inputs: &'static [InputDef],
+        outputs: &'static [OutputDef],
+        run: fn(&EvalCx, &[Vec<Value>]) -> Result<Vec<Value>, NodeError>,
+    ) -> Self {
+        Self { id, version, label, words, doc, thins: false, inputs, outputs, run }
+    }
+    pub(crate) const fn thins(mut self) -> Self {
+        self.thins = true;
+        self
+    }
+    /// Tooltip and manual page.
+    pub fn doc(&self) -> String {
+        paragraphs(self.doc)
+    }
+    /// The input of a name, present or old, and its number.
+    pub fn input(&self, name: &str) -> Option<(usize, &'static InputDef)> {
+        let inputs = self.inputs.iter().enumerate();
+        inputs
+            .clone()
+            .find(|(_, d)| d.name == name)
+            .or_else(|| inputs.clone().find(|(_, d)| d.old_names.contains(&name)))
+    }
+    /// The output of a name and its number.
+    pub fn output(&self, name: &str) -> Option<(usize, &'static OutputDef)> {
+        self.outputs.iter().enumerate().find(|(_, d)| d.name == name)
+    }
+}
+
+/// Doc comment lines as paragraphs: lines of one paragraph are joined.
+fn paragraphs(lines: &[&str]) -> String {
+    let mut text = String::new();
+    for line in lines.iter().map(|line| line.trim()) {
+        let gap = match (text.is_empty() || text.ends_with('\n'), line.is_empty()) {
+            (true, _) => "",
+            (false, true) => "\n\n",
+            (false, false) => " ",
+        };
+        text.push_str(gap);
+        text.push_str(line);
+    }
+    text.trim_end().to_owned()
+}
+
+/// Declares a node. See `shape/resample.rs` for a whole file.
+macro_rules! node {
+    (
+        $(#[doc = $doc:literal])*
+        $id:literal, version $version:literal, label $label:literal, words $words:literal
+            $(, $flag:ident)*;
+        inputs {$(
+            $(#[doc = $in_doc:literal])*
+            $input:ident $(| $old:ident)*: $in_ty:ty $(= $default:expr)?
+                $(, $opt:ident($($arg:expr),*))*;
+        )*}
+        outputs { $($(#[doc = $out_doc:literal])* $output:ident: $out_ty:ty;)* }
+    ) => {
+        struct Inputs { $($input: $in_ty,)* }
+        struct Outputs { $($output: $out_ty,)* }
+
+        pub(crate) static NODE: $crate::define::NodeDef = {
+            #[allow(unused_imports)]
+            use $crate::define::{Handle, InputDef, OutputDef, Unit::*, Value};
+            static INPUTS: &[InputDef] = &[$(
+                InputDef::new::<$in_ty>(stringify!($input), &[$($in_doc),*], &[$(stringify!($old)),*])
+                    $(.default(|| Value::from($default)))?
+                    $(.$opt($($arg),*))*,
+            )*];
+            $crate::define::NodeDef::new(
+                ($id, $version),
+                $label,
+                $words,
+                &[$($doc),*],
+                INPUTS,
+                &[$(OutputDef::new::<$out_ty>(stringify!($output), &[$($out_doc),*]),)*],
+                |cx, values| {
+                    let mut _at = 0..;
+                    let inputs = Inputs {$(
+                        $input: {
+                            let i = _at.next().unwrap_or_default();
+                            let set: &[Value] = values.get(i).map_or(&[], Vec::as_slice);
+                            <$in_ty as $crate::define::Input>::read(cx, set, &INPUTS[i])?
+                        },
+                    )*};
+                    let outputs: Outputs = eval(cx, inputs)?;
+                    Ok(vec![$(Value::from(outputs.$output)),*])
+                },
+            )$(.$flag())*
+        };
+    };
+}
+pub(crate) use node;

@@ -1,0 +1,360 @@
+//! What a node may ask of its surroundings, and the four ways in which it can run.
+//!
+//! **Invariant:** nodes own no threads, no cache and no clock; [`EvalCx`] lends them the host's. Which
+//! thread does what, and what was reused, never shows in a result.
+//!
+//! The ways: [`EvalCx::each_tuft`] (tufts to tufts), [`EvalCx::each_curve`] (one tuft from each curve),
+//! [`EvalCx::each_tuft_with`] (tufts that read other tufts), [`EvalCx::fold`] (a list replayed on a
+//! state). Each derives the key of a piece of work from the node, its values and the tufts it reads, and asks the host
+//! for that piece before doing it.
+
+use crate::data::curves::{Curves, Tuft};
+use crate::data::scalp::{Scalp, Skin};
+use crate::define::NodeError;
+use crate::maths::hash::{Dice, Key, KeyBuilder};
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// How much hair is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// While something is dragged: nodes that make strands make the first tenth of each tuft.
+    Preview,
+    /// All of it.
+    #[default]
+    Final,
+}
+
+/// A result as the cache keeps it.
+pub type Kept = Arc<dyn Any + Send + Sync>;
+
+/// What the surroundings of an evaluation lend to nodes.
+pub trait Host: Sync {
+    /// Runs `f(0)..f(n)`, in any order, maybe at once.
+    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync));
+    /// Whether somebody asked to stop.
+    fn cancelled(&self) -> bool;
+    /// What was kept under a key.
+    fn find(&self, key: Key) -> Option<Kept>;
+    /// Offers something of so many bytes to the cache, which may keep it.
+    fn keep(&self, key: Key, value: Kept, bytes: usize);
+    /// One more of the node's pieces of work is done, of so many.
+    fn progress(&self, done: usize, of: usize);
+}
+
+/// Trouble with single curves, told once with their number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// Whether something was left out or changed (else it is a remark).
+    pub warning: bool,
+    /// What happened, without the curves.
+    pub text: String,
+    /// How many curves it happened to; 0: it is not about single curves.
+    pub count: u32,
+    /// Ids of the first few.
+    pub curves: Vec<u64>,
+}
+
+impl std::fmt::Display for Message {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.count {
+            0 => f.write_str(&self.text),
+            1 => write!(f, "{} (curve {:016x})", self.text, self.curves[0]),
+            n => write!(f, "{} ({n} curves, first {:016x})", self.text, self.curves[0]),
+        }
+    }
+}
+
+/// What an evaluation of one node counted and said.
+#[derive(Debug, Default)]
+pub struct Log {
+    /// Pieces of work (tufts) that ran.
+    pub tufts_run: AtomicU32,
+    /// Pieces that the cache had.
+    pub tufts_reused: AtomicU32,
+    messages: Mutex<Vec<Message>>,
+}
+
+impl Log {
+    /// Everything said, repeats joined.
+    pub fn messages(&self) -> Vec<Message> {
+        self.messages.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+    fn say(&self, message: Message) {
+        let mut all = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
+        match all.iter_mut().find(|m| m.text == message.text && m.warning == message.warning) {
+            Some(same) => {
+                same.count += message.count;
+                same.curves.extend(message.curves);
+                same.curves.truncate(MOST_NAMED);
+            }
+            None => all.push(message),
+        }
+    }
+}
+
+/// How many curves a message names.
+const MOST_NAMED: usize = 8;
+
+/// One evaluation of one node.
+pub struct EvalCx<'a> {
+    /// The document's seed; nodes mix their own in through [`EvalCx::dice`].
+    pub seed: u64,
+    /// How much hair is made.
+    pub quality: Quality,
+    /// Hash of the node's kind and version, the seed, the quality where the node thins, and every input
+    /// that is no curves.
+    pub node: Key,
+    /// The surroundings.
+    pub host: &'a dyn Host,
+    /// What is counted and said.
+    pub log: &'a Log,
+}
+
+/// One piece of work while it runs.
+pub struct Piece<'a> {
+    host: &'a dyn Host,
+    since: u32,
+    troubles: BTreeMap<String, (u32, Vec<u64>)>,
+}
+
+impl Piece<'_> {
+    /// To be called for every curve: now and then looks whether somebody asked to stop.
+    #[inline]
+    pub fn tick(&mut self) -> Result<(), NodeError> {
+        self.since += 1;
+        if self.since.is_multiple_of(64) && self.host.cancelled() {
+            return Err(NodeError::Cancelled);
+        }
+        Ok(())
+    }
+    /// Notes trouble with one curve. The text is the same for all curves it happens to.
+    pub fn trouble(&mut self, curve: u64, text: impl std::fmt::Display) {
+        let (count, curves) = self.troubles.entry(text.to_string()).or_default();
+        *count += 1;
+        if curves.len() < MOST_NAMED {
+            curves.push(curve);
+        }
+    }
+}
+
+struct Made {
+    tufts: Vec<Vec<Arc<Tuft>>>,
+    troubles: Vec<Message>,
+}
+
+impl EvalCx<'_> {
+    /// Dice of this document for a node's seed tag and a purpose.
+    pub fn dice(&self, tag: i64, purpose: &str) -> Dice {
+        Dice::new(self.seed, tag as u64, purpose)
+    }
+    /// How many of `n` strands are made at this quality: all, or the first max(16, n / 10).
+    pub fn thinned(&self, n: usize) -> usize {
+        match self.quality {
+            Quality::Final => n,
+            Quality::Preview => n.min(16.max(n / 10)),
+        }
+    }
+    /// The skin of a head, ready for inside tests. Call it before running over tufts, never within.
+    pub fn skin<'s>(&self, scalp: &'s Scalp) -> Skin<'s> {
+        scalp.skin(&|n, f| self.host.for_each(n, f))
+    }
+    /// Says something about the whole node.
+    pub fn warn(&self, text: impl Into<String>) {
+        self.log.say(Message { warning: true, text: text.into(), count: 0, curves: vec![] });
+    }
+    /// Remarks on something that is as it should be.
+    pub fn remark(&self, text: impl Into<String>) {
+        self.log.say(Message { warning: false, text: text.into(), count: 0, curves: vec![] });
+    }
+    /// Notes trouble with one curve outside a piece of work.
+    pub fn trouble(&self, curve: u64, text: impl std::fmt::Display) {
+        let curves = vec![curve];
+        self.log.say(Message { warning: true, text: text.to_string(), count: 1, curves });
+    }
+    /// Fails when somebody asked to stop.
+    pub fn check(&self) -> Result<(), NodeError> {
+        if self.host.cancelled() { Err(NodeError::Cancelled) } else { Ok(()) }
+    }
+
+    /// Tufts to tufts: each output tuft reads one input tuft and nothing else that varies.
+    pub fn each_tuft<const N: usize>(
+        &self,
+        curves: &Curves,
+        make: impl Fn(&Tuft, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        let tufts = curves.tufts();
+        let key = |i: usize| KeyBuilder::new("tuft").key(tufts[i].key());
+        self.pieces(tufts.len(), key, |i, piece| make(&tufts[i], piece))
+    }
+
+    /// One tuft from each curve.
+    pub fn each_curve<const N: usize>(
+        &self,
+        curves: &Curves,
+        make: impl Fn(&Tuft, usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        let all: Vec<(&Tuft, usize)> = curves.each().collect();
+        let key = |i: usize| {
+            let (tuft, curve) = all[i];
+            KeyBuilder::new("curve").key(tuft.key()).int(curve as u64)
+        };
+        self.pieces(all.len(), key, |i, piece| make(all[i].0, all[i].1, piece))
+    }
+
+    /// Tufts that read other tufts: `needs` names, by number, the tufts of `sources` that an output reads; they are
+    /// handed to `make` in that order. An output is made again only when its own tuft or one of these
+    /// changes.
+    pub fn each_tuft_with<const N: usize>(
+        &self,
+        curves: &Curves,
+        sources: &Curves,
+        needs: impl Fn(usize, &Tuft) -> Vec<u32>,
+        make: impl Fn(&Tuft, &[&Tuft], &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        let tufts = curves.tufts();
+        let needed: Vec<Vec<u32>> = tufts.iter().enumerate().map(|(i, t)| needs(i, t)).collect();
+        let key = |i: usize| {
+            let key = KeyBuilder::new("gather").key(tufts[i].key());
+            needed[i].iter().fold(key, |key, n| key.key(sources.tufts()[*n as usize].key()))
+        };
+        self.pieces(tufts.len(), key, |i, piece| {
+            let read: Vec<&Tuft> =
+                needed[i].iter().map(|n| &*sources.tufts()[*n as usize]).collect();
+            make(&tufts[i], &read, piece)
+        })
+    }
+
+    /// `n` tufts that read no curves: each is told by the key of its own item (a stroke, a region of the
+    /// scalp).
+    pub fn each_item<const N: usize>(
+        &self,
+        n: usize,
+        item: impl Fn(usize) -> Key + Sync,
+        make: impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        self.pieces(n, |i| KeyBuilder::new("item").key(item(i)), make)
+    }
+
+    fn pieces<const N: usize>(
+        &self,
+        n: usize,
+        key: impl Fn(usize) -> KeyBuilder + Sync,
+        make: impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        let made: Vec<OnceLock<Result<Arc<Made>, NodeError>>> =
+            (0..n).map(|_| OnceLock::new()).collect();
+        let done = AtomicU32::new(0);
+        self.host.for_each(n, &|i| {
+            let _ = made[i].set(self.piece(key(i).key(self.node).finish(), i, &make));
+            self.host.progress(done.fetch_add(1, Ordering::Relaxed) as usize + 1, n);
+        });
+        let mut outputs = [const { Vec::new() }; N];
+        for made in made {
+            let made = made.into_inner().unwrap_or(Err(NodeError::Cancelled))?;
+            for (output, tufts) in outputs.iter_mut().zip(&made.tufts) {
+                output.extend(tufts.iter().cloned());
+            }
+            made.troubles.iter().for_each(|trouble| self.log.say(trouble.clone()));
+        }
+        Ok(outputs.map(Curves::new))
+    }
+
+    fn piece<const N: usize>(
+        &self,
+        key: Key,
+        i: usize,
+        make: &(impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync),
+    ) -> Result<Arc<Made>, NodeError> {
+        self.check()?;
+        if let Some(made) = self.host.find(key).and_then(|kept| kept.downcast::<Made>().ok()) {
+            self.log.tufts_reused.fetch_add(1, Ordering::Relaxed);
+            return Ok(made);
+        }
+        self.log.tufts_run.fetch_add(1, Ordering::Relaxed);
+        let mut piece = Piece { host: self.host, since: 0, troubles: BTreeMap::new() };
+        let tufts: Vec<Vec<Arc<Tuft>>> =
+            make(i, &mut piece)?.into_iter().map(Tuft::split).collect();
+        let troubles = piece
+            .troubles
+            .into_iter()
+            .map(|(text, (count, curves))| Message { warning: true, text, count, curves })
+            .collect();
+        let bytes = tufts.iter().flatten().map(|t| t.bytes()).sum::<usize>() + 256;
+        let made = Arc::new(Made { tufts, troubles });
+        self.host.keep(key, made.clone(), bytes);
+        Ok(made)
+    }
+
+    /// A list replayed on a state. The states after every item are kept, so that adding to the end runs one step
+    /// and changing an item runs from there on.
+    pub fn fold<S: Send + Sync + 'static, I>(
+        &self,
+        start: (Key, impl FnOnce() -> Result<S, NodeError>),
+        items: &[(Key, I)],
+        step: impl Fn(&S, &I) -> Result<S, NodeError>,
+        bytes: impl Fn(&S) -> usize,
+    ) -> Result<Arc<S>, NodeError> {
+        let mut keys = vec![KeyBuilder::new("fold").key(self.node).key(start.0).finish()];
+        for (key, _) in items {
+            let last = keys[keys.len() - 1];
+            keys.push(KeyBuilder::new("fold").key(last).key(*key).finish());
+        }
+        let known = (0..keys.len())
+            .rev()
+            .find_map(|i| Some((i, self.host.find(keys[i])?.downcast::<S>().ok()?)));
+        let (mut done, mut state) = match known {
+            Some(known) => known,
+            None => {
+                let state = Arc::new(start.1()?);
+                self.host.keep(keys[0], state.clone(), bytes(&state));
+                (0, state)
+            }
+        };
+        self.log.tufts_reused.fetch_add(done as u32, Ordering::Relaxed);
+        while done < items.len() {
+            self.check()?;
+            state = Arc::new(step(&state, &items[done].1)?);
+            self.log.tufts_run.fetch_add(1, Ordering::Relaxed);
+            done += 1;
+            self.host.keep(keys[done], state.clone(), bytes(&state));
+        }
+        Ok(state)
+    }
+
+    /// Something derived from `key` alone that several evaluations may share, such as a tree over roots.
+    pub fn memo<T: Send + Sync + 'static>(
+        &self,
+        key: Key,
+        make: impl FnOnce() -> (T, usize),
+    ) -> Arc<T> {
+        let key = KeyBuilder::new("memo").key(key).finish();
+        if let Some(found) = self.host.find(key).and_then(|kept| kept.downcast::<T>().ok()) {
+            return found;
+        }
+        let (value, bytes) = make();
+        let value = Arc::new(value);
+        self.host.keep(key, value.clone(), bytes);
+        value
+    }
+}
+
+/// A host without threads or memory, for tests of single nodes and for tools.
+#[derive(Debug, Default)]
+pub struct PlainHost;
+
+impl Host for PlainHost {
+    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+        (0..n).for_each(f);
+    }
+    fn cancelled(&self) -> bool {
+        false
+    }
+    fn find(&self, _: Key) -> Option<Kept> {
+        None
+    }
+    fn keep(&self, _: Key, _: Kept, _: usize) {}
+    fn progress(&self, _: usize, _: usize) {}
+}

@@ -1,0 +1,226 @@
+//! Frames along a curve: tangent, normal and binormal that do not twist by themselves.
+//!
+//! methods.md 1. The default is the rotation-minimising frame by double reflection (Wang, Jüttler,
+//! Zheng, Liu 2008, "Computation of rotation minimizing frames"), walked in steps of at most
+//! 10 degrees of turn. A wanted direction (an axis, the scalp's normal) pulls the normal towards
+//! itself, at most 20 degrees a step.
+//!
+//! Guarantees: orthonormal to 1e-5; the normal of each step keeps `dot > 0.999` with the last one carried by the smallest
+//! rotation where nothing is wanted; corners and repeated points never make NaN.
+
+use super::spline::Spline;
+use super::transcendental::{atan2, sin_cos};
+use glam::Vec3;
+
+/// A right-handed frame across a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Along the curve, root to tip. Unit.
+    pub tangent: Vec3,
+    /// Across the curve, "up" of what is laid along it. Unit.
+    pub normal: Vec3,
+}
+
+impl Frame {
+    /// The third axis, tangent x normal. Unit.
+    pub fn binormal(&self) -> Vec3 {
+        self.tangent.cross(self.normal)
+    }
+    /// The frame turned about its tangent by an angle in radians, from normal towards binormal.
+    pub fn rolled(&self, radians: f32) -> Self {
+        let (sin, cos) = sin_cos(radians);
+        Self { tangent: self.tangent, normal: self.normal * cos + self.binormal() * sin }
+    }
+    /// A vector of the cross-section: `x` along the binormal, `y` along the normal.
+    pub fn across(&self, x: f32, y: f32) -> Vec3 {
+        self.binormal() * x + self.normal * y
+    }
+}
+
+/// Any unit vector across `tangent`: the part of +Y across it, or of +Z where the curve runs along Y.
+pub fn any_normal(tangent: Vec3) -> Vec3 {
+    let up = if tangent.y.abs() < 0.9 { Vec3::Y } else { Vec3::Z };
+    (up - tangent * up.dot(tangent)).try_normalize().unwrap_or(Vec3::X)
+}
+
+/// The part of `v` across the unit vector `tangent`, as a unit vector.
+pub fn across(v: Vec3, tangent: Vec3) -> Option<Vec3> {
+    let part = v - tangent * v.dot(tangent);
+    (part.length_squared() > 1e-12 * v.length_squared()).then(|| part.normalize_or(Vec3::ZERO))
+}
+
+/// Carries `normal` by the smallest rotation that takes the unit tangent `from` to `to`. Past 170
+/// degrees, where that rotation is arbitrary, the axis is the normal itself.
+pub fn carry(normal: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+    let cos = from.dot(to);
+    let carried = if cos < -0.984_807_7 {
+        normal
+    } else {
+        let axis = from.cross(to);
+        normal * cos + axis.cross(normal) + axis * (axis.dot(normal) / (1.0 + cos))
+    };
+    across(carried, to).unwrap_or_else(|| any_normal(to))
+}
+
+/// One step of the double reflection method; a step without length falls back on [`carry`].
+fn reflect_twice(normal: Vec3, step: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+    let c1 = step.length_squared();
+    if c1 <= 1e-20 {
+        return carry(normal, from, to);
+    }
+    let mirrored = |v: Vec3| v - step * (2.0 / c1 * step.dot(v));
+    let (n, t) = (mirrored(normal), mirrored(from));
+    let second = to - t;
+    let c2 = second.length_squared();
+    if c2 <= 1e-12 {
+        return carry(normal, from, to);
+    }
+    let reflected = n - second * (2.0 / c2 * second.dot(n));
+    across(reflected, to).unwrap_or_else(|| any_normal(to))
+}
+
+/// A direction that the normal should turn to, and how strongly (0 to 1).
+pub type Wish = Option<(Vec3, f32)>;
+
+/// The most a wished direction turns the normal in one step.
+const RELAX_STEP: f32 = 20.0 / 180.0 * std::f32::consts::PI;
+/// cos 10 degrees: the most the tangent may turn in one step.
+const STEP_COS: f32 = 0.984_807_8;
+
+/// Frames at the fractions `us` of the spline's arc length (not decreasing, within [0, 1]), carried from the root.
+///
+/// `start` is the wanted normal at the root ([`any_normal`] without one). `wish` is asked at every
+/// step, with the fraction, the point and the tangent; it never changes a frame by more than 20 degrees
+/// a step, and counts with the squared sine of its angle to the tangent, so that a direction along the curve asks nothing.
+pub fn frames(
+    spline: &Spline,
+    us: &[f32],
+    start: Option<Vec3>,
+    mut wish: impl FnMut(f32, Vec3, Vec3) -> Wish,
+) -> Vec<Frame> {
+    let first = spline.locate(0.0);
+    let (mut u, mut point, mut tangent) = (0.0, spline.point(first), spline.tangent(first));
+    let first_wish = wish(0.0, point, tangent).map(|(direction, _)| direction);
+    let mut normal = first_wish
+        .and_then(|direction| across(direction, tangent))
+        .or_else(|| start.and_then(|direction| across(direction, tangent)))
+        .unwrap_or_else(|| any_normal(tangent));
+    // An eighth of a span cannot hide a turn; what turns within a 64th of that is a corner, crossed by
+    // one smallest rotation.
+    let longest = 1.0 / (8 * spline.span_count()) as f32;
+    let shortest = longest / 64.0;
+    let mut out = Vec::with_capacity(us.len());
+    for &target in us {
+        while u < target {
+            let mut step = (target - u).min(longest);
+            let (mut next_point, mut next_tangent);
+            loop {
+                let place = spline.locate(u + step);
+                next_point = spline.point(place);
+                next_tangent = spline.tangent(place);
+                if tangent.dot(next_tangent) >= STEP_COS || step < shortest {
+                    break;
+                }
+                step *= 0.5;
+            }
+            normal = if tangent.dot(next_tangent) >= STEP_COS {
+                reflect_twice(normal, next_point - point, tangent, next_tangent)
+            } else {
+                carry(normal, tangent, next_tangent)
+            };
+            // `u + step` may round to `u` when the step is tiny: the target is then reached.
+            u = if u + step > u { u + step } else { target };
+            (point, tangent) = (next_point, next_tangent);
+            if let Some((direction, strength)) = wish(u, point, tangent) {
+                normal = relaxed(normal, tangent, direction, strength);
+            }
+        }
+        out.push(Frame { tangent, normal });
+    }
+    out
+}
+
+fn relaxed(normal: Vec3, tangent: Vec3, wanted: Vec3, strength: f32) -> Vec3 {
+    let Some(wanted) = wanted.try_normalize() else { return normal };
+    let along = wanted.dot(tangent);
+    let weight = (1.0 - along * along) * strength.clamp(0.0, 1.0);
+    let Some(target) = across(wanted, tangent) else { return normal };
+    let angle = atan2(tangent.dot(normal.cross(target)), normal.dot(target)) * weight;
+    let turned = Frame { tangent, normal }.rolled(angle.clamp(-RELAX_STEP, RELAX_STEP)).normal;
+    across(turned, tangent).unwrap_or(normal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maths::hash::Dice;
+
+    fn walk(points: &[Vec3], n: usize) -> (Spline, Vec<Frame>) {
+        let spline = Spline::new(points).unwrap();
+        let us: Vec<f32> = (0..n).map(|k| k as f32 / (n - 1) as f32).collect();
+        let frames = frames(&spline, &us, None, |_, _, _| None);
+        (spline, frames)
+    }
+
+    #[track_caller]
+    fn check_law(points: &[Vec3]) {
+        let (_, frames) = walk(points, 4000);
+        for (k, pair) in frames.windows(2).enumerate() {
+            let [a, b] = [pair[0], pair[1]];
+            let carried = carry(a.normal, a.tangent, b.tangent);
+            if a.tangent.dot(b.tangent) > STEP_COS {
+                assert!(b.normal.dot(carried) > 0.999, "step {k}: {}", b.normal.dot(carried));
+            }
+            if a.tangent.dot(b.tangent) > 0.0 {
+                assert!(a.normal.dot(b.normal) > 0.0, "step {k} flips");
+            }
+            assert!(b.normal.dot(b.tangent).abs() < 1e-5 && (b.normal.length() - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn no_curve_twists_its_frame() {
+        check_law(&[Vec3::ZERO, Vec3::Y, Vec3::Y * 2.0]);
+        check_law(&[Vec3::ZERO, Vec3::X, Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, 0.0)]);
+        check_law(&[Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1e-6, 0.0), Vec3::ZERO]);
+        let dice = Dice::new(7, 0, "walk");
+        for id in 0..200 {
+            let n = 3 + dice.below(id, 0, 20) as u64;
+            let mut p = Vec3::ZERO;
+            let points: Vec<Vec3> = (0..n)
+                .map(|k| {
+                    let axis = |a| dice.signed(id, 10 + 3 * k + a);
+                    p += Vec3::new(axis(0), axis(1), axis(2));
+                    p
+                })
+                .collect();
+            check_law(&points);
+        }
+    }
+
+    #[test]
+    fn a_plane_curve_keeps_its_normal_to_the_plane() {
+        let points: Vec<Vec3> = (0..20)
+            .map(|k| {
+                let (s, c) = crate::maths::transcendental::sin_cos_turns(k as f32 / 25.0);
+                Vec3::new(c, 0.0, s) * 5.0
+            })
+            .collect();
+        for frame in walk(&points, 100).1 {
+            assert!(frame.normal.distance(Vec3::Y) < 1e-4, "{frame:?}");
+        }
+    }
+
+    #[test]
+    fn a_wished_direction_is_reached_without_a_jump() {
+        let spline = Spline::new(&[Vec3::ZERO, Vec3::X * 10.0]).unwrap();
+        let us: Vec<f32> = (0..200).map(|k| k as f32 / 199.0).collect();
+        let wish = |u: f32, _: Vec3, _: Vec3| Some((if u < 0.5 { Vec3::Y } else { Vec3::Z }, 1.0));
+        let frames = frames(&spline, &us, None, wish);
+        assert!(frames[0].normal.distance(Vec3::Y) < 1e-6);
+        assert!(frames[199].normal.distance(Vec3::Z) < 1e-4);
+        for pair in frames.windows(2) {
+            assert!(pair[0].normal.dot(pair[1].normal) > 0.9);
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! Nodes that change curves and keep their number: length, place, width, colour.
+
+use crate::define::NodeDef;
+
+mod resample;
+
+pub(crate) const NODES: &[&NodeDef] = &[&resample::NODE];

@@ -1,0 +1,56 @@
+//! How tests of single nodes call them: the only place that knows.
+
+use crate::data::curves::Curves;
+use crate::define::{NodeDef, NodeError, Value};
+use crate::eval::{EvalCx, Host, Log, PlainHost, Quality};
+use crate::maths::hash::KeyBuilder;
+
+/// Runs a node; unset inputs have their defaults. Gives outputs and messages.
+#[track_caller]
+pub(crate) fn run(node: &NodeDef, set: &[(&str, Value)]) -> (Vec<Value>, Vec<String>) {
+    let log = Log::default();
+    let out = run_on(node, set, &PlainHost, &log, Quality::Final);
+    let said = log.messages().iter().map(ToString::to_string).collect();
+    (out.unwrap_or_else(|err| panic!("{}: {err}", node.id)), said)
+}
+
+/// Runs a node that must fail; gives the error's text.
+#[track_caller]
+pub(crate) fn fails(node: &NodeDef, set: &[(&str, Value)]) -> String {
+    let log = Log::default();
+    match run_on(node, set, &PlainHost, &log, Quality::Final) {
+        Ok(_) => panic!("{} ran", node.id),
+        Err(err) => err.to_string(),
+    }
+}
+
+/// Runs a node on a host of the caller's.
+#[track_caller]
+pub(crate) fn run_on(
+    node: &NodeDef,
+    set: &[(&str, Value)],
+    host: &dyn Host,
+    log: &Log,
+    quality: Quality,
+) -> Result<Vec<Value>, NodeError> {
+    let mut values: Vec<Vec<Value>> = vec![vec![]; node.inputs.len()];
+    let mut key = KeyBuilder::new(node.id);
+    for (name, value) in set {
+        let (at, _) = node.input(name).unwrap_or_else(|| panic!("{} has no {name}", node.id));
+        if !matches!(value, Value::Curves(_)) {
+            key = key.text(name).key(value.key());
+        }
+        values[at].push(value.clone());
+    }
+    let cx = EvalCx { seed: 0, quality, node: key.finish(), host, log };
+    (node.run)(&cx, &values)
+}
+
+/// The curves of a value.
+#[track_caller]
+pub(crate) fn curves_of(value: &Value) -> &Curves {
+    match value {
+        Value::Curves(curves) => curves,
+        other => panic!("a {}", other.type_name()),
+    }
+}
