@@ -6,11 +6,19 @@
 //! **Invariant:** this crate opens no files, owns no threads, reads no clock and knows nothing of documents,
 //! windows or GPUs. Same arguments, same bits, on every machine.
 
+mod braid;
+mod cluster;
+mod curl;
 pub mod data;
 pub mod define;
 pub mod eval;
 pub mod formats;
+mod guides;
 pub mod maths;
+mod output;
+mod partition;
+mod puff;
+pub mod scalp;
 mod shape;
 #[cfg(test)]
 mod testing;
@@ -18,7 +26,17 @@ mod testing;
 use define::NodeDef;
 
 /// The folders of nodes, in the order in which hair is made, with their names in the menu.
-pub const STAGES: &[(&str, &[&NodeDef])] = &[("shape", shape::NODES)];
+pub const STAGES: &[(&str, &[&NodeDef])] = &[
+    ("scalp", scalp::NODES),
+    ("guides", guides::NODES),
+    ("braid", braid::NODES),
+    ("partition", partition::NODES),
+    ("curl", curl::NODES),
+    ("puff", puff::NODES),
+    ("cluster", cluster::NODES),
+    ("shape", shape::NODES),
+    ("output", output::NODES),
+];
 
 /// Every node, in the order in which hair is made.
 pub fn all() -> impl Iterator<Item = &'static NodeDef> {

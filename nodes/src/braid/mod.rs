@@ -1,0 +1,5 @@
+//! Braids.
+
+use crate::define::NodeDef;
+
+pub(crate) const NODES: &[&NodeDef] = &[];

@@ -1,0 +1,5 @@
+//! Hair: strands from clusters and between guides.
+
+use crate::define::NodeDef;
+
+pub(crate) const NODES: &[&NodeDef] = &[];

@@ -1,0 +1,5 @@
+//! Curls.
+
+use crate::define::NodeDef;
+
+pub(crate) const NODES: &[&NodeDef] = &[];

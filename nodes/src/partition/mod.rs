@@ -1,0 +1,5 @@
+//! Parting hairs.
+
+use crate::define::NodeDef;
+
+pub(crate) const NODES: &[&NodeDef] = &[];

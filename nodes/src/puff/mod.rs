@@ -1,0 +1,5 @@
+//! Puffs.
+
+use crate::define::NodeDef;
+
+pub(crate) const NODES: &[&NodeDef] = &[];
