@@ -2,7 +2,8 @@
 //!
 //! **Guarantees** for any bytes: no panic, an answer within seconds, and never more than
 //! [`mesh_in::limits`](self::limits) memory held at once. What comes back satisfies
-//! [`Mesh::check`]; its points are welded and all of them are used; it has at least one triangle.
+//! [`Mesh::check`]; all of its points are used; points at the same place are joined where that undoes
+//! a cut and not where things merely touch ([`weld`]); it has at least one triangle.
 //! **Not promised:** anything about the shape. Holes, several parts, non-manifold edges and
 //! triangles without area load as they are. Nothing here opens a file: other files a mesh needs
 //! (the `.bin` of a `.gltf`) come through `side`, by the relative name the mesh file gives them.
@@ -14,7 +15,9 @@ mod weld;
 
 pub(super) use names::{NAMELESS, Names};
 pub(super) use polygon::Clipper;
-pub(super) use weld::{BYTES_PER_POINT as WELD_BYTES_PER_POINT, finish};
+pub(super) use weld::{Weld, finish};
+pub(super) const WELD_BYTES_PER_POINT: u64 = weld::BYTES_PER_POINT;
+pub(super) const WELD_BYTES_PER_TRIANGLE: u64 = weld::BYTES_PER_TRIANGLE;
 
 use super::{gltf, obj};
 use crate::data::mesh::{Mesh, MeshError};

@@ -16,7 +16,7 @@
 //! does not know CR line ends and holds 27 bytes for each byte of a file of plain triangles.
 
 use super::mesh_in::limits::{Budget, excerpt};
-use super::mesh_in::{Clipper, NAMELESS, Names, finish};
+use super::mesh_in::{Clipper, NAMELESS, Names, Weld, finish};
 use crate::data::mesh::{Mesh, MeshError};
 use glam::{Vec2, Vec3};
 
@@ -214,8 +214,11 @@ impl Count {
     fn memory(&self, file_bytes: usize) -> u64 {
         let or_none = |yes: bool, bytes: u64| if yes { bytes } else { 0 };
         let point = 12 + super::mesh_in::WELD_BYTES_PER_POINT + or_none(self.colours, 12);
-        let triangle =
-            12 + or_none(self.uvs > 0, 24) + or_none(self.materials, 4) + or_none(self.parts, 4);
+        let triangle = super::mesh_in::WELD_BYTES_PER_TRIANGLE
+            + 12
+            + or_none(self.uvs > 0, 24)
+            + or_none(self.materials, 4)
+            + or_none(self.parts, 4);
         // A joined line is at most the file, in a vector that grew by doubling.
         self.points * point
             + self.uvs * 8
@@ -450,8 +453,10 @@ impl<'a> Reader<'a> {
         if count.colours {
             add_colours(&mut mesh, self.colours, self.colour_is_whole, self.n_coloured);
         }
-        let n_unused = finish(&mut mesh)?;
-        note(&mut mesh, n_unused, "vertices that no face uses were left out");
+        let finished = finish(&mut mesh, Weld::IfManifold)?;
+        let n_apart = finished.n_kept_apart;
+        note(&mut mesh, finished.n_unused, "vertices that no face uses were left out");
+        note(&mut mesh, n_apart, "vertices touch others and stay apart, as in the file");
         note(&mut mesh, self.n_uv_not_finite, "uvs are not finite numbers and became (0, 0)");
         note(&mut mesh, count.lines_and_points as usize, "lines and points were left out");
         note(&mut mesh, count.free_form as usize, "free-form curves and surfaces were left out");
