@@ -1,6 +1,13 @@
 //! Bytes to data and data to bytes. Nothing here opens a file or knows a path.
 
-/// Names of the files that a file of this extension refers to and that its reader needs.
-pub fn side_files(_extension: &str, _bytes: &[u8]) -> Vec<String> {
-    vec![]
-}
+pub mod chunks;
+pub mod error;
+pub mod gltf;
+pub mod hair;
+pub mod mesh_in;
+pub mod obj;
+pub mod usd;
+
+pub use chunks::Chunks;
+pub use error::FormatError;
+pub use mesh_in::{read_mesh, side_files};
