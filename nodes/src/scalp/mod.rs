@@ -1,0 +1,3 @@
+//! Scalps: the surfaces that hair grows on.
+
+pub mod bust;
