@@ -2,4 +2,6 @@
 
 use crate::define::NodeDef;
 
+pub mod bust;
+
 pub(crate) const NODES: &[&NodeDef] = &[];
