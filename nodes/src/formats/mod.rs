@@ -2,6 +2,7 @@
 
 pub mod chunks;
 pub mod error;
+pub mod export;
 pub mod gltf;
 pub mod hair;
 pub mod mesh_in;
