@@ -7,5 +7,6 @@
 pub mod cache;
 pub mod files;
 pub mod plan;
+pub mod request;
 pub mod result;
 pub mod run;

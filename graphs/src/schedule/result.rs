@@ -1,5 +1,6 @@
 //! What an evaluation gave: values, what ran, what was said, and the hash by which machines are compared.
 
+use crate::document::Document;
 use coif_nodes::data::attributes::{Attribute, Column, DECLARED, Domain};
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::define::{NodeError, Value};
@@ -79,6 +80,20 @@ pub fn content_hash(curves: &Curves) -> String {
         }
     }
     hash.finalize().to_hex()[..32].to_owned()
+}
+
+/// Hash of what a document means, as 32 hexadecimal digits: moving nodes and writing notes changes nothing.
+pub fn document_hash(document: &Document) -> String {
+    let mut meaning = document.clone();
+    meaning.layout.clear();
+    meaning.comments.clear();
+    meaning.note.clear();
+    for node in meaning.nodes.values_mut() {
+        let node = std::sync::Arc::make_mut(node);
+        node.note.clear();
+        node.label = None;
+    }
+    blake3::hash(crate::file::write(&meaning).as_bytes()).to_hex()[..32].to_owned()
 }
 
 fn put(hash: &mut blake3::Hasher, buffer: &mut Vec<u8>, bytes: impl Iterator<Item = u8>) {

@@ -84,6 +84,8 @@ pub struct Scalp {
     frame: HeadFrame,
     /// Name to one value for each vertex, 0 to 1. Always holds `scalp`, the region where hair grows.
     masks: BTreeMap<String, Vec<f32>>,
+    /// For the report only: coordinates are in cm already.
+    cm_per_unit: f32,
     field: OnceLock<DistanceField>,
 }
 
@@ -116,7 +118,25 @@ impl Scalp {
         for (name, mask) in &masks {
             key = key.text(name).column(mask);
         }
-        Self { key: key.finish(), surface, uvs, frame, masks, field: OnceLock::new() }
+        Self {
+            key: key.finish(),
+            surface,
+            uvs,
+            frame,
+            masks,
+            cm_per_unit: 1.0,
+            field: OnceLock::new(),
+        }
+    }
+
+    /// Notes how many centimetres a unit of the mesh file was taken for.
+    pub fn with_cm_per_unit(mut self, cm_per_unit: f32) -> Self {
+        self.cm_per_unit = cm_per_unit;
+        self
+    }
+    /// Centimetres in one unit of the mesh file.
+    pub fn cm_per_unit(&self) -> f32 {
+        self.cm_per_unit
     }
 
     /// Hash of the content.
