@@ -253,7 +253,7 @@ impl<W: Write> TextWriter<W> {
             self.indent(1)?;
             self.put(value.type_name())?;
             self.put(" ")?;
-            self.text(name)?;
+            self.put(name)?;
             self.put(" = ")?;
             self.value(value)?;
             self.put("\n")?;

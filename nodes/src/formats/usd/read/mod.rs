@@ -175,14 +175,17 @@ impl CurvesPrim<'_> {
         let shape = Shape { curves: counts.len(), points: points.len() };
         let mut notes = Vec::new();
         let widths = self.widths(&shape, &mut notes, budget)?;
+        let [curve_type, basis, wrap] =
+            [("type", "cubic"), ("basis", "bezier"), ("wrap", "nonperiodic")]
+                .map(|(name, default)| self.token(name, default));
         let primvars = self.primvars(&shape, &mut notes, budget)?;
         Ok(Some(ReadCurves {
             purpose: self.world.purpose.clone(),
             counts,
             points,
-            curve_type: self.token("type", "cubic"),
-            basis: self.token("basis", "bezier"),
-            wrap: self.token("wrap", "nonperiodic"),
+            curve_type,
+            basis,
+            wrap,
             widths,
             primvars,
             notes,

@@ -6,7 +6,7 @@
 use super::super::super::FormatError;
 use super::budget::Budget;
 use super::tree::{Attribute, Prim, Tree, Value};
-use glam::{DMat4, DQuat, DVec3};
+use glam::{DMat4, DVec3};
 
 /// Most operations in one prim's transform. Maya's pivots need about a dozen; each is searched by
 /// name, so a hostile list of them would take the square of its length.
@@ -138,12 +138,13 @@ fn operation(name: &str, numbers: &[f64]) -> Option<DMat4> {
     }
 }
 
+/// As OpenUSD takes a quaternion: the angle from its real part, the axis from the others. Of float
+/// parts that are off unit length by 1e-8, normalizing makes another rotation, which shows far from
+/// the pivot. No axis: no rotation.
 fn orientation(numbers: &[f64]) -> Option<DMat4> {
     let [w, x, y, z] = *numbers else { return None };
-    let rotation = DQuat::from_xyzw(x, y, z, w);
-    // A quaternion of no length turns nothing, as in USD.
-    let is_zero = rotation.length_squared() == 0.0;
-    Some(if is_zero { DMat4::IDENTITY } else { DMat4::from_quat(rotation.normalize()) })
+    let Some(axis) = DVec3::new(x, y, z).try_normalize() else { return Some(DMat4::IDENTITY) };
+    Some(DMat4::from_axis_angle(axis, 2.0 * libm::acos(w.clamp(-1.0, 1.0))))
 }
 
 /// Rotations about the axes in the order of the letters: the first letter turns first.
