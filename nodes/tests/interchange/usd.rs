@@ -391,6 +391,17 @@ fn points_and_widths_come_in_centimetres_with_y_up() {
 }
 
 #[test]
+fn a_strange_transform_only_matters_above_curves() {
+    let strange = "double3 xformOp:wobble = (1, 1, 1) token[] xformOpOrder = [\"xformOp:wobble\"]";
+    let curves = format!("def BasisCurves \"b\" {{ {TWO_POINTS} }}");
+    assert_eq!(read_text(&format!("def Camera \"a\" {{ {strange} }} {curves}")).unwrap().len(), 1);
+    check_unreadable(
+        &format!("def Xform \"a\" {{ {strange} {curves} }}"),
+        "/a: xformOp:wobble is no transform that is known",
+    );
+}
+
+#[test]
 fn purpose_is_inherited_and_only_live_prims_are_read() {
     let prim = |name: &str, more: &str| {
         format!("def BasisCurves \"{name}\" ({more}) {{ {TWO_POINTS} }}\n")
@@ -510,7 +521,10 @@ fn deep_nesting_and_long_chains_end() {
     assert!(read_text(&brackets).is_err());
     let operations = "\"xformOp:transform\",".repeat(100);
     check_unreadable(
-        &format!("def \"a\" {{ token[] xformOpOrder = [{operations}] }}"),
+        &format!(
+            "def \"a\" {{ token[] xformOpOrder = [{operations}]
+             def BasisCurves \"b\" {{ }} }}"
+        ),
         "/a: 100 transform operations, more than 64",
     );
 }

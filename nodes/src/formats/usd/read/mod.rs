@@ -118,6 +118,7 @@ fn gather(mut tree: Tree, budget: &mut budget::Budget) -> Result<Vec<ReadCurves>
         if !world.is_live || tree.prims[index].type_name != "BasisCurves" {
             continue;
         }
+        world.check(&tree, budget)?;
         let path = tree.path(index, budget)?;
         let attributes = std::mem::take(&mut tree.prims[index].attributes);
         let prim = CurvesPrim { path, world, attributes };
