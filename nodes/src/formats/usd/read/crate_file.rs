@@ -279,8 +279,9 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         }
         let coded = self.unpack(packed, length)?;
         self.budget.charge_items::<i64>(count)?;
-        decode_ints(&coded, count as usize, width)
-            .ok_or_else(|| start.damaged("packed integers end too early"))
+        let decoded = decode_ints(&coded, count as usize, width);
+        self.budget.give_back(length);
+        decoded.ok_or_else(|| start.damaged("packed integers end too early"))
     }
 
     /// Plain values at the cursor.
@@ -565,6 +566,7 @@ impl<'a, 'b> CrateFile<'a, 'b> {
             (Scalar::I32, 1) => {
                 let values = self.packed_ints(cursor, count, Width::Bits32)?;
                 self.budget.charge_items::<i32>(count)?;
+                self.budget.give_back(8 * count);
                 Ok(Value::Ints(values.iter().map(|&value| value as i32).collect()))
             }
             (Scalar::U32, 1) => {
@@ -588,29 +590,30 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         cursor: &mut Cursor<'a>,
         count: u64,
     ) -> Result<Value, FormatError> {
-        let is_double = element.scalar == Scalar::F64;
-        let values: Vec<f64> = match cursor.number::<u8>()? {
-            b'i' => {
-                let integers = self.packed_ints(cursor, count, Width::Bits32)?;
-                self.budget.charge_items::<f64>(count)?;
-                integers.iter().map(|&value| value as f64).collect()
-            }
+        let table = match cursor.number::<u8>()? {
+            b'i' => None,
             b't' => {
                 let length: u32 = cursor.number()?;
-                let table = self.plain(element, cursor, length as u64)?.numbers();
-                let indices = self.packed_ints(cursor, count, Width::Bits32)?;
-                self.budget.charge_items::<f64>(count)?;
-                let look_up = |&index: &i64| table.get(index as u32 as usize).copied();
-                let values: Option<Vec<f64>> = indices.iter().map(look_up).collect();
-                values.ok_or_else(|| cursor.damaged("an index is outside the table of floats"))?
+                Some(self.plain(element, cursor, length as u64)?.numbers())
             }
             _ => return Err(cursor.damaged("floats are compressed in an unknown way")),
         };
-        if is_double {
-            return Ok(Value::Doubles { per: 1, values });
-        }
-        self.budget.charge_items::<f32>(count)?;
-        Ok(Value::Floats(values.iter().map(|&value| value as f32).collect()))
+        let integers = self.packed_ints(cursor, count, Width::Bits32)?;
+        let numbers = integers.iter().map(|&integer| match &table {
+            None => Some(integer as f64),
+            Some(table) => table.get(integer as u32 as usize).copied(),
+        });
+        let value = if element.scalar == Scalar::F64 {
+            self.budget.charge_items::<f64>(count)?;
+            let values: Option<Vec<f64>> = numbers.collect();
+            values.map(|values| Value::Doubles { per: 1, values })
+        } else {
+            self.budget.charge_items::<f32>(count)?;
+            let values: Option<Vec<f32>> = numbers.map(|n| n.map(|n| n as f32)).collect();
+            values.map(Value::Floats)
+        };
+        self.budget.give_back(8 * count);
+        value.ok_or_else(|| cursor.damaged("an index is outside the table of floats"))
     }
 
     /// Copies of texts by number, charged one by one: many may be the same long one.

@@ -1,7 +1,7 @@
 //! Reads BasisCurves out of `.usda`, `.usdc` and `.usdz` bytes.
 //!
-//! [`text`] and [`crate_file`] turn bytes into a [`tree`] of prims, of which only what curves need is
-//! decoded; [`package`] finds the layer in a `.usdz`. Here curves are gathered from the tree, walked
+//! `text` and `crate_file` turn bytes into a `tree` of prims, of which only what curves need is
+//! decoded; `package` finds the layer in a `.usdz`. Here curves are gathered from the tree, walked
 //! down from the root for transforms and purpose, and brought to centimetres with Y up.
 //!
 //! Guaranteed: hostile bytes give an error, never a panic, an endless loop or more memory than
