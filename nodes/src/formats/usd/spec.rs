@@ -127,7 +127,7 @@ pub enum Value<'a> {
     Strings(Vec<String>),
     /// Tokens put before those of weaker layers, for example `prepend apiSchemas = […]`.
     TokensPrepended(Vec<String>),
-    /// Named values, in rising order of name.
+    /// Values named by USD identifiers, in rising order of name.
     Dictionary(Vec<(&'static str, Value<'a>)>),
 }
 

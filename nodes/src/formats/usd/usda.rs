@@ -6,7 +6,8 @@
 use super::super::{Chunks, FormatError};
 use super::spec::{Attribute, Field, Layer, Prim, Property, Value, Variability, check_text};
 use glam::{Vec2, Vec3};
-use std::io::{BufWriter, Write};
+use std::fmt::Write as _;
+use std::io::Write;
 
 /// Output is handed on in pieces of this many bytes.
 const BUFFER: usize = 1 << 18;
@@ -16,23 +17,39 @@ const BUFFER: usize = 1 << 18;
 /// # Errors
 /// The output failed, or a text holds a NUL.
 pub fn write(layer: &Layer, out: &mut (impl Write + ?Sized)) -> Result<(), FormatError> {
-    let mut text = TextWriter { out: BufWriter::with_capacity(BUFFER, out), depth: 0 };
+    let mut text = TextWriter { out, buffer: String::with_capacity(BUFFER + 64), depth: 0 };
     text.layer(layer)?;
-    text.out.flush()?;
-    Ok(())
+    text.hand_on()?;
+    Ok(out.flush()?)
 }
 
-struct TextWriter<W: Write> {
-    out: W,
+struct TextWriter<'o, W: Write + ?Sized> {
+    out: &'o mut W,
+    /// Text not handed on yet. A string, as numbers are formatted faster into one than into a stream.
+    buffer: String,
     /// How many prims are open around the line being written.
     depth: usize,
 }
 
 type Done = Result<(), FormatError>;
 
-impl<W: Write> TextWriter<W> {
+impl<W: Write + ?Sized> TextWriter<'_, W> {
     fn put(&mut self, text: &str) -> Done {
-        Ok(self.out.write_all(text.as_bytes())?)
+        self.buffer.push_str(text);
+        if self.buffer.len() < BUFFER { Ok(()) } else { self.hand_on() }
+    }
+
+    fn hand_on(&mut self) -> Done {
+        self.out.write_all(self.buffer.as_bytes())?;
+        self.buffer.clear();
+        Ok(())
+    }
+
+    /// A number as Rust writes it, which for floats is the shortest text that reads back equal.
+    fn number(&mut self, number: impl std::fmt::Display) -> Done {
+        // Writing to a string cannot fail.
+        let _ = write!(self.buffer, "{number}");
+        Ok(())
     }
 
     /// Starts a line inside `levels` more brackets than the prims that are open.
@@ -197,9 +214,9 @@ impl<W: Write> TextWriter<W> {
     fn value(&mut self, value: &Value) -> Done {
         match value {
             Value::Bool(value) => self.put(if *value { "true" } else { "false" }),
-            Value::Int(value) => Ok(write!(self.out, "{value}")?),
-            Value::Int64(value) => Ok(write!(self.out, "{value}")?),
-            Value::UInt64(value) => Ok(write!(self.out, "{value}")?),
+            Value::Int(value) => self.number(*value),
+            Value::Int64(value) => self.number(*value),
+            Value::UInt64(value) => self.number(*value),
             Value::Float(value) => self.float(*value),
             Value::Double(value) => self.double(*value),
             Value::String(text) | Value::Token(text) => self.text(text),
@@ -211,12 +228,8 @@ impl<W: Write> TextWriter<W> {
             }
             Value::Vec2f(value) => self.vec2(*value),
             Value::Vec3f(value) => self.vec3(*value),
-            Value::Ints(values) => {
-                self.array(values, |text, value| Ok(write!(text.out, "{value}")?))
-            }
-            Value::Int64s(values) => {
-                self.array(values, |text, value| Ok(write!(text.out, "{value}")?))
-            }
+            Value::Ints(values) => self.array(values, |text, &value| text.number(value)),
+            Value::Int64s(values) => self.array(values, |text, &value| text.number(value)),
             Value::Floats(values) => self.array(values, |text, &value| text.float(value)),
             Value::Vec2fs(values) => self.array(values, |text, &value| text.vec2(value)),
             Value::Vec3fs(values) => self.array(values, |text, &value| text.vec3(value)),
@@ -253,7 +266,7 @@ impl<W: Write> TextWriter<W> {
             self.indent(1)?;
             self.put(value.type_name())?;
             self.put(" ")?;
-            self.text(name)?;
+            self.put(name)?;
             self.put(" = ")?;
             self.value(value)?;
             self.put("\n")?;
@@ -284,11 +297,11 @@ impl<W: Write> TextWriter<W> {
 
     fn float(&mut self, value: f32) -> Done {
         // `Display` writes `NaN`, which USD does not read; infinities are `inf` in both.
-        if value.is_nan() { self.put("nan") } else { Ok(write!(self.out, "{value}")?) }
+        if value.is_nan() { self.put("nan") } else { self.number(value) }
     }
 
     fn double(&mut self, value: f64) -> Done {
-        if value.is_nan() { self.put("nan") } else { Ok(write!(self.out, "{value}")?) }
+        if value.is_nan() { self.put("nan") } else { self.number(value) }
     }
 
     /// A quoted text. Control characters other than line ends and tabs are written as `\xHH`.
@@ -303,7 +316,7 @@ impl<W: Write> TextWriter<W> {
                 b'\r' => self.put("\\r")?,
                 b'\t' => self.put("\\t")?,
                 byte @ (b'"' | b'\\') => self.put(if byte == b'"' { "\\\"" } else { "\\\\" })?,
-                byte => write!(self.out, "\\x{byte:02x}")?,
+                byte => self.number(format_args!("\\x{byte:02x}"))?,
             }
             rest = &rest[at + 1..];
         }

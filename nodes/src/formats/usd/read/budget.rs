@@ -6,7 +6,7 @@
 
 use super::super::super::FormatError;
 
-/// Bytes that may still be allocated. Nothing is given back: the budget bounds work as well.
+/// Bytes that may still be allocated. What stays is never given back, so the budget bounds work too.
 pub(super) struct Budget {
     left: u64,
 }
@@ -29,6 +29,12 @@ impl Budget {
                 "it unfolds to far more than its length, which no groom does: refused",
             )),
         }
+    }
+
+    /// Gives back what was charged for memory that is free again. Only for what was a step on the way
+    /// to something that stays charged: a few tables must not be decoded without end.
+    pub(super) fn give_back(&mut self, bytes: u64) {
+        self.left += bytes;
     }
 
     /// Takes the bytes of so many items.

@@ -279,8 +279,9 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         }
         let coded = self.unpack(packed, length)?;
         self.budget.charge_items::<i64>(count)?;
-        decode_ints(&coded, count as usize, width)
-            .ok_or_else(|| start.damaged("packed integers end too early"))
+        let decoded = decode_ints(&coded, count as usize, width);
+        self.budget.give_back(length);
+        decoded.ok_or_else(|| start.damaged("packed integers end too early"))
     }
 
     /// Plain values at the cursor.
@@ -565,6 +566,7 @@ impl<'a, 'b> CrateFile<'a, 'b> {
             (Scalar::I32, 1) => {
                 let values = self.packed_ints(cursor, count, Width::Bits32)?;
                 self.budget.charge_items::<i32>(count)?;
+                self.budget.give_back(8 * count);
                 Ok(Value::Ints(values.iter().map(|&value| value as i32).collect()))
             }
             (Scalar::U32, 1) => {
@@ -588,29 +590,30 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         cursor: &mut Cursor<'a>,
         count: u64,
     ) -> Result<Value, FormatError> {
-        let is_double = element.scalar == Scalar::F64;
-        let values: Vec<f64> = match cursor.number::<u8>()? {
-            b'i' => {
-                let integers = self.packed_ints(cursor, count, Width::Bits32)?;
-                self.budget.charge_items::<f64>(count)?;
-                integers.iter().map(|&value| value as f64).collect()
-            }
+        let table = match cursor.number::<u8>()? {
+            b'i' => None,
             b't' => {
                 let length: u32 = cursor.number()?;
-                let table = self.plain(element, cursor, length as u64)?.numbers();
-                let indices = self.packed_ints(cursor, count, Width::Bits32)?;
-                self.budget.charge_items::<f64>(count)?;
-                let look_up = |&index: &i64| table.get(index as u32 as usize).copied();
-                let values: Option<Vec<f64>> = indices.iter().map(look_up).collect();
-                values.ok_or_else(|| cursor.damaged("an index is outside the table of floats"))?
+                Some(self.plain(element, cursor, length as u64)?.numbers())
             }
             _ => return Err(cursor.damaged("floats are compressed in an unknown way")),
         };
-        if is_double {
-            return Ok(Value::Doubles { per: 1, values });
-        }
-        self.budget.charge_items::<f32>(count)?;
-        Ok(Value::Floats(values.iter().map(|&value| value as f32).collect()))
+        let integers = self.packed_ints(cursor, count, Width::Bits32)?;
+        let numbers = integers.iter().map(|&integer| match &table {
+            None => Some(integer as f64),
+            Some(table) => table.get(integer as u32 as usize).copied(),
+        });
+        let value = if element.scalar == Scalar::F64 {
+            self.budget.charge_items::<f64>(count)?;
+            let values: Option<Vec<f64>> = numbers.collect();
+            values.map(|values| Value::Doubles { per: 1, values })
+        } else {
+            self.budget.charge_items::<f32>(count)?;
+            let values: Option<Vec<f32>> = numbers.map(|n| n.map(|n| n as f32)).collect();
+            values.map(Value::Floats)
+        };
+        self.budget.give_back(8 * count);
+        value.ok_or_else(|| cursor.damaged("an index is outside the table of floats"))
     }
 
     /// Copies of texts by number, charged one by one: many may be the same long one.
@@ -758,7 +761,135 @@ fn float_of_half(half: u16) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::super::Chunks;
+    use super::super::super::coding::{lz4_pack, pack_ints};
+    use super::super::super::groom::{CurveSet, Stage, UpAxis, write_usdc};
+    use super::super::read_curves;
     use super::*;
+    use glam::Vec3;
+
+    fn small_file() -> Vec<u8> {
+        let hair = CurveSet {
+            name: "hair".into(),
+            counts: Chunks::from(vec![4; 8]),
+            points: Chunks::from(vec![Vec3::ONE; 32]),
+            ..CurveSet::default()
+        };
+        let stage = Stage {
+            name: "Groom".into(),
+            doc: "doc".into(),
+            generator: "tests".into(),
+            graph_hash: "0".into(),
+            seed: 1,
+            meters_per_unit: 0.01,
+            up_axis: UpAxis::Y,
+            groups: vec![hair],
+        };
+        let mut out = std::io::Cursor::new(Vec::new());
+        write_usdc(&stage, &mut out).unwrap();
+        out.into_inner()
+    }
+
+    /// The unpacked columns of integers of a section, behind so many counts.
+    fn columns(bytes: &[u8], name: &str, counts: usize, columns: usize) -> Vec<Vec<i64>> {
+        let budget = &mut Budget::for_file(bytes.len());
+        let mut contents = Cursor { bytes, at: 16 };
+        contents.at = contents.u64().unwrap() as usize;
+        let mut section = find_section(contents, name).unwrap();
+        let mut file = CrateFile::open(bytes, budget).unwrap();
+        let count = (0..counts).map(|_| section.u64().unwrap()).last().unwrap();
+        let column = |_| file.packed_ints(&mut section, count, Width::Bits32).unwrap();
+        (0..columns).map(column).collect()
+    }
+
+    /// The file with another section of this name, put at its end.
+    fn with_section(bytes: &[u8], name: &str, section: &[u8]) -> Vec<u8> {
+        let mut bytes = bytes.to_vec();
+        let at = bytes.windows(name.len() + 1).rposition(|window| {
+            window[..name.len()] == *name.as_bytes() && window[name.len()] == 0
+        });
+        let entry = at.unwrap() + 16;
+        let place = [bytes.len() as u64, section.len() as u64];
+        bytes[entry..entry + 16].copy_from_slice(bytemuck::cast_slice(&place));
+        bytes.extend_from_slice(section);
+        bytes
+    }
+
+    fn section_of(counts: usize, columns: &[Vec<i64>]) -> Vec<u8> {
+        let count = columns[0].len() as u64;
+        let mut section: Vec<u8> = (0..counts).flat_map(|_| count.to_le_bytes()).collect();
+        for column in columns {
+            let packed = pack_ints(column.iter().copied(), Width::Bits32);
+            section.extend((packed.len() as u64).to_le_bytes());
+            section.extend(packed);
+        }
+        section
+    }
+
+    /// Bit flips seldom get past LZ4: here the tables themselves point anywhere.
+    #[test]
+    fn tables_that_point_anywhere_are_read_or_refused() {
+        let bytes = small_file();
+        let mut state = 1u64;
+        let mut below = |limit: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as usize % limit
+        };
+        let mut outcomes = [0; 2];
+        for (name, counts, n_columns) in [("PATHS", 2, 3), ("SPECS", 1, 3), ("FIELDSETS", 1, 1)] {
+            let sound = columns(&bytes, name, counts, n_columns);
+            let rebuilt = with_section(&bytes, name, &section_of(counts, &sound));
+            assert_eq!(read_curves(&rebuilt, "usdc"), read_curves(&bytes, "usdc"));
+            for _ in 0..300 {
+                let mut columns = sound.clone();
+                let column = &mut columns[below(n_columns)];
+                let values = [-2, -1, 0, 1, i32::MAX as i64, i32::MIN as i64, below(200) as i64];
+                let at = below(column.len());
+                column[at] = values[below(values.len())];
+                let changed = with_section(&bytes, name, &section_of(counts, &columns));
+                outcomes[read_curves(&changed, "usdc").is_ok() as usize] += 1;
+            }
+        }
+        assert!(outcomes.iter().all(|&count| count > 50), "{outcomes:?}");
+    }
+
+    /// The places and types of values are the other half of what a file can lie about.
+    #[test]
+    fn values_that_lie_anywhere_are_read_or_refused() {
+        let bytes = small_file();
+        let budget = &mut Budget::for_file(bytes.len());
+        let fields = CrateFile::open(&bytes, budget).unwrap().fields;
+        let tokens: Vec<i64> = fields.iter().map(|&(token, _)| token as i64).collect();
+        let mut outcomes = [0; 2];
+        for changed in 0..fields.len() {
+            for kind in 0..62u64 {
+                for flags in [0, ARRAY, INLINED, ARRAY | COMPRESSED] {
+                    let payload = [fields[changed].1 & PAYLOAD, 88, 1 << 40][kind as usize % 3];
+                    let mut values: Vec<u64> = fields.iter().map(|&(_, value)| value).collect();
+                    values[changed] = flags | kind << 48 | payload;
+                    let mut section = section_of(1, std::slice::from_ref(&tokens));
+                    let packed = lz4_pack(bytemuck::cast_slice(&values));
+                    section.extend((packed.len() as u64).to_le_bytes());
+                    section.extend(packed);
+                    let file = with_section(&bytes, "FIELDS", &section);
+                    outcomes[read_curves(&file, "usdc").is_ok() as usize] += 1;
+                }
+            }
+        }
+        assert!(outcomes.iter().all(|&count| count > 50), "{outcomes:?}");
+    }
+
+    #[test]
+    fn tables_that_unfold_without_end_are_refused() {
+        let bytes = small_file();
+        let million = vec![0i64; 1_000_000];
+        let field_sets: Vec<i64> = million.iter().copied().chain([-1]).collect();
+        let sets = section_of(1, &[field_sets]);
+        let changed = with_section(&bytes, "FIELDSETS", &sets);
+        assert!(read_curves(&changed, "usdc").is_err());
+        let specs = section_of(1, &[million.clone(), million.clone(), million]);
+        assert!(read_curves(&with_section(&bytes, "SPECS", &specs), "usdc").is_err());
+    }
 
     #[test]
     fn halves_become_the_floats_they_stand_for() {

@@ -1,7 +1,7 @@
 //! Reads BasisCurves out of `.usda`, `.usdc` and `.usdz` bytes.
 //!
-//! [`text`] and [`crate_file`] turn bytes into a [`tree`] of prims, of which only what curves need is
-//! decoded; [`package`] finds the layer in a `.usdz`. Here curves are gathered from the tree, walked
+//! `text` and `crate_file` turn bytes into a `tree` of prims, of which only what curves need is
+//! decoded; `package` finds the layer in a `.usdz`. Here curves are gathered from the tree, walked
 //! down from the root for transforms and purpose, and brought to centimetres with Y up.
 //!
 //! Guaranteed: hostile bytes give an error, never a panic, an endless loop or more memory than
@@ -118,6 +118,7 @@ fn gather(mut tree: Tree, budget: &mut budget::Budget) -> Result<Vec<ReadCurves>
         if !world.is_live || tree.prims[index].type_name != "BasisCurves" {
             continue;
         }
+        world.check(&tree, budget)?;
         let path = tree.path(index, budget)?;
         let attributes = std::mem::take(&mut tree.prims[index].attributes);
         let prim = CurvesPrim { path, world, attributes };
@@ -175,14 +176,17 @@ impl CurvesPrim<'_> {
         let shape = Shape { curves: counts.len(), points: points.len() };
         let mut notes = Vec::new();
         let widths = self.widths(&shape, &mut notes, budget)?;
+        let [curve_type, basis, wrap] =
+            [("type", "cubic"), ("basis", "bezier"), ("wrap", "nonperiodic")]
+                .map(|(name, default)| self.token(name, default));
         let primvars = self.primvars(&shape, &mut notes, budget)?;
         Ok(Some(ReadCurves {
             purpose: self.world.purpose.clone(),
             counts,
             points,
-            curve_type: self.token("type", "cubic"),
-            basis: self.token("basis", "bezier"),
-            wrap: self.token("wrap", "nonperiodic"),
+            curve_type,
+            basis,
+            wrap,
             widths,
             primvars,
             notes,

@@ -516,7 +516,13 @@ impl<'a> Parser<'a, '_> {
                 self.items(is_array, |text| Ok(Vec3::from_array(text.tuple(Self::number)?)))?,
             ),
             (Scalar::Text, _) => Value::Texts(self.items(is_array, Self::any_text)?),
-            (Scalar::Float | Scalar::Double, _) => self.doubles(per, is_array)?,
+            (Scalar::Float, _) => {
+                let parts = self.items(is_array, |text| text.tuple::<f32, 4>(Self::number))?;
+                self.budget.charge_items::<[f64; 4]>(parts.len() as u64)?;
+                let values = parts.as_flattened().iter().map(|&part| part as f64).collect();
+                Value::Doubles { per: 4, values }
+            }
+            (Scalar::Double, _) => self.doubles(per, is_array)?,
         }))
     }
 
@@ -633,8 +639,8 @@ fn value_type(base: &str) -> Option<(Scalar, usize)> {
             (Scalar::Double, 3)
         }
         "Vec3d" | "Point" | "Normal" | "Vector" | "Color" => (Scalar::Double, 3),
-        "float4" | "half4" | "double4" | "color4f" | "color4h" | "color4d" => (Scalar::Double, 4),
-        "quatf" | "quath" | "quatd" => (Scalar::Double, 4),
+        "float4" | "half4" | "color4f" | "color4h" | "quatf" | "quath" => (Scalar::Float, 4),
+        "double4" | "color4d" | "quatd" => (Scalar::Double, 4),
         "matrix4d" | "Matrix4d" => (Scalar::Double, 16),
         "string" | "token" | "asset" => (Scalar::Text, 1),
         _ => return None,

@@ -6,7 +6,7 @@
 use super::super::super::FormatError;
 use super::budget::Budget;
 use super::tree::{Attribute, Prim, Tree, Value};
-use glam::{DMat4, DQuat, DVec3};
+use glam::{DMat4, DVec3};
 
 /// Most operations in one prim's transform. Maya's pivots need about a dozen; each is searched by
 /// name, so a hostile list of them would take the square of its length.
@@ -19,6 +19,8 @@ pub(super) struct World {
     pub(super) purpose: String,
     /// The prim and all above it are defined and active.
     pub(super) is_live: bool,
+    /// The prim, this or above, whose transform is not understood. Only an error where curves are.
+    pub(super) fault: Option<usize>,
 }
 
 impl World {
@@ -32,10 +34,10 @@ impl World {
         let mut worlds: Vec<Self> = Vec::with_capacity(tree.prims.len());
         for (index, prim) in tree.prims.iter().enumerate() {
             let parent = prim.parent.map(|parent| &worlds[parent]);
-            let local = match Local::of(prim) {
-                Ok(local) => local,
-                Err(reason) => return Err(FormatError::at(tree.path(index, budget)?, reason)),
-            };
+            let local = Local::of(prim).ok();
+            let fault =
+                if local.is_none() { Some(index) } else { parent.and_then(|parent| parent.fault) };
+            let local = local.unwrap_or(Local::NONE);
             let parent_matrix = match parent {
                 Some(parent) if !local.resets_stack => parent.centimetres_from_local,
                 _ => centimetres_from_stage,
@@ -45,9 +47,19 @@ impl World {
                 centimetres_from_local: parent_matrix * local.parent_from_local,
                 purpose: budget.text(purpose.unwrap_or("default"))?,
                 is_live: prim.is_live && parent.is_none_or(|parent| parent.is_live),
+                fault,
             });
         }
         Ok(worlds)
+    }
+
+    /// Refuses curves below a transform that is not understood, with the reason.
+    pub(super) fn check(&self, tree: &Tree, budget: &mut Budget) -> Result<(), FormatError> {
+        let Some(fault) = self.fault else { return Ok(()) };
+        match Local::of(&tree.prims[fault]) {
+            Err(reason) => Err(FormatError::at(tree.path(fault, budget)?, reason)),
+            Ok(_) => Ok(()),
+        }
     }
 
     /// By how much widths grow: the cube root of how much volumes do, 1 exactly when they do not.
@@ -75,8 +87,10 @@ struct Local {
 }
 
 impl Local {
+    const NONE: Self = Self { parent_from_local: DMat4::IDENTITY, resets_stack: false };
+
     fn of(prim: &Prim) -> Result<Self, String> {
-        let mut local = Self { parent_from_local: DMat4::IDENTITY, resets_stack: false };
+        let mut local = Self::NONE;
         let order = find(prim, "xformOpOrder").and_then(|attribute| attribute.value.as_ref());
         let Some(Value::Texts(order)) = order else { return Ok(local) };
         if order.len() > MOST_OPERATIONS {
@@ -138,12 +152,13 @@ fn operation(name: &str, numbers: &[f64]) -> Option<DMat4> {
     }
 }
 
+/// As OpenUSD takes a quaternion: the angle from its real part, the axis from the others. Of float
+/// parts that are off unit length by 1e-8, normalizing makes another rotation, which shows far from
+/// the pivot. No axis: no rotation.
 fn orientation(numbers: &[f64]) -> Option<DMat4> {
     let [w, x, y, z] = *numbers else { return None };
-    let rotation = DQuat::from_xyzw(x, y, z, w);
-    // A quaternion of no length turns nothing, as in USD.
-    let is_zero = rotation.length_squared() == 0.0;
-    Some(if is_zero { DMat4::IDENTITY } else { DMat4::from_quat(rotation.normalize()) })
+    let Some(axis) = DVec3::new(x, y, z).try_normalize() else { return Some(DMat4::IDENTITY) };
+    Some(DMat4::from_axis_angle(axis, 2.0 * libm::acos(w.clamp(-1.0, 1.0))))
 }
 
 /// Rotations about the axes in the order of the letters: the first letter turns first.
