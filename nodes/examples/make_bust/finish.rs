@@ -18,7 +18,7 @@ pub struct Made {
 }
 
 /// The names in the order of their numbers.
-pub const MATERIALS: [&str; 3] = ["skin", "lips", "eyes"];
+pub const MATERIALS: [&str; 4] = ["skin", "lips", "eyes", "iris"];
 
 /// The cranium sphere, fitted as the `head` node does: centre and radius.
 pub fn cranium(points: &[V], triangles: &[[u32; 3]]) -> (V, f64) {
@@ -124,7 +124,7 @@ pub fn finish(bust: &Bust, points: Vec<V>, triangles: Vec<[u32; 3]>) -> Made {
             if mean(&|p| bust.lip_level(p)) > 0.0 {
                 1
             } else if mean(&|p| bust.eye_level(p)) > 0.0 {
-                2
+                if mean(&|p| bust.iris_level(p)) > 0.0 { 3 } else { 2 }
             } else {
                 0
             }

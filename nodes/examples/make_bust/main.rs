@@ -22,8 +22,10 @@ fn main() {
     let size = |p: V| bust.edge_length(p);
     soup.remesh(&bust, &size, 7);
     println!("remeshed: {}", soup.triangles.len());
+    soup.cut_along(&bust, &|p| bust.mouth_level(p));
     soup.cut_along(&bust, &|p| bust.lip_level(p));
     soup.cut_along(&bust, &|p| bust.eye_level(p));
+    soup.cut_along(&bust, &|p| bust.iris_level(p));
     println!("cut along lips and eyes: {}", soup.triangles.len());
     let (points, triangles) = soup.mirrored();
     println!("whole: {} points, {} triangles", points.len(), triangles.len());

@@ -87,10 +87,10 @@ fn dab(at: (f64, f64, f64), size: (f64, f64, f64), amount: f64) -> Dab {
 }
 
 /// The middle of the eyeball, and its radius.
-pub const EYE: V = v(3.2, -2.95, 6.75);
+pub const EYE: V = v(3.12, -2.95, 6.75);
 pub const EYE_R: f64 = 1.22;
 /// Where the ear sits: just above its bowl's notch.
-pub const EAR: V = v(6.95, -4.45, -0.45);
+pub const EAR: V = v(6.80, -4.45, -0.45);
 const FISSURE: f64 = 1.42;
 /// The part of the eyeball that shows is wider than a ball, so that the corners of the lids close on it.
 const BALL: V = v(1.50, EYE_R, EYE_R);
@@ -115,26 +115,32 @@ impl Bust {
             dab((2.8, 4.2, 7.4), (3.4, 3.0, 3.2), 0.22),
             dab((6.6, -0.6, 5.0), (2.0, 2.8, 2.4), -0.22),
             // Orbits.
-            dab((3.0, -2.7, 8.4), (1.9, 1.2, 1.5), -0.85),
-            dab((1.7, -2.7, 8.4), (0.8, 1.1, 1.3), -0.42),
+            dab((3.0, -2.7, 8.4), (1.9, 1.15, 1.5), -0.78),
+            dab((1.7, -2.7, 8.4), (0.8, 1.1, 1.3), -0.34),
             // Cheeks: body of the cheekbone, hollow below, pad beside the mouth.
-            dab((4.3, -5.1, 6.8), (1.9, 1.5, 2.2), 0.42),
-            dab((6.4, -4.3, 3.0), (1.4, 1.0, 2.6), 0.28),
-            dab((5.4, -8.0, 4.0), (2.2, 2.2, 2.8), -0.20),
-            dab((2.9, -6.6, 8.0), (1.6, 1.7, 1.8), 0.16),
+            dab((4.2, -5.0, 6.9), (2.0, 1.6, 2.4), 0.36),
+            dab((6.4, -4.4, 3.0), (1.5, 1.3, 2.8), 0.18),
+            dab((5.4, -8.0, 4.0), (2.2, 2.2, 2.8), -0.10),
+            dab((3.2, -6.6, 7.8), (1.8, 1.8, 2.0), 0.22),
             // The mound of the teeth, the fold under the lip, the chin.
-            dab((0.0, -9.2, 8.8), (2.6, 1.9, 2.2), 0.45),
-            dab((0.0, -11.25, 9.0), (1.7, 0.55, 1.2), -0.38),
-            dab((0.0, -12.7, 8.4), (1.5, 1.0, 1.5), 0.42),
-            dab((2.75, -9.65, 8.2), (0.6, 0.6, 0.9), -0.16),
+            dab((0.0, -9.3, 8.8), (2.7, 1.8, 2.4), 0.52),
+            dab((0.0, -11.25, 9.0), (1.8, 0.65, 1.2), -0.34),
+            dab((0.0, -12.7, 8.4), (1.5, 1.1, 1.5), 0.34),
+            dab((2.7, -9.6, 8.2), (0.65, 0.6, 0.9), -0.12),
+            // In front of the ear.
+            dab((6.5, -5.2, 0.9), (0.9, 2.0, 1.2), 0.22),
             // Angle of the jaw.
             dab((5.2, -9.6, 0.8), (1.3, 1.4, 1.6), 0.32),
+            dab((3.9, -12.0, 1.9), (1.6, 1.2, 1.8), 0.55),
             // Windpipe, pit of the neck, hollows above the collarbones, breast muscles.
             dab((0.0, -17.2, 4.0), (1.1, 1.6, 2.0), 0.30),
             dab((0.0, -21.0, 3.2), (1.1, 1.0, 1.6), -0.75),
             dab((6.8, -20.4, 0.2), (2.8, 1.1, 1.8), -0.80),
             dab((7.5, -27.0, 6.0), (4.5, 3.2, 4.0), 0.45),
             dab((0.0, -26.0, 7.0), (0.9, 4.0, 3.0), -0.22),
+            // Shoulder blades and the furrow of the spine.
+            dab((7.2, -25.5, -11.5), (2.6, 3.4, 3.0), 0.40),
+            dab((0.0, -24.0, -12.5), (1.2, 4.0, 2.5), -0.30),
             // Nape: the hollow between the two cords.
             dab((0.0, -9.5, -8.0), (1.3, 3.4, 2.0), -0.30),
             dab((2.3, -10.0, -7.2), (1.5, 4.0, 2.0), 0.22),
@@ -145,11 +151,11 @@ impl Bust {
             stroke(
                 0.9,
                 &[
-                    (0.4, -1.4, 9.1, 0.10),
-                    (1.4, -1.3, 9.0, 0.24),
-                    (2.8, -1.05, 8.5, 0.30),
-                    (4.4, -1.15, 7.2, 0.32),
-                    (5.3, -2.0, 5.8, 0.22),
+                    (0.4, -1.2, 9.1, 0.08),
+                    (1.4, -1.05, 9.0, 0.16),
+                    (2.8, -0.85, 8.5, 0.22),
+                    (4.4, -1.0, 7.2, 0.26),
+                    (5.3, -2.0, 5.8, 0.20),
                 ],
             ),
             // Outer rim of the orbit and lower rim.
@@ -163,15 +169,15 @@ impl Bust {
                 ],
             ),
             // Cheek arch towards the ear.
-            stroke(1.1, &[(5.0, -4.7, 5.9, 0.08), (6.3, -4.3, 3.4, 0.16), (6.9, -4.0, 0.8, 0.12)]),
+            stroke(1.1, &[(5.0, -4.7, 5.9, 0.08), (6.3, -4.3, 3.4, 0.09), (6.9, -4.0, 0.8, 0.08)]),
             // Edge of the jaw.
             stroke(
                 0.9,
                 &[
                     (5.2, -8.2, 0.2, 0.1),
-                    (5.1, -10.2, 1.2, 0.28),
-                    (4.2, -11.9, 4.0, 0.22),
-                    (2.4, -13.2, 6.9, 0.15),
+                    (5.1, -10.2, 1.2, 0.26),
+                    (4.2, -11.7, 4.0, 0.24),
+                    (2.4, -13.0, 6.9, 0.16),
                 ],
             ),
             // Neck muscle from behind the ear to the breastbone.
@@ -213,12 +219,12 @@ impl Bust {
             ),
             // Crease above the wing of the nose.
             stroke(
-                0.16,
+                0.20,
                 &[
-                    (0.95, -5.75, 10.3, -0.02),
-                    (1.25, -5.95, 9.9, -0.13),
-                    (1.65, -6.3, 9.2, -0.16),
-                    (1.75, -7.0, 8.8, -0.10),
+                    (0.90, -5.85, 10.3, -0.01),
+                    (1.25, -5.95, 9.9, -0.08),
+                    (1.65, -6.3, 9.2, -0.12),
+                    (1.78, -7.0, 8.8, -0.10),
                 ],
             ),
         ];
@@ -227,8 +233,8 @@ impl Bust {
                 (v(0.0, -1.9, 8.15), 0.70),
                 (v(0.0, -2.9, 8.35), 0.58),
                 (v(0.0, -4.3, 9.25), 0.62),
-                (v(0.0, -5.5, 10.00), 0.66),
-                (v(0.0, -6.25, 10.50), 0.80),
+                (v(0.0, -5.4, 9.95), 0.62),
+                (v(0.0, -6.20, 10.45), 0.84),
             ],
             3,
         );
@@ -260,7 +266,7 @@ impl Bust {
                 e(2.15, -0.20, 0.42, 0.30),
                 e(2.12, 0.70, 0.42, 0.32),
                 e(1.75, 1.55, 0.34, 0.30),
-                e(1.30, 2.20, 0.20, 0.24),
+                e(1.36, 2.05, 0.20, 0.22),
             ],
             9,
         );
@@ -283,12 +289,12 @@ impl Bust {
         // The face: ellipses by height, cut below by the plane of the jaw and behind by its branch.
         let half = through(
             &[
-                (-15.0, 2.9),
-                (-13.5, 3.55),
-                (-11.5, 4.6),
-                (-9.4, 5.5),
+                (-15.0, 2.6),
+                (-13.5, 3.2),
+                (-11.5, 4.35),
+                (-9.4, 5.35),
                 (-7.0, 6.2),
-                (-4.5, 6.62),
+                (-4.5, 6.55),
                 (-1.5, 6.6),
                 (1.5, 6.2),
                 (4.0, 5.2),
@@ -315,7 +321,7 @@ impl Bust {
             through(&[(-15.0, -0.5), (-12.0, -3.5), (-9.0, -5.5), (-4.0, -5.0), (4.0, -5.0)], p.y);
         let mut face = loft(p, half, front, back);
         let jaw = -(p - v(0.0, -13.75, 7.6)).dot(v(0.0, 0.90, 0.435));
-        face = both(face, jaw, 2.6);
+        face = both(face, jaw, 3.2);
         face = both(face, -0.15 - p.z - (p.y + 9.0) * 0.18, 2.4);
         face = both(face, p.y - 3.5, 3.0);
         let mut d = blend(cranium, face, 2.2);
@@ -378,8 +384,8 @@ impl Bust {
         let trapezius = tube(
             p,
             &[
-                (v(2.5, -13.0, -5.8), 2.2),
-                (v(5.0, -19.6, -6.2), 2.4),
+                (v(3.2, -15.0, -5.4), 1.6),
+                (v(5.0, -19.2, -5.9), 2.3),
                 (v(9.5, -22.2, -5.6), 2.1),
                 (v(15.0, -23.6, -4.4), 1.6),
             ],
@@ -391,6 +397,12 @@ impl Bust {
         d
     }
 
+    /// Height of the line between the lips.
+    fn mouth_line(x: f64) -> f64 {
+        let s = (x / 2.5).min(1.0);
+        -9.45 - 0.05 * (-(x / 0.4) * (x / 0.4)).exp() + 0.24 * (1.0 - s) * s - 0.08 * s * s
+    }
+
     /// Lip relief over the face: (height, true lip surface where > 0).
     fn lips(&self, p: V) -> (f64, f64) {
         if p.z < 6.5 || p.y > -7.6 || p.y < -11.6 || p.x > 3.4 {
@@ -398,8 +410,7 @@ impl Bust {
         }
         let x = p.x;
         let s = (x / 2.5).min(1.0);
-        let line = -9.45 - 0.05 * (-(x / 0.4) * (x / 0.4)).exp() + 0.06 * (1.0 - s) * s * 4.0
-            - 0.08 * s * s;
+        let line = Self::mouth_line(x);
         let top = through(
             &[
                 (0.0, -8.80),
@@ -434,12 +445,12 @@ impl Bust {
                 (t / 0.36).min(1.0) * (2.0 - (t / 0.36).min(1.0)) * (1.0 - step(0.30, 1.12, t))
             }
         };
-        h += 0.34 * full * roll(above);
-        h += 0.42 * full * roll(below);
+        h += 0.27 * full * roll(above);
+        h += 0.34 * full * roll(below);
         // The slit between the lips.
-        h -= 0.14
+        h -= 0.12
             * (0.25 + 0.75 * full)
-            * (-((p.y - line) / 0.13) * ((p.y - line) / 0.13)).exp()
+            * (-((p.y - line) / 0.17) * ((p.y - line) / 0.17)).exp()
             * (1.0 - step(2.35, 2.75, x));
         let inside = if x < 2.5 && p.y < top && p.y > low {
             (top - p.y).min(p.y - low).min((2.5 - x) * 0.5)
@@ -457,14 +468,14 @@ impl Bust {
         if q <= 0.0 {
             return (tilt + q * 0.5, tilt - q * 0.5);
         }
-        let up = 0.50 * q.powf(0.72) * (1.0 - 0.10 * s) + tilt;
-        let down = -0.37 * q.powf(0.85) * (1.0 + 0.15 * s) + tilt;
+        let up = 0.53 * q.powf(0.72) * (1.0 - 0.10 * s) + tilt;
+        let down = -0.41 * q.powf(0.85) * (1.0 + 0.15 * s) + tilt;
         (up, down)
     }
 
     /// Backward along the ear, up along it, and out of its bowl.
     pub fn ear_frame() -> (V, V, V) {
-        let up = v(0.05, 0.975, -0.20).unit();
+        let up = v(0.11, 0.975, -0.20).unit();
         let back = v(0.46, -0.25, -0.853);
         let back = (back - up * back.dot(up)).unit();
         (back, up, back.cross(up))
@@ -484,9 +495,9 @@ impl Bust {
             let lower = ellipsoid(v(q.x, q.y, 0.0), v(1.35, -0.9, 0.0), v(1.35, 1.75, 1.0));
             let outline = blend(upper, lower, 0.8);
             let bend = 0.10 + 0.06 * q.x;
-            both(outline, (q.z - bend).abs() - 0.13, 0.12)
+            both(outline, (q.z - bend).abs() - 0.17, 0.2)
         };
-        let lobe = ellipsoid(q, v(1.0, -2.35, 0.06), v(0.78, 0.85, 0.26));
+        let lobe = ellipsoid(q, v(0.98, -2.30, 0.06), v(0.80, 0.88, 0.36));
         let mut d = blend(sheet, lobe, 0.35);
         // The bowl's wall behind, which joins the head.
         let inner = ellipsoid(q, v(0.55, -0.15, -1.1), v(1.25, 1.75, 0.9));
@@ -497,10 +508,10 @@ impl Bust {
         let root = tube(
             q,
             &[
-                (v(0.10, 1.9, -0.20), 0.30),
+                (v(0.22, 1.5, -0.20), 0.30),
                 (v(0.02, 0.6, -0.15), 0.38),
                 (v(0.02, -0.8, -0.3), 0.40),
-                (v(0.30, -1.6, -0.5), 0.40),
+                (v(0.35, -1.4, -0.6), 0.36),
             ],
             0.0,
         );
@@ -557,23 +568,23 @@ impl Bust {
             let wall = tube(
                 m,
                 &[
-                    (v(0.35, -2.6, 7.5), 0.55),
-                    (v(0.62, -4.4, 8.5), 0.62),
-                    (v(0.80, -5.7, 9.4), 0.62),
-                    (v(0.82, -6.3, 9.6), 0.60),
+                    (v(0.30, -2.6, 7.6), 0.50),
+                    (v(0.50, -4.3, 8.5), 0.55),
+                    (v(0.68, -5.6, 9.2), 0.54),
+                    (v(0.90, -6.4, 9.2), 0.50),
                 ],
                 0.3,
             );
-            nose = blend(nose, wall, 0.7);
-            nose = blend(nose, ellipsoid(m, v(0.36, -6.35, 10.40), v(0.62, 0.60, 0.74)), 0.5);
+            nose = blend(nose, wall, 1.1);
+            nose = blend(nose, ellipsoid(m, v(0.26, -6.30, 10.45), v(0.60, 0.60, 0.74)), 0.5);
             let q = m - v(1.10, -6.68, 9.55);
             let q = v(q.x * 0.92 + q.z * 0.39, q.y, q.z * 0.92 - q.x * 0.39);
-            let ala = ellipsoid(q, v(0.0, 0.0, 0.0), v(0.52, 0.64, 0.95));
-            nose = blend(nose, ala, 0.65);
+            let ala = ellipsoid(q, v(0.0, 0.0, 0.0), v(0.52, 0.66, 0.98));
+            nose = blend(nose, ala, 0.8);
             let columella =
-                tube(p, &[(v(0.0, -6.75, 10.45), 0.42), (v(0.0, -7.0, 9.6), 0.40)], 0.0);
+                tube(p, &[(v(0.0, -6.70, 10.40), 0.36), (v(0.0, -7.0, 9.6), 0.36)], 0.0);
             nose = blend(nose, columella, 0.35);
-            d = blend(d, nose, 0.9);
+            d = blend(d, nose, 1.15);
             for s in &self.late {
                 d -= s.at(p);
             }
@@ -597,10 +608,10 @@ impl Bust {
                 let (up, down) = Self::lids(q.x);
                 // The crease of the upper lid follows its edge.
                 let crease =
-                    (q.y - up - 0.36 - 0.05 * (1.0 - (q.x / FISSURE) * (q.x / FISSURE))) / 0.10;
+                    (q.y - up - 0.36 - 0.05 * (1.0 - (q.x / FISSURE) * (q.x / FISSURE))) / 0.14;
                 let fade = 1.0 - step(1.1, 1.8, q.x.abs());
                 if q.z > 0.0 {
-                    d += 0.13 * fade * (-crease * crease).exp();
+                    d += 0.12 * fade * (-crease * crease).exp();
                 }
                 let open = (q.y - up).max(down - q.y) * 0.85;
                 let slit = open.max(-q.z);
@@ -619,7 +630,7 @@ impl Bust {
         // The cut: a level base, and the arms taken off by leaning planes.
         let arm = (p.x - 20.4) * 0.97 + (p.y + 24.5) * -0.20;
         d = both(d, arm, 2.0);
-        d = both(d, -27.6 - p.y, 1.3);
+        d = both(d, -27.6 - p.y, 2.2);
         (d, stuff)
     }
 
@@ -643,7 +654,23 @@ impl Bust {
         if q.length() > 2.0 || q.z < 0.0 {
             return -1.0;
         }
-        0.035 - ellipsoid(q, v(0.0, 0.0, 0.0), BALL)
+        0.022 - ellipsoid(q, v(0.0, 0.0, 0.0), BALL)
+    }
+
+    /// Positive on the coloured part of the eye, zero along its rim.
+    pub fn iris_level(&self, p: V) -> f64 {
+        let q = v(p.x.abs(), p.y, p.z) - EYE;
+        if self.eye_level(p) < -0.1 {
+            return -1.0;
+        }
+        let (x, y) = (q.x - 0.02, q.y - 0.05);
+        0.57 - (x * x + y * y).sqrt()
+    }
+
+    /// Positive above the line between the lips.
+    pub fn mouth_level(&self, p: V) -> f64 {
+        let x = p.x.abs();
+        if p.z < 6.5 || x > 2.6 || p.y < -10.5 { 1.0 } else { p.y - Self::mouth_line(x) }
     }
 
     /// Smaller than zero on the ear, in near-centimetres beside it.
@@ -671,7 +698,7 @@ impl Bust {
                 .min(0.30 + 0.10 * (far(v(0.0, -7.0, 9.0), v(5.5, 6.5, 5.0)) - 1.0).max(0.0) * 5.0);
         }
         let near = |c: V, s: V, fine: f64| fine + 0.30 * (far(c, s) - 1.0).max(0.0);
-        l = l.min(near(EYE + v(0.0, 0.0, 0.9), v(1.7, 0.9, 1.2), 0.125));
+        l = l.min(near(EYE + v(0.0, 0.0, 0.9), v(1.7, 0.95, 1.2), 0.11));
         l = l.min(near(v(0.0, -9.5, 9.0), v(2.7, 1.1, 2.0), 0.15));
         l = l.min(near(v(0.0, -6.9, 9.9), v(1.8, 0.9, 1.5), 0.15));
         l = l.min(near(v(0.0, -5.0, 9.6), v(1.5, 2.6, 1.5), 0.26));
@@ -686,7 +713,7 @@ impl Bust {
             l = l.min(0.075 + 0.2 * off.max(0.0));
         }
         if p.z > 7.0 && p.x < 3.0 {
-            l = l.min(0.095 + 0.2 * (p.y + 9.45).abs() + 0.3 * (p.x - 2.5).max(0.0));
+            l = l.min(0.08 + 0.2 * (p.y + 9.45).abs() + 0.3 * (p.x - 2.5).max(0.0));
         }
         let e = self.ear(p);
         if e < 3.0 && p.z < 3.0 {
