@@ -102,6 +102,15 @@ fn hairline(p: V) -> f64 {
     p.y - through(&HAIRLINE, p.x.abs().atan2(p.z).to_degrees())
 }
 
+/// Finer edges where the mask fades. The sculpture's own coordinates: the centre of the cranium is where
+/// earlier runs found it, near enough for this.
+pub fn edge_length_at_hairline(p: V) -> f64 {
+    if p.y < -9.0 || p.length() > 12.0 {
+        return 9.0;
+    }
+    0.28 + 0.4 * (hairline(p - v(0.0, 0.21, -0.43)).abs() - 0.5).max(0.0)
+}
+
 /// Everything from the whole mesh; `shift` takes the sculpture's coordinates to the file's.
 pub fn finish(bust: &Bust, points: Vec<V>, triangles: Vec<[u32; 3]>) -> Made {
     let (c, r) = cranium(&points, &triangles);
