@@ -21,14 +21,6 @@ struct Dab {
     amount: f64,
 }
 
-/// What a triangle is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stuff {
-    Skin = 0,
-    Lips = 1,
-    Eyes = 2,
-}
-
 /// The bust.
 pub struct Bust {
     strokes: Vec<Stroke>,
@@ -116,17 +108,19 @@ impl Bust {
             dab((6.6, -0.6, 5.0), (2.0, 2.8, 2.4), -0.22),
             // Orbits.
             dab((3.0, -2.7, 8.4), (1.9, 1.15, 1.5), -0.78),
-            dab((1.7, -2.7, 8.4), (0.8, 1.1, 1.3), -0.34),
+            dab((1.7, -2.7, 8.4), (0.8, 1.1, 1.3), -0.26),
+            dab((3.3, -1.8, 7.9), (1.6, 0.6, 1.0), 0.16),
             // Cheeks: body of the cheekbone, hollow below, pad beside the mouth.
             dab((4.2, -5.0, 6.9), (2.0, 1.6, 2.4), 0.36),
             dab((6.4, -4.4, 3.0), (1.5, 1.3, 2.8), 0.18),
             dab((5.4, -8.0, 4.0), (2.2, 2.2, 2.8), -0.10),
             dab((3.2, -6.6, 7.8), (1.8, 1.8, 2.0), 0.22),
+            dab((4.6, -6.9, 6.0), (2.2, 2.3, 2.6), 0.24),
             // The mound of the teeth, the fold under the lip, the chin.
             dab((0.0, -9.3, 8.8), (2.7, 1.8, 2.4), 0.52),
-            dab((0.0, -11.25, 9.0), (1.8, 0.65, 1.2), -0.34),
+            dab((0.0, -11.25, 9.0), (1.9, 0.75, 1.2), -0.28),
             dab((0.0, -12.7, 8.4), (1.5, 1.1, 1.5), 0.34),
-            dab((2.7, -9.6, 8.2), (0.65, 0.6, 0.9), -0.12),
+            dab((2.6, -9.6, 8.2), (0.65, 0.6, 0.9), -0.10),
             // In front of the ear.
             dab((6.5, -5.2, 0.9), (0.9, 2.0, 1.2), 0.22),
             // Angle of the jaw.
@@ -152,9 +146,9 @@ impl Bust {
                 0.9,
                 &[
                     (0.4, -1.2, 9.1, 0.08),
-                    (1.4, -1.05, 9.0, 0.16),
-                    (2.8, -0.85, 8.5, 0.22),
-                    (4.4, -1.0, 7.2, 0.26),
+                    (1.4, -0.90, 9.0, 0.14),
+                    (2.8, -0.65, 8.5, 0.20),
+                    (4.4, -0.85, 7.2, 0.24),
                     (5.3, -2.0, 5.8, 0.20),
                 ],
             ),
@@ -290,12 +284,12 @@ impl Bust {
         let half = through(
             &[
                 (-15.0, 2.6),
-                (-13.5, 3.2),
-                (-11.5, 4.35),
-                (-9.4, 5.35),
-                (-7.0, 6.2),
-                (-4.5, 6.55),
-                (-1.5, 6.6),
+                (-13.5, 3.4),
+                (-11.5, 4.72),
+                (-9.4, 5.75),
+                (-7.0, 6.45),
+                (-4.5, 6.80),
+                (-1.5, 6.75),
                 (1.5, 6.2),
                 (4.0, 5.2),
             ],
@@ -399,7 +393,7 @@ impl Bust {
 
     /// Height of the line between the lips.
     fn mouth_line(x: f64) -> f64 {
-        let s = (x / 2.5).min(1.0);
+        let s = (x / 2.38).min(1.0);
         -9.45 - 0.05 * (-(x / 0.4) * (x / 0.4)).exp() + 0.24 * (1.0 - s) * s - 0.08 * s * s
     }
 
@@ -409,7 +403,7 @@ impl Bust {
             return (0.0, -1.0);
         }
         let x = p.x;
-        let s = (x / 2.5).min(1.0);
+        let s = (x / 2.38).min(1.0);
         let line = Self::mouth_line(x);
         let top = through(
             &[
@@ -418,8 +412,8 @@ impl Bust {
                 (0.55, -8.70),
                 (0.85, -8.73),
                 (1.4, -8.90),
-                (2.0, -9.22),
-                (2.5, -9.50),
+                (1.9, -9.22),
+                (2.38, -9.50),
             ],
             x,
         );
@@ -429,8 +423,8 @@ impl Bust {
                 (0.6, -10.40),
                 (1.2, -10.25),
                 (1.8, -9.98),
-                (2.3, -9.68),
-                (2.5, -9.56),
+                (2.2, -9.68),
+                (2.38, -9.56),
             ],
             x,
         );
@@ -442,7 +436,7 @@ impl Bust {
             if t < 0.0 {
                 0.0
             } else {
-                (t / 0.36).min(1.0) * (2.0 - (t / 0.36).min(1.0)) * (1.0 - step(0.30, 1.12, t))
+                (t / 0.42).min(1.0) * (2.0 - (t / 0.42).min(1.0)) * (1.0 - step(0.35, 1.30, t))
             }
         };
         h += 0.27 * full * roll(above);
@@ -451,12 +445,8 @@ impl Bust {
         h -= 0.12
             * (0.25 + 0.75 * full)
             * (-((p.y - line) / 0.17) * ((p.y - line) / 0.17)).exp()
-            * (1.0 - step(2.35, 2.75, x));
-        let inside = if x < 2.5 && p.y < top && p.y > low {
-            (top - p.y).min(p.y - low).min((2.5 - x) * 0.5)
-        } else {
-            -1.0
-        };
+            * (1.0 - step(2.2, 2.65, x));
+        let inside = (top - p.y).min(p.y - low).min((2.38 - x) * 0.5);
         (h, inside)
     }
 
@@ -531,14 +521,21 @@ impl Bust {
         blend(d, anti, 0.2)
     }
 
-    /// The field, and what the surface is made of there.
-    pub fn full(&self, p: V) -> (f64, Stuff) {
-        let p = v(p.x.abs(), p.y, p.z);
+    /// The side x >= 0, with the face moved up a little as one piece: the eyes belong half-way between crown
+    /// and chin, and it is easier to move a finished face than all of its numbers.
+    fn place(p: V) -> V {
+        let face = step(0.0, 6.0, p.z) * (1.0 - step(-1.5, 4.0, p.y)) * step(-20.0, -14.0, p.y);
+        v(p.x.abs(), p.y - 0.38 * face, p.z)
+    }
+
+    /// The field; and a level that is positive on the eyeball and zero where the lids meet it.
+    fn full(&self, p: V) -> (f64, f64) {
+        let p = Self::place(p);
         let mut d = self.masses(p);
-        let mut stuff = Stuff::Skin;
+        let mut eye = -1.0;
         // Far from the surface the brushes cannot matter.
         if d > 4.0 {
-            return (d - 2.0, stuff);
+            return (d - 2.0, eye);
         }
         let mut clay = 0.0;
         for b in &self.dabs {
@@ -595,11 +592,7 @@ impl Bust {
             let nostril = ellipsoid(q, v(0.0, 0.0, 0.0), v(0.27, 0.55, 0.52));
             d = both(d, -nostril, 0.18);
             // Lips.
-            let (h, inside) = self.lips(p);
-            d -= h;
-            if inside > 0.0 {
-                stuff = Stuff::Lips;
-            }
+            d -= self.lips(p).0;
             // Eyes.
             let q = p - EYE;
             if q.length() < 3.5 {
@@ -609,7 +602,7 @@ impl Bust {
                 // The crease of the upper lid follows its edge.
                 let crease =
                     (q.y - up - 0.36 - 0.05 * (1.0 - (q.x / FISSURE) * (q.x / FISSURE))) / 0.14;
-                let fade = 1.0 - step(1.1, 1.8, q.x.abs());
+                let fade = 1.0 - step(0.9, 2.0, q.x.abs());
                 if q.z > 0.0 {
                     d += 0.12 * fade * (-crease * crease).exp();
                 }
@@ -617,8 +610,8 @@ impl Bust {
                 let slit = open.max(-q.z);
                 d = both(d, -slit, 0.10);
                 let ball = ellipsoid(q, v(0.0, 0.0, 0.0), BALL);
-                if ball < d && q.z > 0.0 {
-                    stuff = Stuff::Eyes;
+                if q.z > 0.0 {
+                    eye = d - ball;
                 }
                 d = blend(d, ball, 0.03);
             }
@@ -631,7 +624,7 @@ impl Bust {
         let arm = (p.x - 20.4) * 0.97 + (p.y + 24.5) * -0.20;
         d = both(d, arm, 2.0);
         d = both(d, -27.6 - p.y, 2.2);
-        (d, stuff)
+        (d, eye)
     }
 
     /// The chest without its base, for the rim's edge lengths.
@@ -645,22 +638,18 @@ impl Bust {
 
     /// Positive on the lips, zero along their border.
     pub fn lip_level(&self, p: V) -> f64 {
-        self.lips(v(p.x.abs(), p.y, p.z)).1
+        self.lips(Self::place(p)).1
     }
 
-    /// Positive where the eyeball shows between the lids.
+    /// Positive where the eyeball shows between the lids, zero where they meet it.
     pub fn eye_level(&self, p: V) -> f64 {
-        let q = v(p.x.abs(), p.y, p.z) - EYE;
-        if q.length() > 2.0 || q.z < 0.0 {
-            return -1.0;
-        }
-        0.022 - ellipsoid(q, v(0.0, 0.0, 0.0), BALL)
+        self.full(p).1
     }
 
-    /// Positive on the coloured part of the eye, zero along its rim.
+    /// Positive on the coloured part of the eye and on the lids before it, zero along its rim.
     pub fn iris_level(&self, p: V) -> f64 {
-        let q = v(p.x.abs(), p.y, p.z) - EYE;
-        if self.eye_level(p) < -0.1 {
+        let q = Self::place(p) - EYE;
+        if q.length() > 2.0 || q.z < 0.0 {
             return -1.0;
         }
         let (x, y) = (q.x - 0.02, q.y - 0.05);
@@ -669,7 +658,8 @@ impl Bust {
 
     /// Positive above the line between the lips.
     pub fn mouth_level(&self, p: V) -> f64 {
-        let x = p.x.abs();
+        let p = Self::place(p);
+        let x = p.x;
         if p.z < 6.5 || x > 2.6 || p.y < -10.5 { 1.0 } else { p.y - Self::mouth_line(x) }
     }
 
@@ -680,7 +670,7 @@ impl Bust {
 
     /// The wanted edge length: fine where the form is fine.
     pub fn edge_length(&self, p: V) -> f64 {
-        let p = v(p.x.abs(), p.y, p.z);
+        let p = Self::place(p);
         let far = |c: V, s: V| (p - c).over(s).length();
         let mut l = through(
             &[
@@ -710,10 +700,10 @@ impl Bust {
         if q.length() < 2.2 && q.z > 0.0 {
             let (up, down) = Self::lids(q.x);
             let off = (q.y - up).abs().min((q.y - down).abs()).max(q.x.abs() - FISSURE);
-            l = l.min(0.075 + 0.2 * off.max(0.0));
+            l = l.min(0.062 + 0.22 * off.max(0.0));
         }
         if p.z > 7.0 && p.x < 3.0 {
-            l = l.min(0.08 + 0.2 * (p.y + 9.45).abs() + 0.3 * (p.x - 2.5).max(0.0));
+            l = l.min(0.06 + 0.25 * (p.y + 9.45).abs() + 0.3 * (p.x - 2.5).max(0.0));
         }
         let e = self.ear(p);
         if e < 3.0 && p.z < 3.0 {
