@@ -79,7 +79,7 @@ fn dab(at: (f64, f64, f64), size: (f64, f64, f64), amount: f64) -> Dab {
 }
 
 /// The middle of the eyeball, and its radius.
-pub const EYE: V = v(3.12, -2.95, 6.75);
+pub const EYE: V = v(3.12, -2.95, 6.78);
 pub const EYE_R: f64 = 1.22;
 /// Where the ear sits: just above its bowl's notch.
 pub const EAR: V = v(6.80, -4.45, -0.45);
@@ -107,8 +107,8 @@ impl Bust {
             dab((2.8, 4.2, 7.4), (3.4, 3.0, 3.2), 0.22),
             dab((6.6, -0.6, 5.0), (2.0, 2.8, 2.4), -0.22),
             // Orbits.
-            dab((3.0, -2.7, 8.4), (1.9, 1.15, 1.5), -0.78),
-            dab((1.7, -2.7, 8.4), (0.8, 1.1, 1.3), -0.26),
+            dab((3.0, -2.7, 8.4), (1.9, 1.22, 1.5), -0.76),
+            dab((1.75, -2.85, 8.4), (0.8, 0.9, 1.3), -0.40),
             dab((3.3, -1.8, 7.9), (1.6, 0.6, 1.0), 0.16),
             // Cheeks: body of the cheekbone, hollow below, pad beside the mouth.
             dab((4.2, -5.0, 6.9), (2.0, 1.6, 2.4), 0.36),
@@ -128,12 +128,12 @@ impl Bust {
             dab((3.9, -12.0, 1.9), (1.6, 1.2, 1.8), 0.55),
             // Windpipe, pit of the neck, hollows above the collarbones, breast muscles.
             dab((0.0, -17.2, 4.0), (1.1, 1.6, 2.0), 0.30),
-            dab((0.0, -21.0, 3.2), (1.2, 1.0, 1.6), -0.60),
+            dab((0.0, -21.0, 3.2), (1.4, 1.2, 1.6), -0.45),
             dab((6.8, -20.4, 0.2), (2.8, 1.1, 1.8), -0.80),
             dab((7.5, -27.0, 6.0), (4.5, 3.2, 4.0), 0.45),
             dab((0.0, -26.0, 7.0), (0.9, 4.0, 3.0), -0.22),
             // Shoulder blades and the furrow of the spine.
-            dab((7.2, -25.5, -11.5), (2.6, 3.4, 3.0), 0.40),
+            dab((7.2, -25.5, -11.5), (2.8, 3.6, 3.0), 0.26),
             dab((0.0, -24.0, -12.5), (1.2, 4.0, 2.5), -0.30),
             // Nape: the hollow between the two cords.
             dab((0.0, -9.5, -8.0), (1.3, 3.4, 2.0), -0.30),
@@ -181,15 +181,15 @@ impl Bust {
                     (6.1, -7.0, -3.0, 0.35),
                     (5.6, -12.0, -1.6, 0.45),
                     (3.8, -17.0, 1.2, 0.46),
-                    (1.5, -21.2, 2.8, 0.42),
+                    (1.5, -21.2, 2.8, 0.28),
                 ],
             ),
             // Collarbones.
             stroke(
                 0.75,
                 &[
-                    (1.2, -21.7, 3.0, 0.55),
-                    (4.5, -21.6, 3.2, 0.5),
+                    (1.4, -21.8, 3.0, 0.36),
+                    (4.5, -21.6, 3.2, 0.42),
                     (9.0, -21.3, 1.4, 0.4),
                     (12.5, -21.4, -1.2, 0.35),
                     (15.5, -21.8, -3.0, 0.05),
@@ -361,7 +361,7 @@ impl Bust {
             p.y,
         );
         let neck = both(loft(p, half, front, back), p.y + 4.5, 3.0);
-        d = blend(d, neck, 1.5);
+        d = blend(d, neck, 2.4);
         // Chest, shoulders and the slope of the trapezius.
         let chest = ellipsoid(p, v(0.0, -33.0, -3.2), v(18.5, 12.6, 10.4));
         // Paired masses meet the midline without a crease.
@@ -439,8 +439,8 @@ impl Bust {
                 (t / 0.42).min(1.0) * (2.0 - (t / 0.42).min(1.0)) * (1.0 - step(0.35, 1.30, t))
             }
         };
-        h += 0.27 * full * roll(above);
-        h += 0.34 * full * roll(below);
+        h += 0.23 * full * roll(above);
+        h += 0.29 * full * roll(below);
         // The slit between the lips.
         h -= 0.12
             * (0.25 + 0.75 * full)
@@ -623,7 +623,7 @@ impl Bust {
         // The cut: a level base, and the arms taken off by leaning planes.
         let arm = (p.x - 20.4) * 0.97 + (p.y + 24.5) * -0.20;
         d = both(d, arm, 2.0);
-        d = both(d, -27.6 - p.y, 2.2);
+        d = both(d, -27.6 - p.y, 3.0);
         (d, eye)
     }
 
@@ -694,7 +694,7 @@ impl Bust {
         l = l.min(near(v(0.0, -5.0, 9.6), v(1.5, 2.6, 1.5), 0.26));
         // The rounded rim of the base, the edges of the lids, the line between the lips.
         if p.y < -25.8 {
-            l = l.min(0.42 + 0.35 * (p.y + 27.3).abs() + 0.25 * (-self.sides(p)).max(0.0));
+            l = l.min(0.36 + 0.35 * (p.y + 27.2).abs() + 0.25 * (-self.sides(p)).max(0.0));
         }
         let q = p - EYE;
         if q.length() < 2.2 && q.z > 0.0 {
