@@ -18,7 +18,7 @@ pub struct Made {
 }
 
 /// The names in the order of their numbers.
-pub const MATERIALS: [&str; 3] = ["skin", "lips", "eyes"];
+pub const MATERIALS: [&str; 4] = ["skin", "lips", "eyes", "iris"];
 
 /// The cranium sphere, fitted as the `head` node does: centre and radius.
 pub fn cranium(points: &[V], triangles: &[[u32; 3]]) -> (V, f64) {
@@ -102,6 +102,15 @@ fn hairline(p: V) -> f64 {
     p.y - through(&HAIRLINE, p.x.abs().atan2(p.z).to_degrees())
 }
 
+/// Finer edges where the mask fades. The sculpture's own coordinates: the centre of the cranium is where
+/// earlier runs found it, near enough for this.
+pub fn edge_length_at_hairline(p: V) -> f64 {
+    if p.y < -9.0 || p.length() > 12.0 {
+        return 9.0;
+    }
+    0.28 + 0.4 * (hairline(p - v(0.0, 0.21, -0.43)).abs() - 0.5).max(0.0)
+}
+
 /// Everything from the whole mesh; `shift` takes the sculpture's coordinates to the file's.
 pub fn finish(bust: &Bust, points: Vec<V>, triangles: Vec<[u32; 3]>) -> Made {
     let (c, r) = cranium(&points, &triangles);
@@ -124,7 +133,7 @@ pub fn finish(bust: &Bust, points: Vec<V>, triangles: Vec<[u32; 3]>) -> Made {
             if mean(&|p| bust.lip_level(p)) > 0.0 {
                 1
             } else if mean(&|p| bust.eye_level(p)) > 0.0 {
-                2
+                if mean(&|p| bust.iris_level(p)) > 0.0 { 3 } else { 2 }
             } else {
                 0
             }

@@ -19,11 +19,15 @@ fn main() {
     let bust = shape::Bust::new();
     let mut soup = mesher::cut_out(&bust, 0.16);
     println!("cut out: {} triangles in the half", soup.triangles.len());
-    let size = |p: V| bust.edge_length(p);
+    let size = |p: V| bust.edge_length(p).min(finish::edge_length_at_hairline(p));
     soup.remesh(&bust, &size, 7);
     println!("remeshed: {}", soup.triangles.len());
+    // Level edges round the base, and edges along every border that must look clean.
+    soup.cut_along(&bust, &|p| p.y + 27.35);
+    soup.cut_along(&bust, &|p| bust.mouth_level(p));
     soup.cut_along(&bust, &|p| bust.lip_level(p));
     soup.cut_along(&bust, &|p| bust.eye_level(p));
+    soup.cut_along(&bust, &|p| bust.iris_level(p));
     println!("cut along lips and eyes: {}", soup.triangles.len());
     let (points, triangles) = soup.mirrored();
     println!("whole: {} points, {} triangles", points.len(), triangles.len());

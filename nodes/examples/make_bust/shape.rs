@@ -21,14 +21,6 @@ struct Dab {
     amount: f64,
 }
 
-/// What a triangle is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stuff {
-    Skin = 0,
-    Lips = 1,
-    Eyes = 2,
-}
-
 /// The bust.
 pub struct Bust {
     strokes: Vec<Stroke>,
@@ -87,10 +79,10 @@ fn dab(at: (f64, f64, f64), size: (f64, f64, f64), amount: f64) -> Dab {
 }
 
 /// The middle of the eyeball, and its radius.
-pub const EYE: V = v(3.2, -2.95, 6.75);
+pub const EYE: V = v(3.12, -2.95, 6.78);
 pub const EYE_R: f64 = 1.22;
 /// Where the ear sits: just above its bowl's notch.
-pub const EAR: V = v(6.95, -4.45, -0.45);
+pub const EAR: V = v(6.80, -4.45, -0.45);
 const FISSURE: f64 = 1.42;
 /// The part of the eyeball that shows is wider than a ball, so that the corners of the lids close on it.
 const BALL: V = v(1.50, EYE_R, EYE_R);
@@ -115,26 +107,34 @@ impl Bust {
             dab((2.8, 4.2, 7.4), (3.4, 3.0, 3.2), 0.22),
             dab((6.6, -0.6, 5.0), (2.0, 2.8, 2.4), -0.22),
             // Orbits.
-            dab((3.0, -2.7, 8.4), (1.9, 1.2, 1.5), -0.85),
-            dab((1.7, -2.7, 8.4), (0.8, 1.1, 1.3), -0.42),
+            dab((3.0, -2.7, 8.4), (1.9, 1.22, 1.5), -0.76),
+            dab((1.75, -2.85, 8.4), (0.8, 0.9, 1.3), -0.40),
+            dab((3.3, -1.8, 7.9), (1.6, 0.6, 1.0), 0.16),
             // Cheeks: body of the cheekbone, hollow below, pad beside the mouth.
-            dab((4.3, -5.1, 6.8), (1.9, 1.5, 2.2), 0.42),
-            dab((6.4, -4.3, 3.0), (1.4, 1.0, 2.6), 0.28),
-            dab((5.4, -8.0, 4.0), (2.2, 2.2, 2.8), -0.20),
-            dab((2.9, -6.6, 8.0), (1.6, 1.7, 1.8), 0.16),
+            dab((4.2, -5.0, 6.9), (2.0, 1.6, 2.4), 0.36),
+            dab((6.4, -4.4, 3.0), (1.5, 1.3, 2.8), 0.18),
+            dab((5.4, -8.0, 4.0), (2.2, 2.2, 2.8), -0.10),
+            dab((3.2, -6.6, 7.8), (1.8, 1.8, 2.0), 0.22),
+            dab((4.6, -6.9, 6.0), (2.2, 2.3, 2.6), 0.24),
             // The mound of the teeth, the fold under the lip, the chin.
-            dab((0.0, -9.2, 8.8), (2.6, 1.9, 2.2), 0.45),
-            dab((0.0, -11.25, 9.0), (1.7, 0.55, 1.2), -0.38),
-            dab((0.0, -12.7, 8.4), (1.5, 1.0, 1.5), 0.42),
-            dab((2.75, -9.65, 8.2), (0.6, 0.6, 0.9), -0.16),
+            dab((0.0, -9.3, 8.8), (2.7, 1.8, 2.4), 0.52),
+            dab((0.0, -11.25, 9.0), (1.9, 0.75, 1.2), -0.28),
+            dab((0.0, -12.7, 8.4), (1.5, 1.1, 1.5), 0.34),
+            dab((2.6, -9.6, 8.2), (0.65, 0.6, 0.9), -0.10),
+            // In front of the ear.
+            dab((6.5, -5.2, 0.9), (0.9, 2.0, 1.2), 0.22),
             // Angle of the jaw.
             dab((5.2, -9.6, 0.8), (1.3, 1.4, 1.6), 0.32),
+            dab((3.9, -12.0, 1.9), (1.6, 1.2, 1.8), 0.55),
             // Windpipe, pit of the neck, hollows above the collarbones, breast muscles.
             dab((0.0, -17.2, 4.0), (1.1, 1.6, 2.0), 0.30),
-            dab((0.0, -21.0, 3.2), (1.1, 1.0, 1.6), -0.75),
+            dab((0.0, -21.0, 3.2), (1.4, 1.2, 1.6), -0.45),
             dab((6.8, -20.4, 0.2), (2.8, 1.1, 1.8), -0.80),
             dab((7.5, -27.0, 6.0), (4.5, 3.2, 4.0), 0.45),
             dab((0.0, -26.0, 7.0), (0.9, 4.0, 3.0), -0.22),
+            // Shoulder blades and the furrow of the spine.
+            dab((7.2, -25.5, -11.5), (2.8, 3.6, 3.0), 0.26),
+            dab((0.0, -24.0, -12.5), (1.2, 4.0, 2.5), -0.30),
             // Nape: the hollow between the two cords.
             dab((0.0, -9.5, -8.0), (1.3, 3.4, 2.0), -0.30),
             dab((2.3, -10.0, -7.2), (1.5, 4.0, 2.0), 0.22),
@@ -145,11 +145,11 @@ impl Bust {
             stroke(
                 0.9,
                 &[
-                    (0.4, -1.4, 9.1, 0.10),
-                    (1.4, -1.3, 9.0, 0.24),
-                    (2.8, -1.05, 8.5, 0.30),
-                    (4.4, -1.15, 7.2, 0.32),
-                    (5.3, -2.0, 5.8, 0.22),
+                    (0.4, -1.2, 9.1, 0.08),
+                    (1.4, -0.90, 9.0, 0.14),
+                    (2.8, -0.65, 8.5, 0.20),
+                    (4.4, -0.85, 7.2, 0.24),
+                    (5.3, -2.0, 5.8, 0.20),
                 ],
             ),
             // Outer rim of the orbit and lower rim.
@@ -163,15 +163,15 @@ impl Bust {
                 ],
             ),
             // Cheek arch towards the ear.
-            stroke(1.1, &[(5.0, -4.7, 5.9, 0.08), (6.3, -4.3, 3.4, 0.16), (6.9, -4.0, 0.8, 0.12)]),
+            stroke(1.1, &[(5.0, -4.7, 5.9, 0.08), (6.3, -4.3, 3.4, 0.09), (6.9, -4.0, 0.8, 0.08)]),
             // Edge of the jaw.
             stroke(
                 0.9,
                 &[
                     (5.2, -8.2, 0.2, 0.1),
-                    (5.1, -10.2, 1.2, 0.28),
-                    (4.2, -11.9, 4.0, 0.22),
-                    (2.4, -13.2, 6.9, 0.15),
+                    (5.1, -10.2, 1.2, 0.26),
+                    (4.2, -11.7, 4.0, 0.24),
+                    (2.4, -13.0, 6.9, 0.16),
                 ],
             ),
             // Neck muscle from behind the ear to the breastbone.
@@ -180,19 +180,19 @@ impl Bust {
                 &[
                     (6.1, -7.0, -3.0, 0.35),
                     (5.6, -12.0, -1.6, 0.45),
-                    (3.8, -17.0, 1.2, 0.55),
-                    (1.5, -21.2, 2.8, 0.65),
+                    (3.8, -17.0, 1.2, 0.46),
+                    (1.5, -21.2, 2.8, 0.28),
                 ],
             ),
             // Collarbones.
             stroke(
                 0.75,
                 &[
-                    (1.2, -21.7, 3.0, 0.55),
-                    (4.5, -21.6, 3.2, 0.5),
+                    (1.4, -21.8, 3.0, 0.36),
+                    (4.5, -21.6, 3.2, 0.42),
                     (9.0, -21.3, 1.4, 0.4),
-                    (13.0, -21.3, -1.5, 0.4),
-                    (16.2, -21.6, -3.2, 0.2),
+                    (12.5, -21.4, -1.2, 0.35),
+                    (15.5, -21.8, -3.0, 0.05),
                 ],
             ),
             // Fold from the wing of the nose to the corner of the mouth.
@@ -213,12 +213,12 @@ impl Bust {
             ),
             // Crease above the wing of the nose.
             stroke(
-                0.16,
+                0.20,
                 &[
-                    (0.95, -5.75, 10.3, -0.02),
-                    (1.25, -5.95, 9.9, -0.13),
-                    (1.65, -6.3, 9.2, -0.16),
-                    (1.75, -7.0, 8.8, -0.10),
+                    (0.90, -5.85, 10.3, -0.01),
+                    (1.25, -5.95, 9.9, -0.08),
+                    (1.65, -6.3, 9.2, -0.12),
+                    (1.78, -7.0, 8.8, -0.10),
                 ],
             ),
         ];
@@ -227,8 +227,8 @@ impl Bust {
                 (v(0.0, -1.9, 8.15), 0.70),
                 (v(0.0, -2.9, 8.35), 0.58),
                 (v(0.0, -4.3, 9.25), 0.62),
-                (v(0.0, -5.5, 10.00), 0.66),
-                (v(0.0, -6.25, 10.50), 0.80),
+                (v(0.0, -5.4, 9.95), 0.62),
+                (v(0.0, -6.32, 10.45), 0.84),
             ],
             3,
         );
@@ -260,7 +260,7 @@ impl Bust {
                 e(2.15, -0.20, 0.42, 0.30),
                 e(2.12, 0.70, 0.42, 0.32),
                 e(1.75, 1.55, 0.34, 0.30),
-                e(1.30, 2.20, 0.20, 0.24),
+                e(1.36, 2.05, 0.20, 0.22),
             ],
             9,
         );
@@ -283,13 +283,13 @@ impl Bust {
         // The face: ellipses by height, cut below by the plane of the jaw and behind by its branch.
         let half = through(
             &[
-                (-15.0, 2.9),
-                (-13.5, 3.55),
-                (-11.5, 4.6),
-                (-9.4, 5.5),
-                (-7.0, 6.2),
-                (-4.5, 6.62),
-                (-1.5, 6.6),
+                (-15.0, 2.6),
+                (-13.5, 3.4),
+                (-11.5, 4.72),
+                (-9.4, 5.75),
+                (-7.0, 6.45),
+                (-4.5, 6.80),
+                (-1.5, 6.75),
                 (1.5, 6.2),
                 (4.0, 5.2),
             ],
@@ -315,7 +315,7 @@ impl Bust {
             through(&[(-15.0, -0.5), (-12.0, -3.5), (-9.0, -5.5), (-4.0, -5.0), (4.0, -5.0)], p.y);
         let mut face = loft(p, half, front, back);
         let jaw = -(p - v(0.0, -13.75, 7.6)).dot(v(0.0, 0.90, 0.435));
-        face = both(face, jaw, 2.6);
+        face = both(face, jaw, 3.2);
         face = both(face, -0.15 - p.z - (p.y + 9.0) * 0.18, 2.4);
         face = both(face, p.y - 3.5, 3.0);
         let mut d = blend(cranium, face, 2.2);
@@ -361,7 +361,7 @@ impl Bust {
             p.y,
         );
         let neck = both(loft(p, half, front, back), p.y + 4.5, 3.0);
-        d = blend(d, neck, 1.5);
+        d = blend(d, neck, 2.4);
         // Chest, shoulders and the slope of the trapezius.
         let chest = ellipsoid(p, v(0.0, -33.0, -3.2), v(18.5, 12.6, 10.4));
         // Paired masses meet the midline without a crease.
@@ -370,7 +370,7 @@ impl Bust {
             p,
             &[
                 (v(8.0, -26.4, -3.6), 4.6),
-                (v(15.2, -26.2, -4.0), 4.35),
+                (v(15.2, -26.5, -4.0), 4.35),
                 (v(16.6, -29.0, -3.8), 4.2),
             ],
             2.0,
@@ -378,8 +378,8 @@ impl Bust {
         let trapezius = tube(
             p,
             &[
-                (v(2.5, -13.0, -5.8), 2.2),
-                (v(5.0, -19.6, -6.2), 2.4),
+                (v(3.2, -15.0, -5.4), 1.6),
+                (v(5.0, -19.2, -5.9), 2.3),
                 (v(9.5, -22.2, -5.6), 2.1),
                 (v(15.0, -23.6, -4.4), 1.6),
             ],
@@ -391,15 +391,20 @@ impl Bust {
         d
     }
 
+    /// Height of the line between the lips.
+    fn mouth_line(x: f64) -> f64 {
+        let s = (x / 2.38).min(1.0);
+        -9.45 - 0.05 * (-(x / 0.4) * (x / 0.4)).exp() + 0.24 * (1.0 - s) * s - 0.08 * s * s
+    }
+
     /// Lip relief over the face: (height, true lip surface where > 0).
     fn lips(&self, p: V) -> (f64, f64) {
         if p.z < 6.5 || p.y > -7.6 || p.y < -11.6 || p.x > 3.4 {
             return (0.0, -1.0);
         }
         let x = p.x;
-        let s = (x / 2.5).min(1.0);
-        let line = -9.45 - 0.05 * (-(x / 0.4) * (x / 0.4)).exp() + 0.06 * (1.0 - s) * s * 4.0
-            - 0.08 * s * s;
+        let s = (x / 2.38).min(1.0);
+        let line = Self::mouth_line(x);
         let top = through(
             &[
                 (0.0, -8.80),
@@ -407,8 +412,8 @@ impl Bust {
                 (0.55, -8.70),
                 (0.85, -8.73),
                 (1.4, -8.90),
-                (2.0, -9.22),
-                (2.5, -9.50),
+                (1.9, -9.22),
+                (2.38, -9.50),
             ],
             x,
         );
@@ -418,8 +423,8 @@ impl Bust {
                 (0.6, -10.40),
                 (1.2, -10.25),
                 (1.8, -9.98),
-                (2.3, -9.68),
-                (2.5, -9.56),
+                (2.2, -9.68),
+                (2.38, -9.56),
             ],
             x,
         );
@@ -431,21 +436,17 @@ impl Bust {
             if t < 0.0 {
                 0.0
             } else {
-                (t / 0.36).min(1.0) * (2.0 - (t / 0.36).min(1.0)) * (1.0 - step(0.30, 1.12, t))
+                (t / 0.42).min(1.0) * (2.0 - (t / 0.42).min(1.0)) * (1.0 - step(0.35, 1.30, t))
             }
         };
-        h += 0.34 * full * roll(above);
-        h += 0.42 * full * roll(below);
+        h += 0.23 * full * roll(above);
+        h += 0.29 * full * roll(below);
         // The slit between the lips.
-        h -= 0.14
+        h -= 0.12
             * (0.25 + 0.75 * full)
-            * (-((p.y - line) / 0.13) * ((p.y - line) / 0.13)).exp()
-            * (1.0 - step(2.35, 2.75, x));
-        let inside = if x < 2.5 && p.y < top && p.y > low {
-            (top - p.y).min(p.y - low).min((2.5 - x) * 0.5)
-        } else {
-            -1.0
-        };
+            * (-((p.y - line) / 0.17) * ((p.y - line) / 0.17)).exp()
+            * (1.0 - step(2.2, 2.65, x));
+        let inside = (top - p.y).min(p.y - low).min((2.38 - x) * 0.5);
         (h, inside)
     }
 
@@ -457,14 +458,14 @@ impl Bust {
         if q <= 0.0 {
             return (tilt + q * 0.5, tilt - q * 0.5);
         }
-        let up = 0.50 * q.powf(0.72) * (1.0 - 0.10 * s) + tilt;
-        let down = -0.37 * q.powf(0.85) * (1.0 + 0.15 * s) + tilt;
+        let up = 0.53 * q.powf(0.72) * (1.0 - 0.10 * s) + tilt;
+        let down = -0.41 * q.powf(0.85) * (1.0 + 0.15 * s) + tilt;
         (up, down)
     }
 
     /// Backward along the ear, up along it, and out of its bowl.
     pub fn ear_frame() -> (V, V, V) {
-        let up = v(0.05, 0.975, -0.20).unit();
+        let up = v(0.11, 0.975, -0.20).unit();
         let back = v(0.46, -0.25, -0.853);
         let back = (back - up * back.dot(up)).unit();
         (back, up, back.cross(up))
@@ -484,9 +485,9 @@ impl Bust {
             let lower = ellipsoid(v(q.x, q.y, 0.0), v(1.35, -0.9, 0.0), v(1.35, 1.75, 1.0));
             let outline = blend(upper, lower, 0.8);
             let bend = 0.10 + 0.06 * q.x;
-            both(outline, (q.z - bend).abs() - 0.13, 0.12)
+            both(outline, (q.z - bend).abs() - 0.17, 0.2)
         };
-        let lobe = ellipsoid(q, v(1.0, -2.35, 0.06), v(0.78, 0.85, 0.26));
+        let lobe = ellipsoid(q, v(0.98, -2.30, 0.06), v(0.80, 0.88, 0.36));
         let mut d = blend(sheet, lobe, 0.35);
         // The bowl's wall behind, which joins the head.
         let inner = ellipsoid(q, v(0.55, -0.15, -1.1), v(1.25, 1.75, 0.9));
@@ -497,10 +498,10 @@ impl Bust {
         let root = tube(
             q,
             &[
-                (v(0.10, 1.9, -0.20), 0.30),
+                (v(0.22, 1.5, -0.20), 0.30),
                 (v(0.02, 0.6, -0.15), 0.38),
                 (v(0.02, -0.8, -0.3), 0.40),
-                (v(0.30, -1.6, -0.5), 0.40),
+                (v(0.35, -1.4, -0.6), 0.36),
             ],
             0.0,
         );
@@ -520,14 +521,21 @@ impl Bust {
         blend(d, anti, 0.2)
     }
 
-    /// The field, and what the surface is made of there.
-    pub fn full(&self, p: V) -> (f64, Stuff) {
-        let p = v(p.x.abs(), p.y, p.z);
+    /// The side x >= 0, with the face moved up a little as one piece: the eyes belong half-way between crown
+    /// and chin, and it is easier to move a finished face than all of its numbers.
+    fn place(p: V) -> V {
+        let face = step(0.0, 6.0, p.z) * (1.0 - step(-1.5, 4.0, p.y)) * step(-20.0, -14.0, p.y);
+        v(p.x.abs(), p.y - 0.38 * face, p.z)
+    }
+
+    /// The field; and a level that is positive on the eyeball and zero where the lids meet it.
+    fn full(&self, p: V) -> (f64, f64) {
+        let p = Self::place(p);
         let mut d = self.masses(p);
-        let mut stuff = Stuff::Skin;
+        let mut eye = -1.0;
         // Far from the surface the brushes cannot matter.
         if d > 4.0 {
-            return (d - 2.0, stuff);
+            return (d - 2.0, eye);
         }
         let mut clay = 0.0;
         for b in &self.dabs {
@@ -557,38 +565,34 @@ impl Bust {
             let wall = tube(
                 m,
                 &[
-                    (v(0.35, -2.6, 7.5), 0.55),
-                    (v(0.62, -4.4, 8.5), 0.62),
-                    (v(0.80, -5.7, 9.4), 0.62),
-                    (v(0.82, -6.3, 9.6), 0.60),
+                    (v(0.30, -2.6, 7.6), 0.50),
+                    (v(0.50, -4.3, 8.5), 0.55),
+                    (v(0.68, -5.6, 9.2), 0.54),
+                    (v(0.90, -6.4, 9.2), 0.50),
                 ],
                 0.3,
             );
-            nose = blend(nose, wall, 0.7);
-            nose = blend(nose, ellipsoid(m, v(0.36, -6.35, 10.40), v(0.62, 0.60, 0.74)), 0.5);
-            let q = m - v(1.10, -6.68, 9.55);
+            nose = blend(nose, wall, 1.1);
+            nose = blend(nose, ellipsoid(m, v(0.26, -6.42, 10.45), v(0.60, 0.58, 0.74)), 0.5);
+            let q = m - v(1.10, -6.56, 9.55);
             let q = v(q.x * 0.92 + q.z * 0.39, q.y, q.z * 0.92 - q.x * 0.39);
-            let ala = ellipsoid(q, v(0.0, 0.0, 0.0), v(0.52, 0.64, 0.95));
-            nose = blend(nose, ala, 0.65);
+            let ala = ellipsoid(q, v(0.0, 0.0, 0.0), v(0.52, 0.66, 0.98));
+            nose = blend(nose, ala, 0.8);
             let columella =
-                tube(p, &[(v(0.0, -6.75, 10.45), 0.42), (v(0.0, -7.0, 9.6), 0.40)], 0.0);
+                tube(p, &[(v(0.0, -6.85, 10.35), 0.36), (v(0.0, -7.0, 9.6), 0.36)], 0.0);
             nose = blend(nose, columella, 0.35);
-            d = blend(d, nose, 0.9);
+            d = blend(d, nose, 1.15);
             for s in &self.late {
                 d -= s.at(p);
             }
-            let a = v(0.60, -7.30, 10.05);
+            let a = v(0.60, -7.42, 9.95);
             let q = p - a;
             // The nostril leans inward to the tip.
             let q = v(q.x * 0.94 + q.z * 0.34, q.y, q.z * 0.94 - q.x * 0.34);
             let nostril = ellipsoid(q, v(0.0, 0.0, 0.0), v(0.27, 0.55, 0.52));
             d = both(d, -nostril, 0.18);
             // Lips.
-            let (h, inside) = self.lips(p);
-            d -= h;
-            if inside > 0.0 {
-                stuff = Stuff::Lips;
-            }
+            d -= self.lips(p).0;
             // Eyes.
             let q = p - EYE;
             if q.length() < 3.5 {
@@ -597,17 +601,17 @@ impl Bust {
                 let (up, down) = Self::lids(q.x);
                 // The crease of the upper lid follows its edge.
                 let crease =
-                    (q.y - up - 0.36 - 0.05 * (1.0 - (q.x / FISSURE) * (q.x / FISSURE))) / 0.10;
-                let fade = 1.0 - step(1.1, 1.8, q.x.abs());
+                    (q.y - up - 0.36 - 0.05 * (1.0 - (q.x / FISSURE) * (q.x / FISSURE))) / 0.14;
+                let fade = 1.0 - step(0.9, 2.0, q.x.abs());
                 if q.z > 0.0 {
-                    d += 0.13 * fade * (-crease * crease).exp();
+                    d += 0.12 * fade * (-crease * crease).exp();
                 }
                 let open = (q.y - up).max(down - q.y) * 0.85;
                 let slit = open.max(-q.z);
                 d = both(d, -slit, 0.10);
                 let ball = ellipsoid(q, v(0.0, 0.0, 0.0), BALL);
-                if ball < d && q.z > 0.0 {
-                    stuff = Stuff::Eyes;
+                if q.z > 0.0 {
+                    eye = d - ball;
                 }
                 d = blend(d, ball, 0.03);
             }
@@ -619,8 +623,8 @@ impl Bust {
         // The cut: a level base, and the arms taken off by leaning planes.
         let arm = (p.x - 20.4) * 0.97 + (p.y + 24.5) * -0.20;
         d = both(d, arm, 2.0);
-        d = both(d, -27.6 - p.y, 1.3);
-        (d, stuff)
+        d = both(d, -27.6 - p.y, 3.0);
+        (d, eye)
     }
 
     /// The chest without its base, for the rim's edge lengths.
@@ -634,16 +638,29 @@ impl Bust {
 
     /// Positive on the lips, zero along their border.
     pub fn lip_level(&self, p: V) -> f64 {
-        self.lips(v(p.x.abs(), p.y, p.z)).1
+        self.lips(Self::place(p)).1
     }
 
-    /// Positive where the eyeball shows between the lids.
+    /// Positive where the eyeball shows between the lids, zero where they meet it.
     pub fn eye_level(&self, p: V) -> f64 {
-        let q = v(p.x.abs(), p.y, p.z) - EYE;
+        self.full(p).1
+    }
+
+    /// Positive on the coloured part of the eye and on the lids before it, zero along its rim.
+    pub fn iris_level(&self, p: V) -> f64 {
+        let q = Self::place(p) - EYE;
         if q.length() > 2.0 || q.z < 0.0 {
             return -1.0;
         }
-        0.035 - ellipsoid(q, v(0.0, 0.0, 0.0), BALL)
+        let (x, y) = (q.x - 0.02, q.y - 0.05);
+        0.57 - (x * x + y * y).sqrt()
+    }
+
+    /// Positive above the line between the lips.
+    pub fn mouth_level(&self, p: V) -> f64 {
+        let p = Self::place(p);
+        let x = p.x;
+        if p.z < 6.5 || x > 2.6 || p.y < -10.5 { 1.0 } else { p.y - Self::mouth_line(x) }
     }
 
     /// Smaller than zero on the ear, in near-centimetres beside it.
@@ -653,7 +670,7 @@ impl Bust {
 
     /// The wanted edge length: fine where the form is fine.
     pub fn edge_length(&self, p: V) -> f64 {
-        let p = v(p.x.abs(), p.y, p.z);
+        let p = Self::place(p);
         let far = |c: V, s: V| (p - c).over(s).length();
         let mut l = through(
             &[
@@ -671,22 +688,22 @@ impl Bust {
                 .min(0.30 + 0.10 * (far(v(0.0, -7.0, 9.0), v(5.5, 6.5, 5.0)) - 1.0).max(0.0) * 5.0);
         }
         let near = |c: V, s: V, fine: f64| fine + 0.30 * (far(c, s) - 1.0).max(0.0);
-        l = l.min(near(EYE + v(0.0, 0.0, 0.9), v(1.7, 0.9, 1.2), 0.125));
+        l = l.min(near(EYE + v(0.0, 0.0, 0.9), v(1.7, 0.95, 1.2), 0.11));
         l = l.min(near(v(0.0, -9.5, 9.0), v(2.7, 1.1, 2.0), 0.15));
         l = l.min(near(v(0.0, -6.9, 9.9), v(1.8, 0.9, 1.5), 0.15));
         l = l.min(near(v(0.0, -5.0, 9.6), v(1.5, 2.6, 1.5), 0.26));
         // The rounded rim of the base, the edges of the lids, the line between the lips.
         if p.y < -25.8 {
-            l = l.min(0.42 + 0.35 * (p.y + 27.3).abs() + 0.25 * (-self.sides(p)).max(0.0));
+            l = l.min(0.36 + 0.35 * (p.y + 27.2).abs() + 0.25 * (-self.sides(p)).max(0.0));
         }
         let q = p - EYE;
         if q.length() < 2.2 && q.z > 0.0 {
             let (up, down) = Self::lids(q.x);
             let off = (q.y - up).abs().min((q.y - down).abs()).max(q.x.abs() - FISSURE);
-            l = l.min(0.075 + 0.2 * off.max(0.0));
+            l = l.min(0.062 + 0.22 * off.max(0.0));
         }
         if p.z > 7.0 && p.x < 3.0 {
-            l = l.min(0.095 + 0.2 * (p.y + 9.45).abs() + 0.3 * (p.x - 2.5).max(0.0));
+            l = l.min(0.06 + 0.25 * (p.y + 9.45).abs() + 0.3 * (p.x - 2.5).max(0.0));
         }
         let e = self.ear(p);
         if e < 3.0 && p.z < 3.0 {

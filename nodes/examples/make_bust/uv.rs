@@ -294,13 +294,26 @@ impl Chart {
                 }
             })
             .collect();
-        let start = if self.sound(&straight) { straight } else { self.circle(points) };
+        let start = if self.sound(&straight) { straight.clone() } else { self.circle(points) };
         let relaxed = self.relaxed(points, start.clone());
         let good = self.sound(&relaxed);
         if !good {
             println!("a chart of {} keeps its first layout", self.faces.len());
         }
         self.flat = if good { relaxed } else { start };
+        // Upright: turned so that it agrees best with a look along the chart's mean normal.
+        let n = self.flat.len() as f64;
+        let mean = self.flat.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n]);
+        let (mut k, mut s) = (0.0, 0.0);
+        for (p, q) in self.flat.iter().zip(&straight) {
+            let p = [p[0] - mean[0], p[1] - mean[1]];
+            k += p[0] * q[0] + p[1] * q[1];
+            s += p[0] * q[1] - p[1] * q[0];
+        }
+        let (k, s) = (k / k.hypot(s), s / k.hypot(s));
+        for p in &mut self.flat {
+            *p = [p[0] * k - p[1] * s, p[0] * s + p[1] * k];
+        }
     }
 
     /// Mean-value embedding into a circle of the chart's area.
@@ -450,71 +463,71 @@ impl Chart {
     }
 }
 
-/// Turns each chart into its tightest box and sets the boxes on shelves of the unit tile.
+/// Sets the charts into the unit tile, upright as they are, on a grid of cells; larger ones first, each at
+/// the lowest and then leftmost place where it touches no other.
 fn pack(charts: &mut [Chart]) {
-    let mut boxes: Vec<(f64, f64)> = Vec::new();
+    const CELL: f64 = 0.25;
+    // Cells that a chart covers, with a margin of two cells around it.
+    let mut shapes: Vec<(usize, usize, Vec<(usize, usize)>)> = Vec::new();
     for c in charts.iter_mut() {
-        let spun = |a: f64| -> (Vec<P>, f64, f64) {
-            let (s, k) = a.sin_cos();
-            let f: Vec<P> = c
-                .flat
-                .iter()
-                .map(|p| [(p[0] * k - p[1] * s) * c.scale, (p[0] * s + p[1] * k) * c.scale])
-                .collect();
-            let low = f.iter().fold([1e9f64; 2], |l, p| [l[0].min(p[0]), l[1].min(p[1])]);
-            let high = f.iter().fold([-1e9f64; 2], |l, p| [l[0].max(p[0]), l[1].max(p[1])]);
-            (
-                f.iter().map(|p| [p[0] - low[0], p[1] - low[1]]).collect(),
-                high[0] - low[0],
-                high[1] - low[1],
-            )
-        };
-        // Upright charts stay upright unless turning them saves a tenth.
-        let mut best = spun(0.0);
-        for i in 1..36 {
-            let s = spun(f64::from(i) * std::f64::consts::PI / 36.0);
-            if s.1 * s.2 < best.1 * best.2 * if best.1 * best.2 > 500.0 { 0.9 } else { 0.999 } {
-                best = s;
+        let low = c.flat.iter().fold([1e9f64; 2], |l, p| [l[0].min(p[0]), l[1].min(p[1])]);
+        for p in &mut c.flat {
+            *p = [0, 1].map(|k| (p[k] - low[k]) * c.scale + 2.0 * CELL);
+        }
+        let high = c.flat.iter().fold([0.0f64; 2], |l, p| [l[0].max(p[0]), l[1].max(p[1])]);
+        let (w, h) = ((high[0] / CELL) as usize + 4, (high[1] / CELL) as usize + 4);
+        let mut covered = vec![false; w * h];
+        for t in &c.corners {
+            let q = t.map(|i| c.flat[i]);
+            let span = |k: usize| {
+                let (a, b) = (
+                    q.iter().fold(1e9f64, |m, p| m.min(p[k])),
+                    q.iter().fold(-1e9f64, |m, p| m.max(p[k])),
+                );
+                ((a / CELL) as usize).saturating_sub(1)..=(b / CELL) as usize + 1
+            };
+            for y in span(1) {
+                for x in span(0) {
+                    covered[y * w + x] = true;
+                }
             }
         }
-        c.flat = best.0;
-        boxes.push((best.1, best.2));
+        let cells = (0..w * h).filter(|i| covered[*i]).map(|i| (i % w, i / w)).collect();
+        shapes.push((w, h, cells));
     }
     let mut order: Vec<usize> = (0..charts.len()).collect();
-    order.sort_by(|a, b| boxes[*b].1.total_cmp(&boxes[*a].1));
-    let gap = 0.6;
-    let place = |side: f64| -> Option<Vec<P>> {
-        let mut spots = vec![[0.0; 2]; boxes.len()];
-        // Every shelf may be filled later by lower boxes.
-        let mut shelves: Vec<(f64, f64, f64)> = Vec::new();
-        let mut top = gap;
+    order.sort_by_key(|i| (std::cmp::Reverse(shapes[*i].2.len()), *i));
+    let place = |n: usize| -> Option<Vec<(usize, usize)>> {
+        let mut taken = vec![false; n * n];
+        let mut spots = vec![(0, 0); shapes.len()];
         for i in &order {
-            let (w, h) = boxes[*i];
-            if let Some(s) = shelves.iter_mut().find(|s| s.2 + w + gap <= side && h <= s.1) {
-                spots[*i] = [s.2, s.0];
-                s.2 += w + gap;
-            } else {
-                if top + h + gap > side || w + 2.0 * gap > side {
-                    return None;
-                }
-                spots[*i] = [gap, top];
-                shelves.push((top, h, 2.0 * gap + w));
-                top += h + gap;
+            let (w, h, cells) = &shapes[*i];
+            if *w > n || *h > n {
+                return None;
             }
+            let free = |x: usize, y: usize| cells.iter().all(|c| !taken[(c.1 + y) * n + c.0 + x]);
+            let (x, y) = (0..=n - h)
+                .flat_map(|y| (0..=n - w).map(move |x| (x, y)))
+                .find(|(x, y)| free(*x, *y))?;
+            for c in cells {
+                taken[(c.1 + y) * n + c.0 + x] = true;
+            }
+            spots[*i] = (x, y);
         }
         Some(spots)
     };
-    let mut side = 40.0;
+    let mut n = 150;
     let spots = loop {
-        if let Some(s) = place(side) {
+        if let Some(s) = place(n) {
             break s;
         }
-        side *= 1.01;
+        n += 2;
     };
+    let side = n as f64 * CELL;
     println!("uv tile: {side:.1} cm a side");
     for (c, s) in charts.iter_mut().zip(spots) {
         for p in &mut c.flat {
-            *p = [(p[0] + s[0]) / side, (p[1] + s[1]) / side];
+            *p = [(p[0] + s.0 as f64 * CELL) / side, (p[1] + s.1 as f64 * CELL) / side];
         }
     }
 }
