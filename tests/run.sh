@@ -34,6 +34,7 @@ if ! "$python" -c 'import pxr' 2>/dev/null; then
         missing "Python 3 with venv and $usd_core (pip install $usd_core): files are not opened with OpenUSD"
     fi
 fi
+[ -x "$python" ] && export COIF_USD_PYTHON="$PWD/$python"
 [ -e ../shared ] || missing "../shared (real heads and hostile files): tests that need it are skipped"
 
 # --- checks ------------------------------------------------------------------------------------
