@@ -2,4 +2,10 @@
 
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[];
+mod lay;
+mod lissajous_braid;
+mod stray;
+mod touch;
+mod weave;
+
+pub(crate) const NODES: &[&NodeDef] = &[&lissajous_braid::NODE];
