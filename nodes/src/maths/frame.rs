@@ -63,8 +63,9 @@ pub fn carry(normal: Vec3, from: Vec3, to: Vec3) -> Vec3 {
     across(carried, to).unwrap_or_else(|| any_normal(to))
 }
 
-/// One step of the double reflection method; a step without length falls back on [`carry`].
-fn reflect_twice(normal: Vec3, step: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+/// One step of the double reflection method: `normal` at `from`, carried along `step` to the unit tangent `to`. A step
+/// without length falls back on [`carry`].
+pub fn reflect_twice(normal: Vec3, step: Vec3, from: Vec3, to: Vec3) -> Vec3 {
     let c1 = step.length_squared();
     if c1 <= 1e-20 {
         return carry(normal, from, to);
@@ -86,7 +87,7 @@ pub type Wish = Option<(Vec3, f32)>;
 /// The most a wished direction turns the normal in one step.
 const RELAX_STEP: f32 = 20.0 / 180.0 * std::f32::consts::PI;
 /// cos 10 degrees: the most the tangent may turn in one step.
-const STEP_COS: f32 = 0.984_807_8;
+pub const STEP_COS: f32 = 0.984_807_8;
 
 /// Frames at the fractions `us` of the spline's arc length (not decreasing, within [0, 1]), carried from the root.
 ///
