@@ -161,6 +161,14 @@ impl EvalCx<'_> {
     pub fn skin<'s>(&self, scalp: &'s Scalp) -> Skin<'s> {
         scalp.skin(&|n, f| self.host.for_each(n, f))
     }
+    /// Centimetres that a typed centimetre stands for: the head's unit where lengths grow with it, which is remarked.
+    pub fn head_unit(&self, scalp: Option<&Scalp>, scale_with_head: bool) -> f32 {
+        let unit = scalp.filter(|_| scale_with_head).map_or(1.0, |scalp| scalp.frame().unit());
+        if unit != 1.0 {
+            self.remark(format!("lengths are multiplied by {unit:.3} for the size of the head"));
+        }
+        unit
+    }
     /// Says something about the whole node.
     pub fn warn(&self, text: impl Into<String>) {
         self.log.say(Message { warning: true, text: text.into(), count: 0, curves: vec![] });

@@ -2,4 +2,7 @@
 
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[];
+mod cluster_to_strands;
+mod sections;
+
+pub(crate) const NODES: &[&NodeDef] = &[&cluster_to_strands::NODE];

@@ -240,8 +240,19 @@ impl Skin<'_> {
         }
     }
 
+    /// The scalp point closest to `p`: [`Surface::closest`], told by the field where to look.
+    #[inline]
+    pub fn closest(&self, p: Vec3) -> Option<Hit> {
+        if let Depth::Near(d, _) = self.field.depth(p)
+            && let Some(hit) = self.surface.closest_within(p, d.abs() + self.field.error())
+        {
+            return Some(hit);
+        }
+        self.surface.closest(p)
+    }
+
     fn exact(&self, p: Vec3) -> Option<(f32, Hit)> {
-        let hit = self.surface.closest(p)?;
+        let hit = self.closest(p)?;
         Some((self.surface.signed_distance(p, &hit), hit))
     }
 
@@ -284,11 +295,15 @@ impl Skin<'_> {
         let mut moved = hit.point + outward * (height + CLEAR);
         // In a crease the way out of one side may lead into the other: twice more is enough for the
         // creases heads have, and the laws count what is left.
+        // The point it came from is this near, which makes the first look a short one.
+        let reach = moved.distance(hit.point) * 1.01 + 1e-5;
+        let mut next = self.surface.closest_within(moved, reach).or_else(|| self.closest(moved));
         for _ in 0..3 {
-            match self.exact(moved) {
+            match next.map(|hit| (self.surface.signed_distance(moved, &hit), hit)) {
                 Some((d, hit)) if d < height => {
                     let normal = self.surface.smooth_normal(hit.triangle, hit.bary);
                     moved += normal * (height - d + CLEAR);
+                    next = self.closest(moved);
                 }
                 _ => break,
             }
