@@ -104,8 +104,9 @@ pub struct EvalCx<'a> {
     pub seed: u64,
     /// How much hair is made.
     pub quality: Quality,
-    /// Hash of the node's kind and version, the seed, the quality where the node thins, and every input
-    /// that is no curves.
+    /// Hash of the node's kind and version, the seed, the quality where the node thins, and every input that is neither
+    /// curves nor strokes: these enter the keys of the pieces that read them, so that one more stroke makes
+    /// one more tuft.
     pub node: Key,
     /// The surroundings.
     pub host: &'a dyn Host,

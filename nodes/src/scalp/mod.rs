@@ -1,7 +1,10 @@
 //! The head: where hair grows, and curves brought to it.
 
+pub mod bust;
+mod fit;
+mod head;
+mod region;
+
 use crate::define::NodeDef;
 
-pub mod bust;
-
-pub(crate) const NODES: &[&NodeDef] = &[];
+pub(crate) const NODES: &[&NodeDef] = &[&head::NODE];
