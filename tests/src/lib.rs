@@ -99,8 +99,7 @@ pub struct Ran {
 
 /// Runs `coif` with arguments.
 pub fn run<S: AsRef<std::ffi::OsStr>>(args: impl IntoIterator<Item = S>) -> Ran {
-    let Output { status, stdout, stderr } =
-        coif().args(args).output().expect("coif starts");
+    let Output { status, stdout, stderr } = coif().args(args).output().expect("coif starts");
     Ran {
         code: status.code().unwrap_or(-1),
         out: String::from_utf8_lossy(&stdout).into_owned(),

@@ -14,7 +14,8 @@ fn graph(nodes: &str, links: &str) -> String {
 const HEAD: &str = "        \"head\": (\n            kind: \"head\",\n        ),\n";
 const GUIDES: &str = "        \"hair\": (\n            kind: \"scatter_guides\",\n            inputs: {\n                \"count\": 50,\n            },\n        ),\n";
 const OUT: &str = "        \"out\": (\n            kind: \"groom_output\",\n        ),\n";
-const WIRES: &str = "        \"hair.scalp\": \"head.scalp\",\n        \"out.curves\": \"hair.curves\",\n";
+const WIRES: &str =
+    "        \"hair.scalp\": \"head.scalp\",\n        \"out.curves\": \"hair.curves\",\n";
 
 /// Evaluates a graph's text with an existing output file beside it: the exit code, what was said; and that the file is untouched.
 #[track_caller]
@@ -37,7 +38,8 @@ fn check(test: &str, text: &str, more: &[&str], code: i32, said: &[&str]) -> Ran
     if code != 0 {
         assert_eq!(std::fs::read_to_string(&out).unwrap(), "what was there", "{test}");
         assert_eq!(folder.names(), ["graph.ron", "hair.usda", "report.json"], "{test}");
-        let report: Json = serde_json::from_str(&std::fs::read_to_string(&report).unwrap()).unwrap();
+        let report: Json =
+            serde_json::from_str(&std::fs::read_to_string(&report).unwrap()).unwrap();
         assert!(!report["errors"].as_array().unwrap().is_empty(), "{test}: the report says why");
     }
     ran
@@ -50,22 +52,53 @@ fn what_is_wrong_with_a_graph_is_said_with_its_node_before_anything_runs() {
     let two = "        \"a\": (\n            kind: \"resample\",\n        ),\n        \"b\": (\n            kind: \"resample\",\n        ),\n";
     let circle = "        \"a.curves\": \"b.curves\",\n        \"b.curves\": \"a.curves\",\n        \"out.curves\": \"a.curves\",\n";
     check("cycle", &graph(&[two, OUT].concat(), circle), &[], 2, &["circle", "a"]);
-    let crossed = "        \"hair.scalp\": \"head.scalp\",\n        \"out.curves\": \"head.scalp\",\n";
-    check("wire", &graph(&[HEAD, GUIDES, OUT].concat(), crossed), &[], 2, &["out", "curves", "scalp"]);
+    let crossed =
+        "        \"hair.scalp\": \"head.scalp\",\n        \"out.curves\": \"head.scalp\",\n";
+    check(
+        "wire",
+        &graph(&[HEAD, GUIDES, OUT].concat(), crossed),
+        &[],
+        2,
+        &["out", "curves", "scalp"],
+    );
     let missing = good.replace("kind: \"head\",", "kind: \"head\",\n            inputs: {\n                \"mesh\": \"none.obj\",\n            },");
     check("mesh", &missing, &[], 2, &["head", "none.obj", "no such file"]);
-    check("nan", &good.replace("\"count\": 50", "\"length\": NaN"), &[], 2, &["hair", "length", "finite"]);
-    check("kind", &good.replace("scatter_guides", "scatter_gides"), &[], 2, &["hair", "scatter_gides", "scatter_guides"]);
+    check(
+        "nan",
+        &good.replace("\"count\": 50", "\"length\": NaN"),
+        &[],
+        2,
+        &["hair", "length", "finite"],
+    );
+    check(
+        "kind",
+        &good.replace("scatter_guides", "scatter_gides"),
+        &[],
+        2,
+        &["hair", "scatter_gides", "scatter_guides"],
+    );
     check("input", &good.replace("\"count\"", "\"cuont\""), &[], 2, &["hair", "cuont", "count"]);
     check("socket", &good.replace("hair.curves", "hair.hairs"), &[], 2, &["hair", "hairs"]);
     check("syntax", &good.replace("links: {", "links: ["), &[], 2, &["graph.ron:"]);
     check("newer", &good.replace("format: 1", "format: 99"), &[], 2, &["99"]);
-    check("unwired", &good.replace("        \"hair.scalp\": \"head.scalp\",\n", ""), &[], 2, &["hair", "scalp"]);
+    check(
+        "unwired",
+        &good.replace("        \"hair.scalp\": \"head.scalp\",\n", ""),
+        &[],
+        2,
+        &["hair", "scalp"],
+    );
     check("output", &good, &["--output", "hair.nothing"], 2, &["hair.nothing", "curves"]);
     check("set", &good, &["--set", "hair.count=many"], 2, &["hair.count", "many"]);
     check("no node", &good, &["--set", "hare.count=5"], 2, &["hare"]);
     check("format", &good, &["--out", "/tmp/hair.docx"], 2, &["docx", ".usda"]);
-    check("folder", &good, &["--out", "/nowhere/at/all/hair.usda"], 1, &["/nowhere/at/all/hair.usda", "folder"]);
+    check(
+        "folder",
+        &good,
+        &["--out", "/nowhere/at/all/hair.usda"],
+        1,
+        &["/nowhere/at/all/hair.usda", "folder"],
+    );
 }
 
 #[test]
@@ -76,7 +109,15 @@ fn an_output_without_curves_is_a_failure_and_says_so() {
 
 #[test]
 fn usage_errors_are_exit_2() {
-    for args in [&["eval"][..], &["eval", "x.ron", "--nope"], &["fly"], &["eval", "not-there.ron"], &["nodes", "not_a_node"], &["measure", "not-there.usdc"], &["check", "not-there.ron"]] {
+    for args in [
+        &["eval"][..],
+        &["eval", "x.ron", "--nope"],
+        &["fly"],
+        &["eval", "not-there.ron"],
+        &["nodes", "not_a_node"],
+        &["measure", "not-there.usdc"],
+        &["check", "not-there.ron"],
+    ] {
         assert_eq!(run(args).code, 2, "{args:?}");
     }
     assert_eq!(run(["--version"]).code, 0);
@@ -85,7 +126,18 @@ fn usage_errors_are_exit_2() {
 #[test]
 fn the_report_has_the_fields_of_the_contract() {
     let report = eval("start", &[]);
-    for field in ["coif", "graph", "seed", "total_ms", "peak_rss_mib", "head", "outputs", "nodes", "errors", "warnings"] {
+    for field in [
+        "coif",
+        "graph",
+        "seed",
+        "total_ms",
+        "peak_rss_mib",
+        "head",
+        "outputs",
+        "nodes",
+        "errors",
+        "warnings",
+    ] {
         assert!(report.get(field).is_some(), "{field}");
     }
     for field in ["scale", "radius_cm"] {
@@ -94,14 +146,25 @@ fn the_report_has_the_fields_of_the_contract() {
     for field in ["node", "socket", "curves", "points", "bounds", "hash"] {
         assert!(report["outputs"][0].get(field).is_some(), "outputs.{field}");
     }
-    for field in ["name", "kind", "ms", "cached", "tufts_run", "tufts_reused", "curves", "points", "messages"] {
+    for field in [
+        "name",
+        "kind",
+        "ms",
+        "cached",
+        "tufts_run",
+        "tufts_reused",
+        "curves",
+        "points",
+        "messages",
+    ] {
         assert!(report["nodes"][0].get(field).is_some(), "nodes.{field}");
     }
 }
 
 #[test]
 fn the_seed_the_quality_and_set_values_reach_the_hair() {
-    let hash = |more: &[&str]| eval("start", more)["outputs"][0]["hash"].as_str().unwrap().to_owned();
+    let hash =
+        |more: &[&str]| eval("start", more)["outputs"][0]["hash"].as_str().unwrap().to_owned();
     let plain = hash(&[]);
     assert_eq!(plain, hash(&["--threads", "1"]));
     assert_ne!(plain, hash(&["--seed", "5"]));
@@ -130,7 +193,8 @@ fn ctrl_c_leaves_what_was_there() {
         .spawn()
         .unwrap();
     std::thread::sleep(Duration::from_millis(700));
-    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    let killed =
+        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
     assert!(killed.unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(folder.names(), ["hair.usda"]);
@@ -139,7 +203,9 @@ fn ctrl_c_leaves_what_was_there() {
 
 #[test]
 fn every_hostile_mesh_is_refused_in_one_line_or_loads() {
-    let Some(bad) = shared("every_hostile_mesh_is_refused_in_one_line_or_loads", "data/bad") else { return };
+    let Some(bad) = shared("every_hostile_mesh_is_refused_in_one_line_or_loads", "data/bad") else {
+        return;
+    };
     let mut files = vec![];
     let mut folders = vec![bad];
     while let Some(folder) = folders.pop() {
@@ -167,7 +233,11 @@ fn every_hostile_mesh_is_refused_in_one_line_or_loads() {
         ]);
         let shown = path.display();
         assert!([0, 1, 2].contains(&ran.code), "{shown}: {} {}", ran.code, ran.err);
-        assert!(!ran.err.contains("panicked") && !ran.err.contains("mistake in coif"), "{shown}: {}", ran.err);
+        assert!(
+            !ran.err.contains("panicked") && !ran.err.contains("mistake in coif"),
+            "{shown}: {}",
+            ran.err
+        );
         if ran.code == 2 {
             let name = path.file_name().unwrap().to_string_lossy();
             let lines: Vec<&str> = ran.err.lines().filter(|l| !l.contains("warning")).collect();
@@ -195,7 +265,12 @@ fn hostile_documents_are_refused_in_one_line() {
         std::fs::write(&path, bytes).unwrap();
         for command in ["eval", "check"] {
             let ran = run([command.as_ref(), path.as_os_str()]);
-            assert_eq!((ran.code, ran.err.lines().count()), (2, 1), "{command} {name}: {}", ran.err);
+            assert_eq!(
+                (ran.code, ran.err.lines().count()),
+                (2, 1),
+                "{command} {name}: {}",
+                ran.err
+            );
             assert!(ran.err.contains(&format!("{name}.ron")), "{}", ran.err);
         }
     }

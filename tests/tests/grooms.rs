@@ -27,7 +27,9 @@ fn check_on(name: &str, head: Option<&std::path::Path>) {
         more.extend(["--scalp", mesh]);
     }
     let report = eval(name, &more);
-    assert!(report["outputs"].as_array().unwrap().iter().all(|o| o["curves"].as_u64().unwrap() > 0));
+    assert!(
+        report["outputs"].as_array().unwrap().iter().all(|o| o["curves"].as_u64().unwrap() > 0)
+    );
     let failed: Vec<&str> = report["warnings"]
         .as_array()
         .unwrap()
@@ -70,7 +72,9 @@ fn every_groom_evaluates_on_the_built_in_head() {
 #[test]
 fn every_groom_sits_on_real_heads() {
     for (head, path) in HEADS {
-        let Some(path) = shared(&format!("every_groom_sits_on_real_heads:{head}"), path) else { continue };
+        let Some(path) = shared(&format!("every_groom_sits_on_real_heads:{head}"), path) else {
+            continue;
+        };
         grooms::ALL.iter().for_each(|(name, _)| check_on(name, Some(&path)));
     }
 }
@@ -81,7 +85,8 @@ fn openusd_opens_every_written_file_and_finds_what_the_report_says() {
     let Some(python) = usd_python(test) else { return };
     let folder = Folder::new("openusd");
     for (name, _) in grooms::ALL {
-        let (usda, usdc) = (folder.path(&format!("{name}.usda")), folder.path(&format!("{name}.usdc")));
+        let (usda, usdc) =
+            (folder.path(&format!("{name}.usda")), folder.path(&format!("{name}.usdc")));
         let (a, b) = (usda.display().to_string(), usdc.display().to_string());
         let report = eval(name, &["--out", &a, "--out", &b]);
         let script = coif_tests::repository().join("tests/usd/validate.py");

@@ -13,7 +13,9 @@ fn cargo(args: &[&str]) -> String {
 }
 
 fn tree(package: &str, more: &[&str]) -> BTreeSet<String> {
-    let args = [&["tree", "-q", "-p", package, "-e", "normal", "--prefix", "none", "-f", "{p}"], more].concat();
+    let args =
+        [&["tree", "-q", "-p", package, "-e", "normal", "--prefix", "none", "-f", "{p}"], more]
+            .concat();
     cargo(&args).lines().filter_map(|l| l.split(' ').next()).map(str::to_owned).collect()
 }
 
@@ -26,14 +28,28 @@ fn evaluation_knows_no_window_and_no_gpu() {
     }
     assert!(!tree("coif-nodes", &[]).contains("rayon"), "nodes own no threads");
     for banned in ["egui", "wgpu", "winit"] {
-        assert!(!tree("coif", &["--no-default-features"]).contains(banned), "the farm build: {banned}");
+        assert!(
+            !tree("coif", &["--no-default-features"]).contains(banned),
+            "the farm build: {banned}"
+        );
     }
 }
 
 #[test]
 fn vector_maths_is_built_for_the_same_bits_everywhere() {
     let features = |package: &str| {
-        let args = ["tree", "-q", "-p", "coif", "-e", "normal,features", "-i", package, "--prefix", "none"];
+        let args = [
+            "tree",
+            "-q",
+            "-p",
+            "coif",
+            "-e",
+            "normal,features",
+            "-i",
+            package,
+            "--prefix",
+            "none",
+        ];
         cargo(&args)
     };
     let glam = features("glam");
@@ -74,7 +90,11 @@ fn satisfied(expression: &str, allowed: &[&str]) -> bool {
     // "(A OR B) AND C" needs each factor; "A OR B" needs one.
     if flat.contains(") AND") || flat.contains("AND (") {
         return flat.split(" AND ").all(|factor| {
-            factor.trim().trim_matches(['(', ')']).split(" OR ").any(|l| allowed.contains(&l.trim()))
+            factor
+                .trim()
+                .trim_matches(['(', ')'])
+                .split(" OR ")
+                .any(|l| allowed.contains(&l.trim()))
         });
     }
     flat.split(" OR ").any(all_of)

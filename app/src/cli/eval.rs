@@ -80,11 +80,16 @@ impl EvalArgs {
 }
 
 /// Why an evaluation ended early.
-struct Stop(Exit, Vec<String>);
+pub(crate) struct Stop(Exit, Vec<String>);
 
 impl Stop {
-    fn refused(text: impl Into<String>) -> Self {
+    /// Wrong before anything ran.
+    pub(crate) fn refused(text: impl Into<String>) -> Self {
         Self(Exit::Refused, vec![text.into()])
+    }
+    /// What to say, a line each.
+    pub(crate) fn lines(&self) -> &[String] {
+        &self.1
     }
 }
 
@@ -237,18 +242,20 @@ fn formats(out: &[PathBuf]) -> Result<Vec<Format>, Stop> {
 }
 
 /// The document of a file, or the shipped groom of that name, and the folder that its paths are relative to.
-pub(crate) fn load(
-    path: &Path,
-    warnings: &mut Vec<String>,
-) -> Result<(Document, PathBuf), Stop_> {
+pub(crate) fn load(path: &Path, warnings: &mut Vec<String>) -> Result<(Document, PathBuf), Stop> {
     let shown = path.display();
     let (bytes, folder) = match std::fs::metadata(path) {
-        Ok(about) if !about.is_file() => return Err(Stop::refused(format!("{shown}: is not a file"))),
+        Ok(about) if !about.is_file() => {
+            return Err(Stop::refused(format!("{shown}: is not a file")));
+        }
         Ok(about) if about.len() > MOST_DOCUMENT => {
-            return Err(Stop::refused(format!("{shown}: is larger than 256 MiB, which no graph is")));
+            return Err(Stop::refused(format!(
+                "{shown}: is larger than 256 MiB, which no graph is"
+            )));
         }
         Ok(_) => {
-            let bytes = std::fs::read(path).map_err(|err| Stop::refused(format!("{shown}: {err}")))?;
+            let bytes =
+                std::fs::read(path).map_err(|err| Stop::refused(format!("{shown}: {err}")))?;
             (bytes, path.parent().unwrap_or(Path::new("")).to_owned())
         }
         Err(err) => match grooms::by_name(&path.to_string_lossy()) {
@@ -263,19 +270,9 @@ pub(crate) fn load(
             None => return Err(Stop::refused(format!("{shown}: {err}"))),
         },
     };
-    let loaded = file::read_bytes(&bytes).map_err(|err| Stop::refused(err.of_file(shown)))?;
-    warnings.extend(loaded.warnings.iter().map(|w| w.of_file(shown)));
+    let loaded = file::read_bytes(&bytes).map_err(|err| Stop::refused(err.of_file(&shown)))?;
+    warnings.extend(loaded.warnings.iter().map(|w| w.of_file(&shown)));
     Ok((loaded.document, folder))
-}
-
-/// [`Stop`], for the modules beside this one.
-pub(crate) type Stop_ = Stop;
-
-impl Stop_ {
-    /// What to say.
-    pub(crate) fn lines(&self) -> &[String] {
-        &self.1
-    }
 }
 
 /// The largest document that is read: strokes take 20 bytes a sample, so this holds millions.
@@ -306,7 +303,8 @@ fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {
 /// `[NODE=]FILE`.
 fn apply_scalp(document: &mut Document, scalp: &str) -> Result<(), Stop> {
     let fault = |reason: String| Stop::refused(format!("--scalp {scalp}: {reason}"));
-    let named = scalp.split_once('=').and_then(|(node, file)| Some((NodeId::new(node).ok()?, file)));
+    let named =
+        scalp.split_once('=').and_then(|(node, file)| Some((NodeId::new(node).ok()?, file)));
     let (id, path) = match named {
         Some((id, path)) if document.nodes.contains_key(&id) => (id, path),
         _ => {
@@ -345,7 +343,7 @@ pub(crate) struct Wanted {
 }
 
 /// The named outputs, or those of every `groom_output`.
-pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Wanted>, Stop_> {
+pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Wanted>, Stop> {
     if named.is_empty() {
         let all: Vec<Wanted> = document
             .nodes
@@ -372,7 +370,11 @@ pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Wante
                 .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
             let known: Vec<&str> = def.outputs.iter().map(|o| o.name).collect();
             match def.output(&socket.name) {
-                None => Err(fault(format!("a {} has no such output; it gives {}", def.id, known.join(", ")))),
+                None => Err(fault(format!(
+                    "a {} has no such output; it gives {}",
+                    def.id,
+                    known.join(", ")
+                ))),
                 Some((_, out)) if out.ty != Type::Curves => {
                     Err(fault(format!("gives {}, not curves", out.ty.name())))
                 }
@@ -444,7 +446,10 @@ fn save(
             export::write(*format, groups, &about, out).map_err(|err| err.to_string())
         });
         if cancel.is_cancelled() {
-            return Err(Stop(Exit::Interrupted, vec!["interrupted; nothing was written".to_owned()]));
+            return Err(Stop(
+                Exit::Interrupted,
+                vec!["interrupted; nothing was written".to_owned()],
+            ));
         }
         written
             .map_err(|reason| Stop(Exit::Failed, vec![format!("{}: {reason}", path.display())]))?;
@@ -459,10 +464,7 @@ fn save(
 fn summary(report: &Report, out: &[PathBuf]) -> String {
     let mut text = String::new();
     for output in &report.outputs {
-        text += &format!(
-            "{}: {} curves, {} points",
-            output.group, output.curves, output.points
-        );
+        text += &format!("{}: {} curves, {} points", output.group, output.curves, output.points);
         if let Some([lo, hi]) = output.bounds {
             let size: Vec<String> = (0..3).map(|i| format!("{:.1}", hi[i] - lo[i])).collect();
             text += &format!(", {} cm", size.join(" x "));

@@ -104,7 +104,9 @@ mod tests {
         write_text(&target, "before").unwrap();
         let cancel = CancelToken::default();
         let mut pending = Pending::default();
-        pending.write(&target, &cancel, |out| out.write_all(b"after").map_err(|e| e.to_string())).unwrap();
+        pending
+            .write(&target, &cancel, |out| out.write_all(b"after").map_err(|e| e.to_string()))
+            .unwrap();
         cancel.cancel();
         let failed = pending.write(&folder.join("b.txt"), &cancel, |out| {
             out.write_all(&[0; 3 << 20]).map_err(|e| e.to_string())

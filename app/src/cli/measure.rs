@@ -230,9 +230,9 @@ fn numbers(prim: &ReadCurves, name: &str, offsets: &[usize]) -> Option<Vec<f32>>
     match v.len() {
         1 => Some(vec![v[0]; points]),
         len if len == points => Some(v.clone()),
-        len if len == n => {
-            Some((0..n).flat_map(|i| std::iter::repeat_n(v[i], offsets[i + 1] - offsets[i])).collect())
-        }
+        len if len == n => Some(
+            (0..n).flat_map(|i| std::iter::repeat_n(v[i], offsets[i + 1] - offsets[i])).collect(),
+        ),
         _ => None,
     }
 }
@@ -341,7 +341,9 @@ fn in_words(m: &Measured) -> String {
     if let Some(b) = &m.braids {
         text += &format!(
             "  {} braids of {} strands in all, closest approach {} of touching\n",
-            b.braids, b.strands, f(1.0 / b.worst_overlap.max(1e-6))
+            b.braids,
+            b.strands,
+            f(1.0 / b.worst_overlap.max(1e-6))
         );
     }
     if let Some(s) = &m.scalp {

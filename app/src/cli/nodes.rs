@@ -58,7 +58,8 @@ fn page(stage: &str, node: &NodeDef) -> String {
     }
     text += "\n| output | gives | |\n|---|---|---|\n";
     for output in node.outputs {
-        text += &format!("| `{}` | {} | {} |\n", output.name, output.ty.name(), cell(&output.doc()));
+        text +=
+            &format!("| `{}` | {} | {} |\n", output.name, output.ty.name(), cell(&output.doc()));
     }
     text
 }
@@ -66,10 +67,8 @@ fn page(stage: &str, node: &NodeDef) -> String {
 fn takes(input: &InputDef) -> String {
     let ty = match input.ty {
         Type::Choice(words) => {
-            let words: Vec<String> = words
-                .iter()
-                .map(|(word, doc)| format!("`\"{word}\"`: {}", doc.trim()))
-                .collect();
+            let words: Vec<String> =
+                words.iter().map(|(word, doc)| format!("`\"{word}\"`: {}", doc.trim())).collect();
             format!("one of {}", words.join(" "))
         }
         ty => ty.name().to_owned(),
@@ -108,9 +107,10 @@ fn cell(text: &str) -> String {
 }
 
 fn attributes() -> String {
-    let mut text = "\n## Attributes\n\nWhat curves can carry, by the names that fields and files use.\n\n\
+    let mut text =
+        "\n## Attributes\n\nWhat curves can carry, by the names that fields and files use.\n\n\
                     | attribute | type | |\n|---|---|---|\n"
-        .to_owned();
+            .to_owned();
     for (name, ty, doc) in DECLARED {
         text += &format!("| `{name}` | {ty} | {} |\n", cell(doc.trim()));
     }

@@ -1,7 +1,7 @@
 //! What Unreal Engine's groom asset can hold (artists.md, pain 13; the limits are those of the engine's
 //! importer): 255 points on a curve, 16,777,216 points in a group.
 
-use super::eval::{Stop_, outputs};
+use super::eval::{Stop, outputs};
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;
@@ -16,12 +16,12 @@ const POINTS_A_CURVE: usize = 255;
 const POINTS_A_GROUP: usize = 1 << 24;
 
 /// Evaluates the document's outputs and tells what is over the limits, one line each.
-pub(super) fn limits(document: &Document, folder: PathBuf) -> Result<Vec<String>, Stop_> {
+pub(super) fn limits(document: &Document, folder: PathBuf) -> Result<Vec<String>, Stop> {
     let wanted = outputs(document, &[])?;
     let targets: Vec<Socket> = wanted.iter().map(|w| w.socket.clone()).collect();
     let plan = plan(document, &targets, Quality::Final, &DiskFiles::new(folder))
-        .map_err(|err| Stop_::refused(err.to_string()))?;
-    let evaluator = Evaluator::new(0, 0).map_err(Stop_::refused)?;
+        .map_err(|err| Stop::refused(err.to_string()))?;
+    let evaluator = Evaluator::new(0, 0).map_err(Stop::refused)?;
     let outcome = evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet);
     let mut over = vec![];
     for node in &outcome.nodes {

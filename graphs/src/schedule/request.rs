@@ -47,12 +47,18 @@ pub fn plan(
     let output = |socket: &Socket| {
         let step = number(&socket.node)?;
         let node = &document.nodes[&socket.node];
-        let def = coif_nodes::by_id(&node.kind).ok_or_else(|| unknown_kind(&socket.node, &node.kind))?;
+        let def =
+            coif_nodes::by_id(&node.kind).ok_or_else(|| unknown_kind(&socket.node, &node.kind))?;
         let found = def.output(&socket.name).ok_or_else(|| {
             let known: Vec<&str> = def.outputs.iter().map(|o| o.name).collect();
             bad(
                 &socket.node,
-                format!("has no output {:?}; a {} gives {}", &*socket.name, def.id, known.join(", ")),
+                format!(
+                    "has no output {:?}; a {} gives {}",
+                    &*socket.name,
+                    def.id,
+                    known.join(", ")
+                ),
             )
         })?;
         Ok((step, found.0, found.1.ty))

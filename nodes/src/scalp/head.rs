@@ -202,7 +202,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         cx.warn("hair grows nowhere: the region is empty");
     }
     masks.insert(REGION.to_owned(), grows);
-    Ok(Outputs { scalp: Arc::new(Scalp::new(surface, uvs, frame, masks)) })
+    Ok(Outputs { scalp: Arc::new(Scalp::new(surface, uvs, frame, masks).with_cm_per_unit(scale)) })
 }
 
 fn read(file: &FileData) -> Result<Mesh, NodeError> {
