@@ -1,1 +1,4 @@
 //! Documents and their evaluation.
+
+pub mod document;
+pub mod file;
