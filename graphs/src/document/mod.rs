@@ -1,0 +1,382 @@
+//! A groom as it is edited: nodes, the wires between them, and where they stand on the canvas.
+//!
+//! A [`Document`] is plain data. It is changed through [`edit::Edit`]s, each of which has an inverse; it is
+//! snapshot by cloning, which copies a pointer for each node. What it says is not proven here: a document may name
+//! nodes that do not exist or hold wires in a circle, as files do after a merge. [`graph::check`] says so.
+//!
+//! Documents know nothing of evaluation, files or windows.
+
+use coif_nodes::define::Value;
+use std::borrow::Borrow;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+pub mod edit;
+pub mod graph;
+pub mod history;
+pub mod strokes;
+mod suggest;
+#[cfg(test)]
+pub(crate) mod testing;
+pub mod values;
+
+/// A groom as it is edited. Cloning is the snapshot: maps of pointers are copied, nodes are shared.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Document {
+    /// What people call it.
+    pub title: String,
+    /// Free text.
+    pub note: String,
+    /// All randomness hangs from it.
+    pub seed: u64,
+    /// The node that the viewport shows.
+    pub display: Option<NodeId>,
+    /// Every node.
+    pub nodes: BTreeMap<NodeId, Arc<Node>>,
+    /// For each wired input the outputs it takes from, in order. No list is empty.
+    pub links: BTreeMap<Socket, Vec<Socket>>,
+    /// Where nodes stand on the canvas, in its own units. Means nothing to evaluation.
+    pub layout: BTreeMap<NodeId, Point>,
+    /// Comment lines of a hand-edited file, each with its `//`, by the entry that they stand before.
+    pub comments: BTreeMap<Place, Vec<String>>,
+}
+
+/// A place on the canvas: right, down. Compared by its bits, so that equality holds for every value.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Point(pub f32, pub f32);
+
+impl PartialEq for Point {
+    fn eq(&self, other: &Self) -> bool {
+        (self.0.to_bits(), self.1.to_bits()) == (other.0.to_bits(), other.1.to_bits())
+    }
+}
+impl Eq for Point {}
+
+/// One node of a document.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Node {
+    /// What it does: the id of a `NodeDef`, or one that this version does not know.
+    pub kind: String,
+    /// What people call it; never empty when there.
+    pub label: Option<String>,
+    /// Free text.
+    pub note: String,
+    /// Passes its first input of its output's type through.
+    pub bypass: bool,
+    /// The inputs that are set; others have their defaults. A wire goes before a setting.
+    pub inputs: BTreeMap<String, Setting>,
+}
+
+/// What an input is set to.
+#[derive(Clone, Debug)]
+pub enum Setting {
+    /// A value that the node's declaration explains.
+    Known(Value),
+    /// RON text that it does not: the node's kind, the input or the form of the value is unknown. Kept byte for
+    /// byte, so that a groom passes unharmed through a version that knows less.
+    Raw(Arc<str>),
+}
+
+impl PartialEq for Setting {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Setting::Raw(a), Setting::Raw(b)) => a == b,
+            (Setting::Known(a), Setting::Known(b)) => {
+                std::mem::discriminant(a) == std::mem::discriminant(b) && a.key() == b.key()
+            }
+            _ => false,
+        }
+    }
+}
+impl Eq for Setting {}
+
+/// The name of a node within its document: a short word made once, never changed, never shown where a label can be.
+///
+/// **Invariant:** `[a-z][a-z0-9_]*`, at most 64 bytes.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NodeId(Arc<str>);
+
+/// The most bytes of a node's id: it is a word that people read in messages and merges.
+const LONGEST_ID: usize = 64;
+
+/// Why a text is no id.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{0:?} is no node id: use a lower case letter, then letters, digits and underscores, at most 64"
+)]
+pub struct BadId(pub String);
+
+impl NodeId {
+    /// The id that reads `text`.
+    pub fn new(text: &str) -> Result<Self, BadId> {
+        let first = text.starts_with(|c: char| c.is_ascii_lowercase());
+        let rest = text.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_');
+        if !first || !rest || text.len() > LONGEST_ID {
+            return Err(BadId(text.chars().take(LONGEST_ID).collect()));
+        }
+        Ok(Self(text.into()))
+    }
+    /// As text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+impl fmt::Display for NodeId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.0)
+    }
+}
+impl fmt::Debug for NodeId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.0)
+    }
+}
+impl Borrow<str> for NodeId {
+    fn borrow(&self) -> &str {
+        &self.0
+    }
+}
+impl std::str::FromStr for NodeId {
+    type Err = BadId;
+    fn from_str(text: &str) -> Result<Self, BadId> {
+        Self::new(text)
+    }
+}
+
+/// An input or an output of a node, written `node.name`.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Socket {
+    /// Whose it is.
+    pub node: NodeId,
+    /// Its name in the declaration.
+    pub name: Arc<str>,
+}
+
+/// Why a text is no socket.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BadSocket {
+    /// No dot, or nothing after it.
+    #[error("{0:?} is no socket: write it as \"node.name\"")]
+    NoName(String),
+    /// What stands before the dot.
+    #[error(transparent)]
+    Id(#[from] BadId),
+}
+
+impl Socket {
+    /// A socket of a node.
+    pub fn new(node: NodeId, name: &str) -> Self {
+        Self { node, name: name.into() }
+    }
+}
+impl std::str::FromStr for Socket {
+    type Err = BadSocket;
+    fn from_str(text: &str) -> Result<Self, BadSocket> {
+        match text.split_once('.') {
+            Some((node, name)) if !name.is_empty() => Ok(Self::new(NodeId::new(node)?, name)),
+            _ => Err(BadSocket::NoName(text.to_owned())),
+        }
+    }
+}
+impl fmt::Display for Socket {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}.{}", self.node, self.name)
+    }
+}
+impl fmt::Debug for Socket {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")
+    }
+}
+
+/// An entry of a document's file, before which comment lines can stand.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// The document itself.
+    Top,
+    /// A field of the document.
+    Field(String),
+    /// A node.
+    Node(NodeId),
+    /// A field of a node.
+    NodeField(NodeId, String),
+    /// A set input of a node.
+    Input(NodeId, String),
+    /// The wires of an input.
+    Link(Socket),
+    /// A node's place on the canvas.
+    Layout(NodeId),
+}
+
+impl Document {
+    /// The node of that id.
+    pub fn node(&self, id: &str) -> Option<&Node> {
+        self.nodes.get(id).map(|node| &**node)
+    }
+
+    /// What people call a node: its label, else the label of its kind, else its id.
+    pub fn name_of<'a>(&'a self, id: &'a NodeId) -> &'a str {
+        let Some(node) = self.node(id.as_str()) else { return id.as_str() };
+        match (&node.label, coif_nodes::by_id(&node.kind)) {
+            (Some(label), _) => label,
+            (None, Some(def))
+                if !self.nodes.iter().any(|(other, n)| other != id && n.kind == node.kind) =>
+            {
+                def.label
+            }
+            _ => id.as_str(),
+        }
+    }
+
+    /// An id that no node has yet, made of `stem`: itself, else with the first free number behind it.
+    pub fn free_id(&self, stem: &str) -> NodeId {
+        let letters = stem.chars().map(|c| c.to_ascii_lowercase());
+        let mut stem: String = letters
+            .map(|c| if c.is_ascii_lowercase() || c.is_ascii_digit() { c } else { '_' })
+            .take(LONGEST_ID - 12)
+            .collect();
+        if !stem.starts_with(|c: char| c.is_ascii_lowercase()) {
+            stem.insert_str(0, "node");
+        }
+        let mut id = stem.clone();
+        for n in 2u32.. {
+            if !self.nodes.contains_key(id.as_str()) {
+                break;
+            }
+            id = format!("{stem}_{n}");
+        }
+        NodeId(id.into())
+    }
+
+    /// A fresh node of a kind, every input at its default; where the kind has a seed tag (`seed`), one that no
+    /// node of the document has. The tag hangs from `id` and the tags there are, so replaying edits gives the same
+    /// document.
+    pub fn fresh_node(&self, kind: &str, id: &NodeId) -> Node {
+        use coif_nodes::define::Type;
+        use coif_nodes::maths::hash::KeyBuilder;
+        let mut node = Node { kind: kind.to_owned(), ..Node::default() };
+        let seeded = coif_nodes::by_id(kind)
+            .and_then(|def| def.input("seed"))
+            .is_some_and(|(_, input)| input.ty == Type::Int);
+        if seeded {
+            let taken: Vec<i64> = self
+                .nodes
+                .values()
+                .filter_map(|node| match node.inputs.get("seed") {
+                    Some(Setting::Known(Value::Int(tag))) => Some(*tag),
+                    _ => None,
+                })
+                .collect();
+            let mut tag = 0;
+            for n in 0.. {
+                let drawn = KeyBuilder::new("seed tag").text(id.as_str()).int(n).finish().0;
+                tag = (drawn % 99_999) as i64 + 1;
+                // With tens of thousands of nodes a repeat does no harm: ids also hang from the parent.
+                if !taken.contains(&tag) || n > 1000 {
+                    break;
+                }
+            }
+            node.inputs.insert("seed".to_owned(), Setting::Known(Value::Int(tag)));
+        }
+        node
+    }
+
+    /// Whether a file of this document has an entry at `place`. Comments elsewhere have nothing to stand before.
+    pub fn has(&self, place: &Place) -> bool {
+        match place {
+            Place::Top => true,
+            Place::Field(name) => match name.as_str() {
+                "format" | "title" | "seed" | "nodes" => true,
+                "note" => !self.note.is_empty(),
+                "display" => self.display.is_some(),
+                "links" => !self.links.is_empty(),
+                "layout" => !self.layout.is_empty(),
+                _ => false,
+            },
+            Place::Node(id) => self.nodes.contains_key(id),
+            Place::NodeField(id, name) => {
+                self.node(id.as_str()).is_some_and(|node| match name.as_str() {
+                    "kind" => true,
+                    "label" => node.label.is_some(),
+                    "note" => !node.note.is_empty(),
+                    "bypass" => node.bypass,
+                    "inputs" => !node.inputs.is_empty(),
+                    _ => false,
+                })
+            }
+            Place::Input(id, name) => {
+                self.node(id.as_str()).is_some_and(|node| node.inputs.contains_key(name))
+            }
+            Place::Link(socket) => self.links.contains_key(socket),
+            Place::Layout(id) => self.layout.contains_key(id),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_short_lower_case_words() {
+        for good in ["a", "rows", "rows_2", "r2d2"] {
+            assert_eq!(NodeId::new(good).unwrap().as_str(), good);
+        }
+        let long = "a".repeat(65);
+        for bad in ["", "2rows", "_a", "Rows", "a b", "a.b", "é", &long] {
+            assert!(NodeId::new(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_free_id_is_the_stem_or_the_first_number_behind_it() {
+        let mut document = Document::default();
+        let mut made = vec![];
+        for stem in ["rows", "rows", "rows", "Front Rows", "9lives", "", &"x".repeat(99)] {
+            let id = document.free_id(stem);
+            document.nodes.insert(id.clone(), Arc::default());
+            made.push(id.to_string());
+        }
+        assert_eq!(made[..6], ["rows", "rows_2", "rows_3", "front_rows", "node9lives", "node"]);
+        assert_eq!(made[6].len(), 52);
+    }
+
+    #[test]
+    fn a_snapshot_shares_its_nodes() {
+        let document = testing::Random::new(1).document();
+        let snapshot = document.clone();
+        for (id, node) in &snapshot.nodes {
+            assert!(Arc::ptr_eq(node, &document.nodes[id]));
+        }
+        assert_eq!(snapshot, document);
+    }
+
+    #[test]
+    fn fresh_nodes_have_seed_tags_of_their_own() {
+        let mut document = Document::default();
+        let mut tags = std::collections::BTreeSet::new();
+        for def in coif_nodes::all() {
+            for _ in 0..3 {
+                let id = document.free_id(def.id);
+                let node = document.fresh_node(def.id, &id);
+                assert_eq!(node, document.fresh_node(def.id, &id));
+                if let Some(Setting::Known(Value::Int(tag))) = node.inputs.get("seed") {
+                    assert!(tags.insert(*tag), "{id} has the tag of another");
+                }
+                document.nodes.insert(id, node.into());
+            }
+        }
+    }
+
+    #[test]
+    fn a_name_is_the_label_else_the_kind_where_that_is_one() {
+        let (a, b) = (NodeId::new("a").unwrap(), NodeId::new("b").unwrap());
+        let node = Node { kind: "resample".into(), ..Node::default() };
+        let mut document = Document::default();
+        document.nodes.insert(a.clone(), node.clone().into());
+        assert_eq!(document.name_of(&a), "Resample");
+        document.nodes.insert(b.clone(), Node { label: Some("front".into()), ..node }.into());
+        assert_eq!((document.name_of(&a), document.name_of(&b)), ("a", "front"));
+    }
+}

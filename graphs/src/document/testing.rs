@@ -1,0 +1,274 @@
+//! Random documents, values and edits for property tests, from a seed.
+
+use super::edit::Edit;
+use super::{Document, Node, NodeId, Place, Point, Setting, Socket, strokes, values};
+use coif_nodes::data::field::Field;
+use coif_nodes::data::ramp::{Blend, Ramp};
+use coif_nodes::data::shapes::{Section, ShapeList, Tier};
+use coif_nodes::data::strokes::{Sample, Strokes};
+use coif_nodes::define::{Type, Value};
+use coif_nodes::maths::hash::Dice;
+use glam::{Vec2, Vec3};
+use std::sync::Arc;
+
+/// Draws from a seed.
+pub(crate) struct Random(Dice, u64);
+
+/// Texts that a writer can get wrong.
+const TEXTS: [&str; 10] = [
+    "plain",
+    "",
+    "two\nlines\r\n\ttab",
+    "\"quoted\" \\ back",
+    "// no comment /* nor */ this",
+    "Übergang 三つ編み \u{1F9D1}\u{200D}\u{1F9B1}",
+    "\u{0}\u{7}\u{85}\u{2028}\u{202E}",
+    "(a: [1, {\"b\": 'c'}])",
+    "r#\"raw\"#",
+    "trailing \\",
+];
+
+/// Texts that no declaration here explains.
+const RAW: [&str; 7] = [
+    "Twist(3, [1, 2])",
+    "'\"'",
+    "r#\"not \" the end\"#",
+    "(\n  a: 1, // kept\n  b: /* too */ {\"x\": ()},\n)",
+    "1e400",
+    "[Some(\"// no comment\"), None]",
+    "b\"bytes\"",
+];
+
+impl Random {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(Dice::new(seed, 0, "documents"), 0)
+    }
+    pub(crate) fn bits(&mut self) -> u64 {
+        self.1 += 1;
+        self.0.bits(self.1, 0)
+    }
+    pub(crate) fn below(&mut self, n: usize) -> usize {
+        (self.bits() % n.max(1) as u64) as usize
+    }
+    pub(crate) fn pick<T: Clone>(&mut self, of: &[T]) -> T {
+        of[self.below(of.len())].clone()
+    }
+    fn chance(&mut self, one_in: usize) -> bool {
+        self.below(one_in) == 0
+    }
+    pub(crate) fn text(&mut self) -> String {
+        self.pick(&TEXTS).to_owned()
+    }
+    fn words(&mut self) -> Option<String> {
+        self.chance(2).then(|| self.text()).filter(|text| !text.is_empty())
+    }
+    /// Any finite number: of every size, and the borders.
+    pub(crate) fn number(&mut self) -> f32 {
+        let border =
+            [0.0, -0.0, 1.0, 0.1, 1e-45, f32::MAX, f32::MIN, 1e16, 16_777_217.0, 1.0 / 3.0];
+        let any = f32::from_bits(self.bits() as u32);
+        if self.chance(3) || !any.is_finite() { self.pick(&border) } else { any }
+    }
+    pub(crate) fn unit(&mut self) -> f32 {
+        self.below(1001) as f32 / 1000.0
+    }
+    fn vec3(&mut self) -> Vec3 {
+        Vec3::new(self.number(), self.number(), self.number())
+    }
+    fn ramp(&mut self) -> Ramp {
+        let mut at: Vec<f32> = (0..=self.below(5)).map(|_| self.unit()).collect();
+        at.sort_by(f32::total_cmp);
+        let blend = self.pick(&[Blend::Step, Blend::Linear, Blend::Smooth]);
+        Ramp::new(blend, at.into_iter().map(|x| (x, self.number())).collect()).unwrap()
+    }
+    fn field(&mut self, depth: usize) -> Field {
+        match self.below(if depth < 4 { 5 } else { 4 }) {
+            0 => Field::Constant(self.number()),
+            1 => Field::Ramp(self.ramp()),
+            2 => Field::Attribute(self.text()),
+            3 => Field::Mask(self.text()),
+            _ => Field::Product((0..self.below(4)).map(|_| self.field(depth + 1)).collect()),
+        }
+    }
+    fn shapes(&mut self) -> ShapeList {
+        let mut list = vec![(Tier::A, Section::Circle)];
+        for _ in 0..self.below(5) {
+            let section = match self.below(6) {
+                0 => Section::Circle,
+                1 => Section::Ellipse(0.01 + 0.99 * self.unit()),
+                2 => Section::Lame(0.3 + 19.0 * self.unit()),
+                3 => Section::Polygon(3 + self.below(10) as u32),
+                4 => Section::Rose { petals: 2 + self.below(11) as u32, depth: 0.95 * self.unit() },
+                _ => {
+                    let corner = |k: usize| Vec2::new(k as f32 * 1.1, (k * k) as f32);
+                    Section::Custom((0..3 + self.below(5)).map(corner).collect())
+                }
+            };
+            list.push((self.pick(&[Tier::A, Tier::B, Tier::C]), section));
+        }
+        ShapeList(list)
+    }
+    /// Samples as a pen gives them: a wavering arc, 5 ms apart.
+    pub(crate) fn pen(&mut self, count: usize) -> Vec<Sample> {
+        let (lean, bend) = (self.unit(), 0.2 + self.unit());
+        (0..count)
+            .map(|k| {
+                let t = k as f32 * 0.005;
+                let tremor = (self.unit() - 0.5) * 0.006;
+                let x = 14.0 * t * (1.0 - 0.3 * t);
+                let y = 8.0 - bend * x * x * 0.05 + 0.3 * (3.0 * t - lean) * (3.0 * t - lean) * t;
+                let z = lean * x + tremor;
+                let pressure = (0.2 + t * (1.4 - t) + 4.0 * tremor).clamp(0.0, 1.0);
+                Sample { position: Vec3::new(x, y, z), pressure, time: t }
+            })
+            .collect()
+    }
+    pub(crate) fn strokes(&mut self) -> Strokes {
+        let mut strokes = Strokes::default();
+        for _ in 0..self.below(4) {
+            let count = 1 + self.below(60);
+            let stroke = strokes::finish(&self.pen(count), &strokes).unwrap();
+            strokes.0.push(stroke);
+        }
+        strokes
+    }
+    /// A value of the type, in the form that documents have.
+    pub(crate) fn value(&mut self, ty: Type) -> Value {
+        let value = match ty {
+            Type::Bool => Value::Bool(self.chance(2)),
+            Type::Int => Value::Int(self.pick(&[0, -1, 7, 123_456, i64::MAX, i64::MIN])),
+            Type::Float => Value::Float(self.number()),
+            Type::Field => Value::from(self.field(0)),
+            Type::Vec3 | Type::Colour => Value::Vec3(self.vec3()),
+            Type::Text | Type::File => Value::Text(self.text().into()),
+            Type::Choice(words) => Value::Text(self.pick(words).0.into()),
+            Type::Ramp => Value::from(self.ramp()),
+            Type::Shapes => Value::from(self.shapes()),
+            Type::Strokes => Value::from(self.strokes()),
+            Type::Curves | Type::Scalp => panic!("{} come by wire", ty.name()),
+        };
+        values::fit(ty, value).unwrap()
+    }
+
+    fn id(&mut self) -> NodeId {
+        NodeId::new(self.pick(&["a", "b", "c", "d", "e_1", "far_away"])).unwrap()
+    }
+    fn input(&mut self) -> String {
+        self.pick(&["count", "spacing", "by", "of_tomorrow", "odd \"name\"\n", "curves", "cuont"])
+            .to_owned()
+    }
+    fn socket(&mut self) -> Socket {
+        let name = self.pick(&["curves", "in", "scalp"]);
+        Socket::new(self.id(), name)
+    }
+    fn setting(&mut self, kind: &str, input: &str) -> Setting {
+        match coif_nodes::by_id(kind).and_then(|def| def.input(input)) {
+            Some((_, def)) if !matches!(def.ty, Type::Curves | Type::Scalp) => {
+                Setting::Known(self.value(def.ty))
+            }
+            _ => Setting::Raw(self.pick(&RAW).into()),
+        }
+    }
+    fn node(&mut self) -> Node {
+        let all: Vec<&str> = coif_nodes::all().map(|def| def.id).collect();
+        let kind = match self.below(4) {
+            0 => "of_tomorrow",
+            1 => self.pick(&all),
+            _ => "resample",
+        };
+        let mut node = Node {
+            kind: kind.to_owned(),
+            label: self.words(),
+            note: self.words().unwrap_or_default(),
+            bypass: self.chance(4),
+            ..Node::default()
+        };
+        let mut names = vec![self.input(), self.input()];
+        let inputs = coif_nodes::by_id(kind).map_or(&[][..], |def| def.inputs).iter();
+        names.extend(inputs.map(|input| input.name.to_owned()).filter(|_| self.chance(2)));
+        for name in names {
+            let setting = self.setting(kind, &name);
+            node.inputs.insert(name, setting);
+        }
+        node
+    }
+    fn point(&mut self) -> Option<Point> {
+        (!self.chance(4)).then(|| Point(self.number(), self.number()))
+    }
+    fn place(&mut self) -> Place {
+        let (id, input) = (self.id(), self.input());
+        let field = |random: &mut Self, of: &[&str]| random.pick(of).to_owned();
+        match self.below(7) {
+            0 => Place::Top,
+            1 => {
+                Place::Field(field(self, &["format", "title", "note", "display", "links", "nodes"]))
+            }
+            2 => Place::Node(id),
+            3 => Place::NodeField(id, field(self, &["kind", "label", "note", "inputs", "bypass"])),
+            4 => Place::Input(id, input),
+            5 => Place::Link(self.socket()),
+            _ => Place::Layout(id),
+        }
+    }
+    /// An edit, possible or not.
+    pub(crate) fn edit(&mut self, document: &Document) -> Edit {
+        let (id, to) = (self.id(), self.socket());
+        let kind = document.node(id.as_str()).map_or("", |node| &node.kind).to_owned();
+        match self.below(22) {
+            0..=2 => Edit::AddNode { id, node: self.node().into(), at: self.point() },
+            3 => Edit::RemoveNode { id },
+            4 => Edit::ReplaceNode { id, node: self.node().into() },
+            5..=6 => {
+                let input = self.input();
+                let setting = self.setting(&kind, &input);
+                Edit::SetInput { node: id, input, setting }
+            }
+            7 => Edit::UnsetInput { node: id, input: self.input() },
+            8..=9 => {
+                let at = self.pick(&[None, Some(0), Some(9)]);
+                Edit::Connect { from: self.socket(), to, at }
+            }
+            10 => Edit::Disconnect { to, at: self.below(2) },
+            11 => Edit::Reorder { to, from: self.below(3), at: self.below(3) },
+            12 => {
+                let from = (0..self.below(4)).map(|_| self.socket()).collect();
+                Edit::SetWires { to, from }
+            }
+            13 => Edit::Move { id, to: self.point() },
+            14 => Edit::SetTitle(self.text()),
+            15 => match self.below(3) {
+                0 => Edit::SetNote(self.text()),
+                1 => Edit::SetSeed(self.bits()),
+                _ => Edit::SetNodeNote { id, note: self.text() },
+            },
+            16 => Edit::SetDisplay((!self.chance(4)).then_some(id)),
+            17 => Edit::SetLabel { id, label: self.words() },
+            18 => Edit::SetBypass { id, bypass: self.chance(2) },
+            19..=20 => {
+                let lines = self.pick(&[&["// one"][..], &["//", "// \"two\" /*"], &[]]);
+                let lines = lines.iter().map(|line| (*line).to_owned()).collect();
+                Edit::SetComment { place: self.place(), lines }
+            }
+            _ => {
+                let count = self.below(4);
+                Edit::Several((0..count).map(|_| self.edit(document)).collect())
+            }
+        }
+    }
+    /// A document after some edits.
+    pub(crate) fn document(&mut self) -> Document {
+        let mut document =
+            Document { seed: self.bits(), title: self.text(), ..Document::default() };
+        for _ in 0..10 + self.below(60) {
+            let _ = self.edit(&document).apply(&mut document);
+        }
+        document
+    }
+    /// A node that holds strokes, whatever nodes there are.
+    pub(crate) fn stroke_node(&mut self) -> Node {
+        let mut node = Node { kind: "of_strokes".into(), ..Node::default() };
+        let strokes = Value::Strokes(Arc::new(self.strokes()));
+        node.inputs.insert("strokes".into(), Setting::Known(strokes));
+        node
+    }
+}

@@ -1,0 +1,117 @@
+//! Values as documents hold them: one form for each thing that can be said.
+//!
+//! What passes [`fit`] is written to a file and read back as the same value.
+
+use coif_nodes::data::field::Field;
+use coif_nodes::data::ramp::Ramp;
+use coif_nodes::define::{Type, Value};
+use std::sync::Arc;
+
+/// The deepest product of products of fields. Deeper is a mistake or an attack: readers recurse.
+pub const DEEPEST_FIELD: usize = 16;
+
+/// `value` in the form in which documents hold what an input of type `ty` takes; else why it cannot be
+/// held.
+///
+/// Whole numbers become numbers where the input takes numbers, constant fields and constant ramps have one form,
+/// files are their path, strokes are brought to the grid in which files keep them.
+pub fn fit(ty: Type, value: Value) -> Result<Value, String> {
+    let found = value.type_name();
+    let value = match (ty, value) {
+        (Type::Bool, value @ Value::Bool(_))
+        | (Type::Int, value @ Value::Int(_))
+        | (Type::Float | Type::Field, value @ Value::Float(_))
+        | (Type::Vec3 | Type::Colour, value @ Value::Vec3(_))
+        | (Type::Text | Type::File, value @ Value::Text(_))
+        | (Type::Ramp, value @ Value::Ramp(_))
+        | (Type::Shapes, value @ Value::Shapes(_)) => value,
+        (Type::Float | Type::Field, Value::Int(x)) => Value::Float(x as f32),
+        (Type::Field, Value::Ramp(ramp)) => Value::Field(Arc::new(Field::Ramp((*ramp).clone()))),
+        (Type::Field, Value::Field(field)) => match *field {
+            Field::Constant(x) => Value::Float(x),
+            _ if depth(&field) > DEEPEST_FIELD => {
+                return Err(format!("products are nested deeper than {DEEPEST_FIELD}"));
+            }
+            _ => Value::Field(field),
+        },
+        (Type::Ramp, Value::Float(x)) => Value::Ramp(Arc::new(Ramp::constant(x))),
+        (Type::Ramp, Value::Int(x)) => Value::Ramp(Arc::new(Ramp::constant(x as f32))),
+        (Type::File, Value::File(file)) => Value::Text(file.path.as_str().into()),
+        (Type::Choice(words), Value::Text(word)) => {
+            if !words.iter().any(|(known, _)| *known == &*word) {
+                return Err(no_such_word(&word, words));
+            }
+            Value::Text(word)
+        }
+        (Type::Strokes, Value::Strokes(strokes)) => {
+            Value::Strokes(super::strokes::on_the_grid(strokes))
+        }
+        (Type::Curves | Type::Scalp, _) => {
+            return Err(format!("{} come by wire: connect a node", ty.name()));
+        }
+        _ => return Err(format!("takes a {}, not a {found}", ty.name())),
+    };
+    match &value {
+        Value::Ramp(ramp) if !ramp.stops().iter().all(|(_, y)| y.is_finite()) => {
+            Err("not a finite number".to_owned())
+        }
+        Value::Strokes(strokes) if strokes.0.iter().any(|stroke| stroke.samples.is_empty()) => {
+            Err("a stroke has no samples".to_owned())
+        }
+        value => value.fault().map_or(Ok(()), Err),
+    }?;
+    Ok(value)
+}
+
+fn no_such_word(word: &str, words: &[(&str, &str)]) -> String {
+    let known: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+    let meant = super::suggest::nearest(word, known.iter().copied());
+    let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
+    format!("{word:?} is none of {}{meant}", known.join(", "))
+}
+
+fn depth(field: &Field) -> usize {
+    // By hand and not by recursion: what is measured may be too deep for it.
+    let (mut deepest, mut open) = (0, vec![(field, 1)]);
+    while let Some((field, depth)) = open.pop() {
+        deepest = deepest.max(depth);
+        if let Field::Product(parts) = field {
+            open.extend(parts.iter().map(|part| (part, depth + 1)));
+        }
+    }
+    deepest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::Random;
+    use super::*;
+    use coif_nodes::data::strokes::{Stroke, Strokes};
+
+    #[test]
+    fn what_fits_fits_again_unchanged() {
+        let mut random = Random::new(6);
+        let words: &[(&str, &str)] = &[("count", ""), ("spacing", "")];
+        for ty in [Type::Float, Type::Field, Type::Ramp, Type::Strokes, Type::Choice(words)] {
+            for _ in 0..100 {
+                let value = random.value(ty);
+                assert_eq!(fit(ty, value.clone()).unwrap().key(), value.key());
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_held_is_refused_in_words() {
+        let check = |ty, value: Value, why: &str| assert_eq!(fit(ty, value).unwrap_err(), why);
+        check(Type::Int, 0.5.into(), "takes a whole number, not a number");
+        check(Type::Float, f32::INFINITY.into(), "not a finite number");
+        check(Type::Ramp, Ramp::constant(f32::NAN).into(), "not a finite number");
+        let empty = Strokes(vec![Stroke { id: 1, samples: vec![] }]);
+        check(Type::Strokes, empty.into(), "a stroke has no samples");
+        let mut deep = Field::Constant(1.0);
+        for _ in 0..DEEPEST_FIELD {
+            deep = Field::Product(vec![deep]);
+        }
+        check(Type::Field, deep.into(), "products are nested deeper than 16");
+    }
+}

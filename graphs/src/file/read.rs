@@ -1,0 +1,374 @@
+//! Text to documents: the structs of format 1, and their conversion.
+
+use super::scan::{Scan, error_at, scan, trimmed};
+use super::{FORMAT, FileError, Loaded, read_value, upgrade};
+use crate::document::{Document, Node, NodeId, Place, Point, Setting, Socket};
+use coif_nodes::define::NodeDef;
+use ron::value::RawValue;
+use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use std::collections::BTreeSet;
+use std::fmt;
+use std::marker::PhantomData;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The deepest nesting of brackets in a file: ours has 8; what is deeper is an attack on a recursive reader.
+const DEEPEST: usize = 64;
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Groom")]
+struct FileGroom<'a> {
+    format: u32,
+    #[serde(default)]
+    title: String,
+    #[serde(default)]
+    note: String,
+    #[serde(default)]
+    seed: u64,
+    #[serde(default)]
+    display: String,
+    #[serde(borrow, default)]
+    nodes: Entries<FileNode<'a>>,
+    #[serde(default)]
+    links: Entries<FileWires>,
+    #[serde(default)]
+    layout: Entries<(f32, f32)>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Node")]
+struct FileNode<'a> {
+    kind: String,
+    #[serde(default)]
+    label: String,
+    #[serde(default)]
+    note: String,
+    #[serde(default)]
+    bypass: bool,
+    #[serde(borrow, default)]
+    inputs: Entries<&'a RawValue>,
+}
+
+/// A map in the order of the file. Two entries of one name are refused: a merge made them, and one would be lost.
+struct Entries<T>(Vec<(String, T)>);
+
+impl<T> Default for Entries<T> {
+    fn default() -> Self {
+        Self(vec![])
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Entries<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct EntriesVisitor<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for EntriesVisitor<T> {
+            type Value = Entries<T>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("entries in curly brackets")
+            }
+            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Entries<T>, M::Error> {
+                let (mut entries, mut seen) = (vec![], BTreeSet::new());
+                while let Some(key) = map.next_key::<String>()? {
+                    if !seen.insert(key.clone()) {
+                        return Err(de::Error::custom(format!(
+                            "{key:?} stands here twice: keep one of them"
+                        )));
+                    }
+                    entries.push((key, map.next_value()?));
+                }
+                Ok(Entries(entries))
+            }
+        }
+        deserializer.deserialize_map(EntriesVisitor(PhantomData))
+    }
+}
+
+/// The outputs wired to an input: one, or a list.
+struct FileWires(Vec<String>);
+
+impl<'de> Deserialize<'de> for FileWires {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct WiresVisitor;
+        impl<'de> Visitor<'de> for WiresVisitor {
+            type Value = FileWires;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("\"node.output\" or a list of these")
+            }
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<FileWires, E> {
+                Ok(FileWires(vec![text.to_owned()]))
+            }
+            fn visit_seq<S: SeqAccess<'de>>(self, mut seq: S) -> Result<FileWires, S::Error> {
+                let mut wires = vec![];
+                while let Some(wire) = seq.next_element()? {
+                    wires.push(wire);
+                }
+                Ok(FileWires(wires))
+            }
+        }
+        deserializer.deserialize_any(WiresVisitor)
+    }
+}
+
+/// An error of the RON reader as one line of ours.
+pub(super) fn in_words(err: &ron::Error) -> String {
+    let text = err.to_string();
+    let mut chars = text.chars();
+    let lower = chars.next().map(|c| c.to_lowercase().chain(chars).collect());
+    let text: String = lower.unwrap_or_default();
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+pub(super) fn read(text: &str) -> Result<Loaded, FileError> {
+    let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
+    refuse_conflicts(text)?;
+    match parse(text) {
+        Ok(groom) if groom.format == FORMAT => convert(text, groom),
+        parsed => match upgrade::format_of(text) {
+            Some((format, at)) if format > FORMAT => Err(error_at(
+                text,
+                at,
+                format!(
+                    "the file has format {format}, this version reads up to {FORMAT}: open it with a newer coif"
+                ),
+            )),
+            Some((format, at)) if format < FORMAT => {
+                let newer = upgrade::upgrade(text, format, upgrade::STEPS)
+                    .map_err(|reason| error_at(text, at, reason))?;
+                read_upgraded(text, &newer, format, at)
+            }
+            _ => match parsed {
+                Err(err) => Err(err),
+                Ok(_) => Err(error_at(text, 0, "the file says no format".to_owned())),
+            },
+        },
+    }
+}
+
+/// Reads what an upgrade made. Places in it mean nothing to the user, who has the old file.
+fn read_upgraded(old: &str, new: &str, format: u32, at: usize) -> Result<Loaded, FileError> {
+    let here = |message: String| error_at(old, at, format!("read as format {format}: {message}"));
+    let groom = parse(new).map_err(|err| here(err.message))?;
+    let mut loaded = convert(new, groom).map_err(|err| here(err.message))?;
+    for said in &mut loaded.warnings {
+        *said = here(std::mem::take(&mut said.message));
+    }
+    let kept: BTreeSet<String> = loaded.document.comments.values().flatten().cloned().collect();
+    let before = scan(old);
+    let comments = before.comments.into_values().flatten().chain(before.dropped);
+    loaded.dropped_comments = comments
+        .filter(|comment| !kept.contains(&comment.text))
+        .map(|comment| error_at(old, comment.at, comment.text))
+        .collect();
+    Ok(loaded)
+}
+
+fn parse(text: &str) -> Result<FileGroom<'_>, FileError> {
+    if trimmed_start(text).starts_with('#') {
+        let message = "a groom has no #![...] attributes: remove this line".to_owned();
+        return Err(error_at(text, text.len() - trimmed_start(text).len(), message));
+    }
+    ron::Options::default().with_recursion_limit(DEEPEST).from_str(text).map_err(|err| {
+        use ron::Error as E;
+        let named = matches!(
+            err.code,
+            E::NoSuchStructField { .. } | E::DuplicateStructField { .. } | E::Message(_)
+        );
+        let place = if named { err.span.start } else { err.span.end };
+        FileError { line: place.line, column: place.col, message: in_words(&err.code) }
+    })
+}
+
+fn trimmed_start(text: &str) -> &str {
+    let inner = trimmed(text);
+    // A slice of `text`: where it begins is where the comments end.
+    &text[inner.as_ptr() as usize - text.as_ptr() as usize..]
+}
+
+/// A merge that nobody finished is said as such: what the parser would say of it helps nobody.
+fn refuse_conflicts(text: &str) -> Result<(), FileError> {
+    let mut at = 0;
+    for line in text.split_inclusive('\n') {
+        if line.starts_with("<<<<<<< ") || line.starts_with(">>>>>>> ") {
+            let message = "a merge conflict is left in the file: resolve it first".to_owned();
+            return Err(error_at(text, at, message));
+        }
+        at += line.len();
+    }
+    Ok(())
+}
+
+/// Collects what is to be said about a file.
+struct Reader<'a> {
+    text: &'a str,
+    scan: Scan,
+    warnings: Vec<(usize, String)>,
+    /// Text that is kept as it is, comments in it too.
+    raw: Vec<Range<usize>>,
+}
+
+impl Reader<'_> {
+    fn at(&self, place: &Place) -> usize {
+        self.scan.values.get(place).copied().unwrap_or_default()
+    }
+    fn warn(&mut self, place: &Place, message: String) {
+        let at = self.at(place);
+        self.warnings.push((at, message));
+    }
+    fn error(&self, message: String) -> FileError {
+        // The place of a name that is no id is not known to the scan: find the name.
+        let named = message.split('"').nth(1).unwrap_or_default();
+        let at = self.text.find(&format!("\"{named}")).unwrap_or_default();
+        error_at(self.text, at, message)
+    }
+}
+
+fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
+    let mut reader = Reader { text, scan: scan(text), warnings: vec![], raw: vec![] };
+    let mut document =
+        Document { title: groom.title, note: groom.note, seed: groom.seed, ..Document::default() };
+    for (id, node) in groom.nodes.0 {
+        let id = NodeId::new(&id).map_err(|err| reader.error(err.to_string()))?;
+        let node = reader.node(&id, node);
+        document.nodes.insert(id, Arc::new(node));
+    }
+    for (to, from) in groom.links.0 {
+        let socket =
+            |text: &str| text.parse::<Socket>().map_err(|err| reader.error(err.to_string()));
+        let written = socket(&to)?;
+        let from = from.0.iter().map(|from| socket(from)).collect::<Result<Vec<_>, _>>()?;
+        let to = reader.present_input(&document, &written);
+        if from.is_empty() {
+            reader.warn(&Place::Link(written), format!("{to} has an empty list of wires: dropped"));
+        } else if document.links.contains_key(&to) {
+            let message = format!("{to} is wired under an old name too: these wires are dropped");
+            reader.warn(&Place::Link(written), message);
+        } else {
+            document.links.insert(to, from);
+        }
+    }
+    let here = |id: &str| NodeId::new(id).ok().filter(|id| document.nodes.contains_key(id));
+    if !groom.display.is_empty() {
+        document.display = here(&groom.display);
+        if document.display.is_none() {
+            let message = format!("display: there is no node {:?}: dropped", groom.display);
+            reader.warn(&Place::Field("display".to_owned()), message);
+        }
+    }
+    let mut layout = vec![];
+    for (id, (x, y)) in groom.layout.0 {
+        match here(&id) {
+            Some(id) if x.is_finite() && y.is_finite() => layout.push((id, Point(x, y))),
+            found => {
+                let id = NodeId::new(&id).map_err(|err| reader.error(err.to_string()))?;
+                let why = if found.is_some() {
+                    "its place is no number"
+                } else {
+                    "there is no such node"
+                };
+                reader.warn(&Place::Layout(id.clone()), format!("layout of {id}: {why}: dropped"));
+            }
+        }
+    }
+    document.layout.extend(layout);
+    Ok(reader.finish(document))
+}
+
+impl Reader<'_> {
+    fn node(&mut self, id: &NodeId, file: FileNode) -> Node {
+        let def = coif_nodes::by_id(&file.kind);
+        if def.is_none() {
+            let message = format!("{id}: unknown node kind {:?}: kept as it is", file.kind);
+            self.warn(&Place::NodeField(id.clone(), "kind".to_owned()), message);
+        }
+        let mut node = Node {
+            kind: file.kind,
+            label: Some(file.label).filter(|label| !label.is_empty()),
+            note: file.note,
+            bypass: file.bypass,
+            ..Node::default()
+        };
+        let written: BTreeSet<String> =
+            file.inputs.0.iter().map(|(name, _)| name.clone()).collect();
+        for (name, raw) in file.inputs.0 {
+            let place = Place::Input(id.clone(), name.clone());
+            let present = present_name(def, &name);
+            if present != name && written.contains(&present) {
+                let message =
+                    format!("{id}.{name}: {present} is its new name and set too: dropped");
+                self.warn(&place, message);
+                continue;
+            }
+            if present != name {
+                let comments = self.scan.comments.remove(&place);
+                let renamed = Place::Input(id.clone(), present.clone());
+                self.scan.comments.extend(comments.map(|lines| (renamed, lines)));
+            }
+            let setting = self.setting(id, def, &place, &present, trimmed(raw.get_ron()));
+            node.inputs.insert(present, setting);
+        }
+        node
+    }
+
+    fn setting(
+        &mut self,
+        id: &NodeId,
+        def: Option<&NodeDef>,
+        place: &Place,
+        name: &str,
+        text: &str,
+    ) -> Setting {
+        if let Some(def) = def {
+            match def.inputs.iter().find(|input| input.name == name) {
+                Some(input) => match read_value(input.ty, text) {
+                    Ok(value) => return Setting::Known(value),
+                    Err(reason) => self.warn(place, format!("{id}.{name}: {reason}")),
+                },
+                None => {
+                    let message =
+                        format!("{id}.{name}: {} has no such input: kept as it is", def.id);
+                    self.warn(place, message);
+                }
+            }
+        }
+        let at = self.at(place);
+        self.raw.push(at..at + text.len());
+        Setting::Raw(text.into())
+    }
+
+    /// The socket under the name that its node's input has today.
+    fn present_input(&mut self, document: &Document, written: &Socket) -> Socket {
+        let node = document.node(written.node.as_str());
+        let def = node.and_then(|node| coif_nodes::by_id(&node.kind));
+        let to = Socket::new(written.node.clone(), &present_name(def, &written.name));
+        if to != *written
+            && let Some(lines) = self.scan.comments.remove(&Place::Link(written.clone()))
+        {
+            self.scan.comments.insert(Place::Link(to.clone()), lines);
+        }
+        to
+    }
+
+    fn finish(mut self, mut document: Document) -> Loaded {
+        let mut dropped = std::mem::take(&mut self.scan.dropped);
+        for (place, lines) in std::mem::take(&mut self.scan.comments) {
+            if document.has(&place) {
+                document.comments.insert(place, lines.into_iter().map(|line| line.text).collect());
+            } else {
+                dropped.extend(lines);
+            }
+        }
+        dropped.retain(|comment| !self.raw.iter().any(|raw| raw.contains(&comment.at)));
+        dropped.sort_by_key(|comment| comment.at);
+        self.warnings.sort_by_key(|(at, _)| *at);
+        let text = self.text;
+        Loaded {
+            document,
+            warnings: self.warnings.into_iter().map(|(at, m)| error_at(text, at, m)).collect(),
+            dropped_comments: dropped.into_iter().map(|c| error_at(text, c.at, c.text)).collect(),
+        }
+    }
+}
+
+fn present_name(def: Option<&NodeDef>, name: &str) -> String {
+    def.and_then(|def| def.input(name)).map_or(name, |(_, input)| input.name).to_owned()
+}

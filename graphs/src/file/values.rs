@@ -1,0 +1,606 @@
+//! Values as text, read by the type that the node's declaration names.
+
+use crate::document::graph::short;
+use crate::document::strokes::Steps;
+use crate::document::values::{DEEPEST_FIELD, fit};
+use coif_nodes::data::field::Field;
+use coif_nodes::data::ramp::{Blend, Ramp};
+use coif_nodes::data::shapes::{Section, ShapeList, Tier};
+use coif_nodes::data::strokes::{Stroke, Strokes};
+use coif_nodes::define::{Type, Value};
+use glam::{Vec2, Vec3};
+use ron::value::RawValue;
+use serde::Deserialize;
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+/// The deepest nesting of brackets in one value: deeper is an attack on a recursive reader.
+const DEEPEST: usize = 64;
+/// Samples on one line of a stroke: a changed sample changes one or two short lines in each column.
+const SAMPLES_A_LINE: usize = 12;
+
+/// Reads what a command line gives: RON, or for texts, choices and files a bare word.
+pub fn parse_value(ty: Type, text: &str) -> Result<Value, String> {
+    let text = text.trim();
+    let bare = matches!(ty, Type::Text | Type::Choice(_) | Type::File)
+        && !text.starts_with('"')
+        && !text.starts_with("r\"")
+        && !text.starts_with("r#");
+    if bare { fit(ty, Value::Text(text.into())) } else { read_value(ty, text) }
+}
+
+/// Reads RON text as an input of type `ty` would have it.
+pub fn read_value(ty: Type, text: &str) -> Result<Value, String> {
+    let value = value_of(ty, text).map_err(|err| {
+        format!("{} is no {}: {err}; write it like {}", short(text), ty.name(), like(ty))
+    })?;
+    fit(ty, value)
+}
+
+/// How a value of the type is written.
+fn like(ty: Type) -> &'static str {
+    match ty {
+        Type::Bool => "true",
+        Type::Int => "3",
+        Type::Float => "1.5",
+        Type::Field => "1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])",
+        Type::Vec3 | Type::Colour => "(0.0, 1.0, 0.0)",
+        Type::Text | Type::Choice(_) | Type::File => "\"word\"",
+        Type::Ramp => "1.5 or Linear([(0.0, 1.0), (1.0, 0.3)])",
+        Type::Shapes => "[(A, Circle), (B, Ellipse(0.7))]",
+        Type::Strokes => "the strokes of another groom",
+        Type::Curves | Type::Scalp => "a wire",
+    }
+}
+
+fn value_of(ty: Type, text: &str) -> Result<Value, String> {
+    Ok(match ty {
+        Type::Bool => Value::Bool(parse(text)?),
+        Type::Int => Value::Int(parse(text)?),
+        Type::Float => Value::Float(number(text)?),
+        Type::Field => field(text, 1)?,
+        Type::Vec3 | Type::Colour => {
+            let (x, y, z) = parse(text)?;
+            Value::Vec3(Vec3::new(x, y, z))
+        }
+        Type::Text | Type::Choice(_) | Type::File => Value::Text(parse::<String>(text)?.into()),
+        Type::Ramp if is_number(text) => Value::from(Ramp::constant(number(text)?)),
+        Type::Ramp => Value::from(parse::<FileRamp>(text)?.ramp()?),
+        Type::Shapes => {
+            let shapes: Vec<(FileTier, FileSection)> = parse(text)?;
+            let shapes = shapes.into_iter().map(|(tier, section)| (tier.tier(), section.section()));
+            Value::from(ShapeList(shapes.collect()))
+        }
+        Type::Strokes => {
+            let strokes: Vec<FileStroke> = parse(text)?;
+            let strokes: Result<_, String> = strokes.into_iter().map(FileStroke::stroke).collect();
+            Value::from(Strokes(strokes?))
+        }
+        Type::Curves | Type::Scalp => return Err("it comes by wire".to_owned()),
+    })
+}
+
+fn options() -> ron::Options {
+    ron::Options::default().with_recursion_limit(DEEPEST)
+}
+
+fn parse<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, String> {
+    options().from_str(text).map_err(|err| super::read::in_words(&err.code))
+}
+
+fn number(text: &str) -> Result<f32, String> {
+    let x: f32 = parse(text)?;
+    if x.is_finite() { Ok(x) } else { Err("not a finite number".to_owned()) }
+}
+
+/// Whether RON text can be nothing but a number.
+fn is_number(text: &str) -> bool {
+    let text = super::scan::trimmed(text);
+    text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'))
+        || matches!(text, "NaN" | "inf")
+}
+
+#[derive(Deserialize)]
+enum FileRamp {
+    Linear(Vec<(f32, f32)>),
+    Smooth(Vec<(f32, f32)>),
+    Step(Vec<(f32, f32)>),
+}
+
+impl FileRamp {
+    fn ramp(self) -> Result<Ramp, String> {
+        let (blend, stops) = match self {
+            FileRamp::Linear(stops) => (Blend::Linear, stops),
+            FileRamp::Smooth(stops) => (Blend::Smooth, stops),
+            FileRamp::Step(stops) => (Blend::Step, stops),
+        };
+        Ramp::new(blend, stops).map_err(|err| err.to_string())
+    }
+}
+
+#[derive(Deserialize)]
+enum FileField<'a> {
+    Linear(Vec<(f32, f32)>),
+    Smooth(Vec<(f32, f32)>),
+    Step(Vec<(f32, f32)>),
+    Attribute(String),
+    Mask(String),
+    #[serde(borrow)]
+    Product(Vec<&'a RawValue>),
+}
+
+fn field(text: &str, depth: usize) -> Result<Value, String> {
+    if depth > DEEPEST_FIELD {
+        return Err(format!("products are nested deeper than {DEEPEST_FIELD}"));
+    }
+    if is_number(text) {
+        return Ok(Value::Float(number(text)?));
+    }
+    let field = match parse::<FileField>(text)? {
+        FileField::Linear(stops) => Field::Ramp(FileRamp::Linear(stops).ramp()?),
+        FileField::Smooth(stops) => Field::Ramp(FileRamp::Smooth(stops).ramp()?),
+        FileField::Step(stops) => Field::Ramp(FileRamp::Step(stops).ramp()?),
+        FileField::Attribute(name) => Field::Attribute(name),
+        FileField::Mask(name) => Field::Mask(name),
+        FileField::Product(parts) => {
+            let part = |part: &RawValue| match field(part.get_ron(), depth + 1)? {
+                Value::Float(x) => Ok(Field::Constant(x)),
+                Value::Field(field) => Ok(Arc::unwrap_or_clone(field)),
+                other => Err(format!("a product of a {}", other.type_name())),
+            };
+            Field::Product(parts.into_iter().map(part).collect::<Result<_, String>>()?)
+        }
+    };
+    Ok(Value::from(field))
+}
+
+#[derive(Deserialize)]
+enum FileTier {
+    A,
+    B,
+    C,
+}
+
+impl FileTier {
+    fn tier(&self) -> Tier {
+        match self {
+            FileTier::A => Tier::A,
+            FileTier::B => Tier::B,
+            FileTier::C => Tier::C,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+enum FileSection {
+    Circle,
+    Ellipse(f32),
+    Lame(f32),
+    Polygon(u32),
+    Rose { petals: u32, depth: f32 },
+    Custom(Vec<(f32, f32)>),
+}
+
+impl FileSection {
+    fn section(self) -> Section {
+        match self {
+            FileSection::Circle => Section::Circle,
+            FileSection::Ellipse(ratio) => Section::Ellipse(ratio),
+            FileSection::Lame(exponent) => Section::Lame(exponent),
+            FileSection::Polygon(sides) => Section::Polygon(sides),
+            FileSection::Rose { petals, depth } => Section::Rose { petals, depth },
+            FileSection::Custom(points) => {
+                Section::Custom(points.into_iter().map(|(x, y)| Vec2::new(x, y)).collect())
+            }
+        }
+    }
+}
+
+/// A stroke in columns of whole steps of the grid (0.01 cm, 1/256 of pressure, 1 ms): the first sample, then each
+/// sample's distance from the one before. Small numbers are short, and a moved sample changes two.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileStroke {
+    id: u64,
+    x: Vec<i64>,
+    y: Vec<i64>,
+    z: Vec<i64>,
+    pressure: Vec<i64>,
+    time: Vec<i64>,
+}
+
+const COLUMNS: [&str; 5] = ["x", "y", "z", "pressure", "time"];
+/// More steps than any place, pressure or time of a stroke has; sums of them stay exact.
+const MOST_STEPS: i64 = 1 << 32;
+
+impl FileStroke {
+    fn stroke(self) -> Result<Stroke, String> {
+        let columns = [&self.x, &self.y, &self.z, &self.pressure, &self.time];
+        let count = self.x.len();
+        if let Some(i) = columns.iter().position(|column| column.len() != count) {
+            let (name, found) = (COLUMNS[i], columns[i].len());
+            return Err(format!("stroke {}: {name} has {found} samples, x has {count}", self.id));
+        }
+        let mut at = Steps::default();
+        let mut samples = Vec::with_capacity(count);
+        for i in 0..count {
+            for (sum, column) in at.0.iter_mut().zip(columns) {
+                *sum = sum.saturating_add(column[i]);
+                if sum.abs() > MOST_STEPS {
+                    return Err(format!("stroke {}: sample {i} is not on earth", self.id));
+                }
+            }
+            samples.push(at.sample());
+        }
+        Ok(Stroke { id: self.id, samples })
+    }
+}
+
+/// Writes a value as RON, on one line.
+pub fn write_value(value: &Value) -> String {
+    let mut out = String::new();
+    write_to(&mut out, value, None);
+    out
+}
+
+/// Writes a value; lists of shapes and strokes take a line each, led by `indent`, where there is one.
+pub(super) fn write_to(out: &mut String, value: &Value, indent: Option<usize>) {
+    // Writing to a String cannot fail.
+    let _ = match value {
+        Value::Bool(on) => write!(out, "{on}"),
+        Value::Int(x) => write!(out, "{x}"),
+        Value::Float(x) => write!(out, "{x:?}"),
+        Value::Vec3(v) => write!(out, "({:?}, {:?}, {:?})", v.x, v.y, v.z),
+        Value::Text(text) => {
+            quoted(out, text);
+            Ok(())
+        }
+        Value::File(file) => {
+            quoted(out, &file.path);
+            Ok(())
+        }
+        Value::Field(field) => {
+            write_field(out, field);
+            Ok(())
+        }
+        Value::Ramp(ramp) => {
+            write_ramp(out, ramp);
+            Ok(())
+        }
+        Value::Shapes(shapes) => {
+            write_list(out, &shapes.0, indent, |out, (tier, section)| {
+                let _ = write!(out, "({tier:?}, ");
+                write_section(out, section);
+                out.push(')');
+            });
+            Ok(())
+        }
+        Value::Strokes(strokes) => {
+            write_list(out, &strokes.0, indent, |out, stroke| write_stroke(out, stroke, indent));
+            Ok(())
+        }
+        // Never in a document: `fit` refuses them.
+        Value::Curves(_) | Value::Scalp(_) => write!(out, "()"),
+    };
+}
+
+fn write_list<T>(
+    out: &mut String,
+    items: &[T],
+    indent: Option<usize>,
+    one: impl Fn(&mut String, &T),
+) {
+    out.push('[');
+    for (i, item) in items.iter().enumerate() {
+        match indent {
+            Some(n) => new_line(out, n + 4),
+            None if i > 0 => out.push_str(", "),
+            None => {}
+        }
+        one(out, item);
+        if indent.is_some() {
+            out.push(',');
+        }
+    }
+    if let (Some(n), false) = (indent, items.is_empty()) {
+        new_line(out, n);
+    }
+    out.push(']');
+}
+
+pub(super) fn new_line(out: &mut String, indent: usize) {
+    out.push('\n');
+    out.extend(std::iter::repeat_n(' ', indent));
+}
+
+fn write_field(out: &mut String, field: &Field) {
+    match field {
+        Field::Constant(x) => {
+            let _ = write!(out, "{x:?}");
+        }
+        Field::Ramp(ramp) => write_ramp(out, ramp),
+        Field::Attribute(name) => {
+            out.push_str("Attribute(");
+            quoted(out, name);
+            out.push(')');
+        }
+        Field::Mask(name) => {
+            out.push_str("Mask(");
+            quoted(out, name);
+            out.push(')');
+        }
+        Field::Product(parts) => {
+            out.push_str("Product(");
+            write_list(out, parts, None, write_field);
+            out.push(')');
+        }
+    }
+}
+
+fn write_ramp(out: &mut String, ramp: &Ramp) {
+    let _ = write!(out, "{:?}(", ramp.blend);
+    write_list(out, ramp.stops(), None, |out, (x, y)| {
+        let _ = write!(out, "({x:?}, {y:?})");
+    });
+    out.push(')');
+}
+
+fn write_section(out: &mut String, section: &Section) {
+    let _ = match section {
+        Section::Circle => write!(out, "Circle"),
+        Section::Ellipse(ratio) => write!(out, "Ellipse({ratio:?})"),
+        Section::Lame(exponent) => write!(out, "Lame({exponent:?})"),
+        Section::Polygon(sides) => write!(out, "Polygon({sides})"),
+        Section::Rose { petals, depth } => write!(out, "Rose(petals: {petals}, depth: {depth:?})"),
+        Section::Custom(points) => {
+            out.push_str("Custom(");
+            write_list(out, points, None, |out, p| {
+                let _ = write!(out, "({:?}, {:?})", p.x, p.y);
+            });
+            write!(out, ")")
+        }
+    };
+}
+
+/// The columns of a stroke. Its numbers begin their lines: indentation would be a fifth of the file.
+fn write_stroke(out: &mut String, stroke: &Stroke, indent: Option<usize>) {
+    let _ = write!(out, "(id: {}", stroke.id);
+    let steps: Vec<Steps> = stroke.samples.iter().map(Steps::of).collect();
+    for (c, name) in COLUMNS.iter().enumerate() {
+        let _ = write!(out, ", {name}: [");
+        let mut last = 0;
+        for (i, Steps(at)) in steps.iter().enumerate() {
+            if indent.is_some() && i % SAMPLES_A_LINE == 0 {
+                out.push('\n');
+            }
+            let comma = if i + 1 < steps.len() { "," } else { "" };
+            let _ = write!(out, "{}{comma}", at[c] - last);
+            last = at[c];
+        }
+        if indent.is_some() {
+            out.push('\n');
+        }
+        out.push(']');
+    }
+    out.push(')');
+}
+
+/// A text in quotes. Line breaks and control characters are escaped: a text is one line of a file.
+pub(super) fn quoted(out: &mut String, text: &str) {
+    out.push('"');
+    for c in text.chars() {
+        match c {
+            '"' => out.push_str("\\\""),
+            '\\' => out.push_str("\\\\"),
+            '\n' => out.push_str("\\n"),
+            '\r' => out.push_str("\\r"),
+            '\t' => out.push_str("\\t"),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{{{:x}}}", u32::from(c));
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::testing::Random;
+    use expect_test::{Expect, expect};
+
+    const WORDS: Type = Type::Choice(&[("count", "a number"), ("spacing", "a distance")]);
+    const TYPES: [Type; 12] = [
+        Type::Bool,
+        Type::Int,
+        Type::Float,
+        Type::Field,
+        Type::Vec3,
+        Type::Colour,
+        Type::Text,
+        WORDS,
+        Type::File,
+        Type::Ramp,
+        Type::Shapes,
+        Type::Strokes,
+    ];
+
+    #[test]
+    fn random_values_of_every_type_come_back() {
+        let mut random = Random::new(1);
+        for ty in TYPES {
+            for _ in 0..300 {
+                let value = random.value(ty);
+                let mut many_lines = String::new();
+                write_to(&mut many_lines, &value, Some(16));
+                for text in [write_value(&value), many_lines] {
+                    let back = read_value(ty, &text).unwrap_or_else(|err| panic!("{err}\n{text}"));
+                    assert_eq!(back.key(), value.key(), "{text}");
+                    assert_eq!(back.type_name(), value.type_name(), "{text}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_default_of_every_input_of_every_node_comes_back() {
+        for input in coif_nodes::all().flat_map(|def| def.inputs) {
+            if let Some(default) = input.default {
+                let value = fit(input.ty, default()).unwrap();
+                let back = read_value(input.ty, &write_value(&value)).unwrap();
+                assert_eq!(back.key(), value.key(), "{}", input.name);
+            }
+        }
+    }
+
+    #[track_caller]
+    fn reads(ty: Type, text: &str, as_written: &str) {
+        let value = parse_value(ty, text).unwrap_or_else(|err| panic!("{err}"));
+        assert_eq!(write_value(&value), as_written);
+    }
+
+    #[test]
+    fn values_are_written_in_one_way() {
+        reads(Type::Bool, "true", "true");
+        reads(Type::Int, "-3", "-3");
+        reads(Type::Float, "3", "3.0");
+        reads(Type::Float, "0.1", "0.1");
+        reads(Type::Float, "1e-7", "1e-7");
+        reads(Type::Float, ".5", "0.5");
+        reads(Type::Vec3, "(0, 1.5, -2)", "(0.0, 1.5, -2.0)");
+        reads(Type::Colour, " ( 1 , 0 , 0 ) // red", "(1.0, 0.0, 0.0)");
+        reads(Type::Field, "2", "2.0");
+        reads(Type::Field, "Linear([(0, 1), (1, 0.35)])", "Linear([(0.0, 1.0), (1.0, 0.35)])");
+        reads(Type::Field, "Mask(\"fringe\")", "Mask(\"fringe\")");
+        reads(
+            Type::Field,
+            "Product([2, Attribute(\"frizz\"), Product([Smooth([(0.5, 1)])]),])",
+            "Product([2.0, Attribute(\"frizz\"), Product([Smooth([(0.5, 1.0)])])])",
+        );
+        reads(Type::Ramp, "1", "Linear([(0.0, 1.0)])");
+        reads(Type::Ramp, "Step([(0, 1)])", "Step([(0.0, 1.0)])");
+        let shapes = "[(A, Circle), (B, Ellipse(0.7)), (C, Rose(petals: 5, depth: 0.3)), (B, Polygon(4)), \
+                      (A, Lame(0.7)), (C, Custom([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]))]";
+        reads(Type::Shapes, shapes, shapes);
+        let strokes = "[(id: 7, x: [100,-5], y: [0,0], z: [1,1], pressure: [128,3], time: [0,16])]";
+        reads(Type::Strokes, strokes, strokes);
+    }
+
+    #[test]
+    fn a_bare_word_is_text_where_text_is_taken() {
+        reads(Type::Text, "two words", "\"two words\"");
+        reads(Type::Text, "\"quoted\"", "\"quoted\"");
+        reads(Type::File, "heads/A-1.obj", "\"heads/A-1.obj\"");
+        reads(WORDS, "spacing", "\"spacing\"");
+        reads(WORDS, "\"spacing\"", "\"spacing\"");
+        assert!(read_value(Type::Text, "word").is_err(), "not in files");
+    }
+
+    #[test]
+    fn what_is_no_value_says_what_would_be() {
+        #[track_caller]
+        fn check(ty: Type, texts: &[&str], want: Expect) {
+            let said = texts
+                .iter()
+                .map(|text| parse_value(ty, text).map(|v| write_value(&v)).unwrap_err());
+            want.assert_eq(&said.collect::<Vec<_>>().join("\n"));
+        }
+        check(
+            Type::Int,
+            &["2.5", "three", "", "99999999999999999999", "3 4"],
+            expect![[r#"
+                2.5 is no whole number: non-whitespace trailing characters; write it like 3
+                three is no whole number: expected integer; write it like 3
+                 is no whole number: unexpected end of RON; write it like 3
+                99999999999999999999 is no whole number: integer is out of bounds; write it like 3
+                3 4 is no whole number: non-whitespace trailing characters; write it like 3"#]],
+        );
+        check(Type::Float, &["NaN", "-inf", "1e400", "\"1\"", "1.2.3"], expect![[r#"
+            NaN is no number: not a finite number; write it like 1.5
+            -inf is no number: not a finite number; write it like 1.5
+            1e400 is no number: not a finite number; write it like 1.5
+            "1" is no number: expected float; write it like 1.5
+            1.2.3 is no number: expected float; write it like 1.5"#]]);
+        check(
+            Type::Field,
+            &[
+                "NaN",
+                "Lineer([])",
+                "Linear([])",
+                "Linear([(1.0, 1.0), (0.0, 1.0)])",
+                "Product([true])",
+            ],
+            expect![[r#"
+                NaN is no field (number, ramp, attribute or mask): not a finite number; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])
+                Lineer([]) is no field (number, ramp, attribute or mask): unexpected variant named `Lineer` in enum `FileField`, expected one of `Linear`, `Smooth`, `Step`, `Attribute`, `Mask`, or `Product` instead; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])
+                Linear([]) is no field (number, ramp, attribute or mask): a ramp needs at least one stop, finite numbers, and positions from 0 to 1 that do not fall; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])
+                Linear([(1.0, 1.0), (0.0, 1.0)]) is no field (number, ramp, attribute or mask): a ramp needs at least one stop, finite numbers, and positions from 0 to 1 that do not fall; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])
+                Product([true]) is no field (number, ramp, attribute or mask): unexpected variant named `true` in enum `FileField`, expected one of `Linear`, `Smooth`, `Step`, `Attribute`, `Mask`, or `Product` instead; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])"#]],
+        );
+        check(WORDS, &["spcing", "\"", "wide"], expect![[r#"
+            "spcing" is none of count, spacing; did you mean "spacing"?
+            " is no choice: expected end of string; write it like "word"
+            "wide" is none of count, spacing"#]]);
+        check(Type::Vec3, &["(1, 2)", "1", "(1, 2, inf)"], expect![[r#"
+            (1, 2) is no vector: expected a tuple of size 3 but found 2 elements instead; write it like (0.0, 1.0, 0.0)
+            1 is no vector: expected opening `(`; write it like (0.0, 1.0, 0.0)
+            not a finite number"#]]);
+        check(
+            Type::Shapes,
+            &["[]", "[(B, Circle)]", "[(A, Ellipse(3))]", "[(A, Rose(petals: 5, width: 1))]"],
+            expect![[r#"
+                a shape list needs at least one shape in tier A
+                a shape list needs at least one shape in tier A
+                Ellipse(3): the ratio runs from 0.01 to 1
+                [(A, Rose(petals: 5, width: 1))] is no shape list: unexpected field named `width` in `Rose`, expected either `petals` or `depth` instead; write it like [(A, Circle), (B, Ellipse(0.7))]"#]],
+        );
+        check(
+            Type::Strokes,
+            &[
+                "[(id: 1, x: [1,2], y: [1], z: [1], pressure: [1], time: [1])]",
+                "[(id: 0, x: [1], y: [1], z: [1], pressure: [1], time: [1])]",
+                "[(id: 1, x: [], y: [], z: [], pressure: [], time: [])]",
+                "[(id: 1, x: [9223372036854775807], y: [1], z: [1], pressure: [1], time: [1])]",
+            ],
+            expect![[r#"
+                [(id: 1, x: [1,2], y: [1], z: [1], pressure: [1], time: [1])… is no strokes: stroke 1: y has 1 samples, x has 2; write it like the strokes of another groom
+                stroke 0: its id 0 is 0 or used before
+                a stroke has no samples
+                [(id: 1, x: [9223372036854775807], y: [1], z: [1], pressure:… is no strokes: stroke 1: sample 0 is not on earth; write it like the strokes of another groom"#]],
+        );
+        check(Type::Curves, &["3"], expect!["3 is no curves: it comes by wire; write it like a wire"]);
+    }
+
+    #[test]
+    fn deep_products_are_refused_and_not_followed() {
+        let deep = |n: usize| format!("{}1{}", "Product([".repeat(n), "])".repeat(n));
+        assert!(read_value(Type::Field, &deep(DEEPEST_FIELD - 1)).is_ok());
+        for n in [DEEPEST_FIELD, 31, 63, 100, 100_000] {
+            let err = read_value(Type::Field, &deep(n)).unwrap_err();
+            assert!(err.len() < 400, "{err}");
+        }
+    }
+
+    #[test]
+    fn a_stroke_takes_at_most_20_bytes_a_sample() {
+        let (mut bytes, mut samples) = (0, 0);
+        for seed in 0..40 {
+            let stroke =
+                crate::document::strokes::finish(&Random::new(seed).pen(300), &Strokes::default());
+            let strokes = Strokes(stroke.into_iter().collect());
+            samples += strokes.0[0].samples.len();
+            let mut text = String::new();
+            write_to(&mut text, &Value::from(strokes), Some(16));
+            bytes += text.len();
+            assert!(text.lines().all(|line| line.len() < 100));
+        }
+        assert!(bytes <= 20 * samples, "{} bytes a sample", bytes as f32 / samples as f32);
+        eprintln!(
+            "{} bytes a sample, {} samples a stroke",
+            bytes as f32 / samples as f32,
+            samples / 40
+        );
+    }
+}

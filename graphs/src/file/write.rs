@@ -1,0 +1,151 @@
+//! Documents to text.
+
+use super::FORMAT;
+use super::values::{new_line, quoted, write_to};
+use crate::document::{Document, Node, NodeId, Place, Point, Setting};
+use std::fmt::Write as _;
+
+pub(super) fn write(document: &Document) -> String {
+    let mut out = Writer { out: String::new(), document, indent: 0 };
+    for line in document.comments.get(&Place::Top).into_iter().flatten() {
+        out.out.push_str(line);
+        out.out.push('\n');
+    }
+    out.out.push('(');
+    out.indent = 4;
+    out.field("format", |out| out.text(&FORMAT.to_string()));
+    out.field("title", |out| out.quoted(&document.title));
+    if !document.note.is_empty() {
+        out.field("note", |out| out.quoted(&document.note));
+    }
+    out.field("seed", |out| out.text(&document.seed.to_string()));
+    if let Some(id) = &document.display {
+        out.field("display", |out| out.quoted(id.as_str()));
+    }
+    out.field("nodes", |out| {
+        let nodes = document.nodes.iter();
+        out.map(
+            nodes.map(|(id, node)| (Place::Node(id.clone()), (id, node))),
+            |out, (id, node)| {
+                out.quoted(id.as_str());
+                out.text(": ");
+                out.node(id, node);
+            },
+        );
+    });
+    if !document.links.is_empty() {
+        out.field("links", |out| {
+            let links = document.links.iter();
+            let links = links.map(|(to, from)| (Place::Link(to.clone()), (to, from)));
+            out.map(links, |out, (to, from)| {
+                out.quoted(&to.to_string());
+                out.text(": ");
+                out.wires(from);
+            });
+        });
+    }
+    if !document.layout.is_empty() {
+        out.field("layout", |out| {
+            let layout = document.layout.iter();
+            let layout = layout.map(|(id, at)| (Place::Layout(id.clone()), (id, at)));
+            out.map(layout, |out, (id, Point(x, y))| {
+                out.quoted(id.as_str());
+                let _ = write!(out.out, ": ({x:?}, {y:?})");
+            });
+        });
+    }
+    out.out.push_str("\n)\n");
+    out.out
+}
+
+struct Writer<'a> {
+    out: String,
+    document: &'a Document,
+    indent: usize,
+}
+
+impl Writer<'_> {
+    fn text(&mut self, text: &str) {
+        self.out.push_str(text);
+    }
+    fn quoted(&mut self, text: &str) {
+        quoted(&mut self.out, text);
+    }
+    /// Comment lines, then the line of an entry, ended by a comma.
+    fn entry(&mut self, place: &Place, what: impl FnOnce(&mut Self)) {
+        for line in self.document.comments.get(place).into_iter().flatten() {
+            new_line(&mut self.out, self.indent);
+            self.out.push_str(line);
+        }
+        new_line(&mut self.out, self.indent);
+        what(self);
+        self.out.push(',');
+    }
+    fn field(&mut self, name: &str, what: impl FnOnce(&mut Self)) {
+        self.entry(&Place::Field(name.to_owned()), |out| {
+            out.text(name);
+            out.text(": ");
+            what(out);
+        });
+    }
+    fn map<T>(&mut self, entries: impl Iterator<Item = (Place, T)>, one: impl Fn(&mut Self, T)) {
+        self.out.push('{');
+        self.indent += 4;
+        for (place, entry) in entries {
+            self.entry(&place, |out| one(out, entry));
+        }
+        self.indent -= 4;
+        new_line(&mut self.out, self.indent);
+        self.out.push('}');
+    }
+    fn node(&mut self, id: &NodeId, node: &Node) {
+        self.out.push('(');
+        self.indent += 4;
+        self.node_field(id, "kind", |out| out.quoted(&node.kind));
+        if let Some(label) = &node.label {
+            self.node_field(id, "label", |out| out.quoted(label));
+        }
+        if !node.note.is_empty() {
+            self.node_field(id, "note", |out| out.quoted(&node.note));
+        }
+        if node.bypass {
+            self.node_field(id, "bypass", |out| out.text("true"));
+        }
+        if !node.inputs.is_empty() {
+            self.node_field(id, "inputs", |out| {
+                let inputs = node.inputs.iter();
+                let inputs =
+                    inputs.map(|(name, set)| (Place::Input(id.clone(), name.clone()), (name, set)));
+                out.map(inputs, |out, (name, setting)| {
+                    out.quoted(name);
+                    out.text(": ");
+                    match setting {
+                        Setting::Known(value) => write_to(&mut out.out, value, Some(out.indent)),
+                        Setting::Raw(text) => out.text(text),
+                    }
+                });
+            });
+        }
+        self.indent -= 4;
+        new_line(&mut self.out, self.indent);
+        self.out.push(')');
+    }
+    fn node_field(&mut self, id: &NodeId, name: &str, what: impl FnOnce(&mut Self)) {
+        self.entry(&Place::NodeField(id.clone(), name.to_owned()), |out| {
+            out.text(name);
+            out.text(": ");
+            what(out);
+        });
+    }
+    fn wires(&mut self, from: &[crate::document::Socket]) {
+        if let [one] = from {
+            return self.quoted(&one.to_string());
+        }
+        self.out.push('[');
+        for (i, wire) in from.iter().enumerate() {
+            self.text(if i > 0 { ", " } else { "" });
+            self.quoted(&wire.to_string());
+        }
+        self.out.push(']');
+    }
+}
