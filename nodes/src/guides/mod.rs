@@ -2,4 +2,7 @@
 
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[];
+pub(crate) mod even_roots;
+mod scatter_guides;
+
+pub(crate) const NODES: &[&NodeDef] = &[&scatter_guides::NODE];
