@@ -1,5 +1,7 @@
-//! Guides: the curves that hair follows.
+//! Guides: curves drawn or grown to shape hair.
 
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[];
+mod stroke_input;
+
+pub(crate) const NODES: &[&NodeDef] = &[&stroke_input::NODE];
