@@ -186,9 +186,8 @@ impl Normal {
             }
             for row in i + 1..4 {
                 let factor = m[row][i] / m[i][i];
-                for column in i..5 {
-                    m[row][column] -= factor * m[i][column];
-                }
+                let above = m[i];
+                m[row].iter_mut().zip(above).skip(i).for_each(|(x, above)| *x -= factor * above);
             }
         }
         let mut x = [0.0; 4];
@@ -215,11 +214,12 @@ impl Fit {
 /// centre and within 1.7 r. Level, unit.
 pub(crate) fn nose(points: &[Vec3], fit: &Fit) -> Option<Vec3> {
     let r = fit.radius;
-    let level = |p: &Vec3| (*p - fit.centre).with_y(0.0);
+    let level = |p: Vec3| (p - fit.centre).with_y(0.0);
     points
         .iter()
+        .copied()
         .filter(|p| (-1.2 * r..=-0.1 * r).contains(&(p.y - fit.centre.y)))
-        .map(|p| level(p))
+        .map(level)
         .filter(|v| v.length() <= 1.7 * r)
         .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?
         .try_normalize()

@@ -3,8 +3,10 @@
 pub mod bust;
 mod fit;
 mod head;
+pub(crate) mod lay;
 mod region;
+mod scalp_projection;
 
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[&head::NODE];
+pub(crate) const NODES: &[&NodeDef] = &[&head::NODE, &scalp_projection::NODE];
