@@ -528,14 +528,15 @@ impl Bust {
         v(p.x.abs(), p.y - 0.38 * face, p.z)
     }
 
-    /// The field; and a level that is positive on the eyeball and zero where the lids meet it.
-    fn full(&self, p: V) -> (f64, f64) {
+    /// The field; a level that is positive on the eyeball and zero where the lids meet it; and one that is
+    /// positive on the base and zero along its rim.
+    fn full(&self, p: V) -> (f64, f64, f64) {
         let p = Self::place(p);
         let mut d = self.masses(p);
         let mut eye = -1.0;
         // Far from the surface the brushes cannot matter.
         if d > 4.0 {
-            return (d - 2.0, eye);
+            return (d - 2.0, eye, -1.0);
         }
         let mut clay = 0.0;
         for b in &self.dabs {
@@ -623,8 +624,9 @@ impl Bust {
         // The cut: a level base, and the arms taken off by leaning planes.
         let arm = (p.x - 20.4) * 0.97 + (p.y + 24.5) * -0.20;
         d = both(d, arm, 2.0);
-        d = both(d, -27.6 - p.y, 3.0);
-        (d, eye)
+        let base = -27.6 - p.y - d;
+        d = both(d, -27.6 - p.y, 0.35);
+        (d, eye, base)
     }
 
     /// The chest without its base, for the rim's edge lengths.
@@ -644,6 +646,11 @@ impl Bust {
     /// Positive where the eyeball shows between the lids, zero where they meet it.
     pub fn eye_level(&self, p: V) -> f64 {
         self.full(p).1
+    }
+
+    /// Positive on the base, zero along its rim.
+    pub fn base_level(&self, p: V) -> f64 {
+        self.full(p).2
     }
 
     /// Positive on the coloured part of the eye and on the lids before it, zero along its rim.
@@ -694,7 +701,7 @@ impl Bust {
         l = l.min(near(v(0.0, -5.0, 9.6), v(1.5, 2.6, 1.5), 0.26));
         // The rounded rim of the base, the edges of the lids, the line between the lips.
         if p.y < -25.8 {
-            l = l.min(0.36 + 0.35 * (p.y + 27.2).abs() + 0.25 * (-self.sides(p)).max(0.0));
+            l = l.min(0.36 + 0.30 * (p.y + 27.55).abs() + 0.25 * (-self.sides(p)).max(0.0));
         }
         let q = p - EYE;
         if q.length() < 2.2 && q.z > 0.0 {
