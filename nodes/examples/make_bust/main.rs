@@ -30,6 +30,7 @@ fn main() {
     soup.cut_along(&bust, 0.3, &|p| bust.eye_level(p));
     soup.cut_along(&bust, 0.3, &|p| bust.iris_level(p));
     println!("cut along lips and eyes: {}", soup.triangles.len());
+    soup.drop_slivers(0.015, &size);
     let (points, triangles) = soup.mirrored();
     println!("whole: {} points, {} triangles", points.len(), triangles.len());
     let made = finish::finish(&bust, points, triangles);

@@ -498,6 +498,16 @@ impl Soup {
         self.tidy();
     }
 
+    /// Closes the shortest edges that cutting left where two lines meet.
+    pub fn drop_slivers(&mut self, shortest: f64, size: &dyn Fn(V) -> f64) {
+        for (a, b) in self.edges() {
+            if self.length(a, b) < shortest {
+                self.collapse(a, b, size);
+            }
+        }
+        self.tidy();
+    }
+
     /// The whole bust: the half and its mirror image, sharing the middle line.
     pub fn mirrored(&self) -> (Vec<V>, Vec<[u32; 3]>) {
         let mut points = self.points.clone();
