@@ -168,9 +168,12 @@ struct Station {
 const PINCH: f32 = 0.62;
 /// Depth of the bundle in the tie, as a fraction of its width: hair under a band is nearly round.
 const ROUND: f32 = 0.8;
-/// Stitches over which the weave comes to rest behind the tie: shorter kinks the strands, longer
+/// Amplitude of strands gathered in the root: a bundle in which they lie side by side. Less makes wires of
+/// them, for where centres meet tubes have no thickness.
+const GATHERED: f32 = 0.3;
+/// Between these stitches behind the tie the weave comes to rest: sooner kinks the strands, later
 /// braids on beyond the band.
-const REST: f64 = 0.75;
+const REST: (f64, f64) = (0.15, 0.65);
 /// The most a source may turn between two stations, radians (about 9 degrees).
 const TURN: f32 = 0.15;
 /// The most stations that the turns of a source alone can ask for.
@@ -232,11 +235,13 @@ impl Shape<'_> {
         if self.tuft > 0.0 {
             let last_step = (self.tied_at - places[braided - 1].0).max(1e-3 * self.tuft);
             let n = (self.tuft / last_step).ceil().clamp(4.0, MOST_IN_TUFT) as usize;
-            let rest = REST * f64::from(self.size.pitch);
+            // A cubic that starts at the weave's own pace and stops without a jerk.
+            let more = self.rest();
+            let until = 3.0 * more * f64::from(self.size.pitch);
             for k in 1..=n {
                 let s = self.tuft * k as f32 / n as f32;
-                let left = 1.0 - (f64::from(s) / rest).min(1.0);
-                let q = self.stitches + REST / 3.0 * (1.0 - left * left * left);
+                let left = 1.0 - (f64::from(s) / until).min(1.0);
+                let q = self.stitches + more * (1.0 - left * left * left);
                 places.push((self.tied_at + s, q));
             }
         }
@@ -257,10 +262,9 @@ impl Shape<'_> {
             let beyond = (s - length).max(0.0);
             let (out, held) = under.as_ref().map_or((Vec3::ZERO, 0.0), |under| under.at(*u));
             let (scale_x, scale_y) = (self.scale)(*u);
-            let gather =
-                if self.gather > 0.0 { 0.03 + 0.97 * smooth(s / self.gather) } else { 1.0 };
+            let (gather_x, gather_y) = self.gathered(*s);
             let (tie_x, tie_y) = self.tie(*s);
-            let (mut x, mut y) = (scale_x * gather * tie_x, scale_y * gather * tie_y);
+            let (mut x, mut y) = (scale_x * gather_x * tie_x, scale_y * gather_y * tie_y);
             if self.looseness > 0.0 {
                 x *= 1.0 + 0.16 * self.looseness * self.waver(*q, 0);
                 y *= 1.0 + 0.22 * self.looseness * self.waver(*q, 1);
@@ -285,6 +289,37 @@ impl Shape<'_> {
             }
         });
         (stations.collect(), braided)
+    }
+
+    /// Stitches from the tie to where the weave rests: where the strands then make the roundest bundle.
+    fn rest(&self) -> f64 {
+        let n = f64::from(self.weave.strands);
+        let roundness = |more: f64| {
+            let cycle = self.phase + (self.stitches + more) / n;
+            let at: Vec<(f32, f32)> =
+                (0..self.weave.strands).map(|i| self.weave.at(i, cycle)).collect();
+            let mut least = f32::MAX;
+            for (i, a) in at.iter().enumerate() {
+                for b in &at[..i] {
+                    let (x, y) = (a.0 - b.0, ROUND * (a.1 - b.1));
+                    least = least.min(x * x + y * y);
+                }
+            }
+            least
+        };
+        let tries = (0..=16).map(|k| REST.0 + (REST.1 - REST.0) * f64::from(k) / 16.0);
+        let best = tries.map(|more| (roundness(more), more));
+        best.fold((-1.0, REST.0), |best, it| if it.0 > best.0 { it } else { best }).1
+    }
+
+    /// Factors of the amplitudes where strands gather in the root.
+    fn gathered(&self, s: f32) -> (f32, f32) {
+        if self.gather <= 0.0 {
+            return (1.0, 1.0);
+        }
+        let t = smooth(s / self.gather);
+        let round = (ROUND * GATHERED * self.size.a / self.size.b).min(1.0);
+        (GATHERED + (1.0 - GATHERED) * t, round + (1.0 - round) * t)
     }
 
     /// Factors of the amplitudes about the tie and beyond.
@@ -470,6 +505,10 @@ impl Laid {
         let place = self.place(stitch.q, stitches);
         let point = self.raw[stitch.strand as usize].point(place);
         (point, self.along(place), self.frame(place).normal)
+    }
+    /// CVs of a strand for one stitch.
+    pub(crate) fn cvs_per_stitch(&self, stitches: f64) -> f32 {
+        (self.braided as f64 / stitches) as f32
     }
     fn along(&self, place: Place) -> f32 {
         let (a, b) = (&self.stations[place.span], &self.stations[place.span + 1]);

@@ -12,7 +12,7 @@
 
 use super::lay::{self, Advance, Below, Contact, Facing, Shape};
 use super::stray::{self, Strand};
-use super::touch::{Line, touching_radii};
+use super::touch::{Line, Near, touching_radii};
 use super::weave::{Neighbours, Pitch, Weave, coprime, default_frequency};
 use crate::data::attributes::{self as attr, Attribute, Domain, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -95,16 +95,18 @@ node! {
         /// Points of each strand for one stitch. 8 is enough for three strands and few stitches; weaves with many
         /// strands need no more, for their stitches are parts of a longer path.
         cvs_per_stitch: i64 = 12, hard(8.0, 64.0), soft(8.0, 32.0), unit(Count), words("resolution points");
-        /// Length over which strands gathered in the root open to the full braid. 0 starts them side by side.
-        root_gather: f32 = 0.5, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length);
+        /// Length over which the strands, gathered to a bundle at the root, open to the full braid. 0 starts them as they lie
+        /// in the braid.
+        root_gather: f32 = 0.8, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length);
         /// Where along the source the braid is tied, as a fraction of its length. What lies beyond hangs loose as a
         /// tuft; 1 braids to the very end.
-        tie: f32 = 0.95, hard(0.05, 1.0), soft(0.5, 1.0), unit(Ratio), handle(Handle::Along), words("elastic band bead");
+        tie: f32 = 0.9, hard(0.05, 1.0), soft(0.5, 1.0), unit(Ratio), handle(Handle::Along), words("elastic band bead");
         /// Length of the tuft beyond the tie; past the end of the source it goes on straight. 0 ends with the source.
         tuft_length: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 10.0), unit(Length), handle(Handle::Length), words("tassel tail");
         /// How much wider the tuft ends than it is at the tie: 0 as wide, 1 twice as wide, -1 in a point.
         flare: f32 = 0.4, hard(-1.0, 10.0), soft(-1.0, 2.0), words("tassel");
-        /// Thickness of the tubes: 1 makes them touch, less leaves gaps, more presses them into one another.
+        /// Thickness of the tubes: 1 makes neighbours touch, less leaves gaps, more presses them into one another, which
+        /// closes the windows of braids with many strands.
         fullness: FieldInput = 1.0f32, hard(0.05, 2.0), soft(0.5, 1.1), unit(Ratio), words("volume pancake");
         /// How loosely the braid is made: its size wavers and strands bulge out here and there. 0 is perfectly
         /// regular.
@@ -425,12 +427,15 @@ fn braid(
     // Looking this far along the source finds the nearest place of another strand also where a bend
     // of radius 2A halves distances on its inner side.
     let window = 1.5 * size.pitch.max(1.2 * size.a);
-    let mut radii = touching_radii(&laid.lines, window, piece)?;
+    let fill = |u: f32| fullness.along(tuft, curve, u);
+    let stitch = laid.cvs_per_stitch(stitches);
+    let near = Near { window, stitch };
+    let mut radii = touching_radii(&laid.lines, near, piece)?;
     let mut depths: Vec<Vec<f32>> = vec![];
     for (line, radii) in laid.lines.iter().zip(&mut radii) {
         let mut depth = vec![];
         for (k, radius) in radii.iter_mut().enumerate() {
-            *radius *= fullness.along(tuft, curve, (line.s[k] / length).min(1.0));
+            *radius *= fill((line.s[k] / length).min(1.0));
             depth.push(plan.below.as_ref().map_or(0.0, |below| {
                 let p = line.spline.point(line.spline.place_of_cv(k));
                 rest(below, p, laid.grip(line.s[k]), radius)

@@ -2,6 +2,8 @@
 
 use crate::define::NodeDef;
 
+#[cfg(test)]
+mod laws;
 mod lay;
 mod lissajous_braid;
 mod stray;

@@ -91,37 +91,47 @@ fn least(values: &[f32]) -> f32 {
     lanes.iter().chain(rest).fold(f32::MAX, |least, value| least.min(*value))
 }
 
-/// Radii at which the tubes touch, one for each CV of each line. `window`: how far along the source (cm)
-/// another strand's nearest place can be.
+/// Where to look for neighbours.
+#[derive(Clone, Copy)]
+pub(crate) struct Near {
+    /// How far along the source (cm) another strand's nearest place can be.
+    pub(crate) window: f32,
+    /// CVs of a stitch.
+    pub(crate) stitch: f32,
+}
+
+/// Radii at which the tubes touch, one for each CV of each line.
 pub(crate) fn touching_radii(
     lines: &[Line],
-    window: f32,
+    Near { window, stitch }: Near,
     piece: &mut Piece,
 ) -> Result<Vec<Vec<f32>>, NodeError> {
     let fine: Vec<Fine> = lines.iter().map(Fine::new).collect();
+    let round = (2.0 * ROUND * stitch).round().max(1.0) as usize;
     let mut buffer = vec![];
     let mut out = vec![];
     for (i, own) in fine.iter().enumerate() {
-        let mut ranges = vec![(0usize, 0usize); fine.len()];
+        // For each strand the range of its samples that lie within the window.
+        let mut ranges = vec![(0, 1); fine.len()];
         let mut raw = Vec::with_capacity(own.len());
-        for k in 0..own.len() {
+        for (k, s) in own.s.iter().enumerate() {
             piece.tick()?;
-            let (p, s) = (own.point(k), own.s[k]);
+            let p = own.point(k);
             let mut nearest = f32::MAX;
             for (j, other) in fine.iter().enumerate().filter(|(j, _)| *j != i) {
                 let (from, to) = &mut ranges[j];
-                while *from + 1 < other.len() && other.s[*from] < s - window {
+                while *from + 1 < other.s.len() && other.s[*from] < s - window {
                     *from += 1;
                 }
-                while *to < other.len() && other.s[*to] <= s + window {
+                while *to < other.s.len() && other.s[*to] <= s + window {
                     *to += 1;
                 }
-                let to = (*to).max(*from + 1);
-                nearest = nearest.min(other.nearest2(p, *from, to, &mut buffer));
+                *to = (*to).max(*from + 1);
+                nearest = nearest.min(other.nearest2(p, *from, *to, &mut buffer));
             }
             raw.push((0.5 * nearest.sqrt()).min(OF_CURVATURE * turn_radius(own, k)));
         }
-        out.push(smooth_below(&raw));
+        out.push(smooth_below(&raw, round));
     }
     Ok(out)
 }
@@ -137,16 +147,17 @@ fn turn_radius(fine: &Fine, k: usize) -> f32 {
     if twice_area <= 1e-5 * ca.length_squared() { f32::MAX } else { 0.5 * product / twice_area }
 }
 
-/// Samples to either side over which a kink is rounded: two CVs.
-const ROUND: usize = 4;
+/// Kinks are rounded over this part of a stitch to either side: half of it leaves visible creases on the
+/// tubes, twice of it takes a tenth of their volume.
+const ROUND: f32 = 1.0 / 12.0;
 
 /// Every other value of a function that is smooth and nowhere above `raw`: the least of each neighbourhood, averaged
 /// over neighbourhoods of the same size (an opening, so valleys keep their depth).
-fn smooth_below(raw: &[f32]) -> Vec<f32> {
+fn smooth_below(raw: &[f32], round: usize) -> Vec<f32> {
     let n = raw.len();
     let low: Vec<f32> = (0..n)
         .map(|k| {
-            let around = &raw[k.saturating_sub(ROUND)..(k + ROUND + 1).min(n)];
+            let around = &raw[k.saturating_sub(round)..(k + round + 1).min(n)];
             around.iter().fold(f32::MAX, |least, r| least.min(*r))
         })
         .collect();
@@ -155,8 +166,8 @@ fn smooth_below(raw: &[f32]) -> Vec<f32> {
         .map(|k| {
             // A triangle: the average of averages. Weights of what lies past an end go to the end.
             let (mut sum, mut weights) = (0.0, 0.0);
-            for step in -(ROUND as isize)..=ROUND as isize {
-                let weight = (ROUND as isize + 1 - step.abs()) as f32;
+            for step in -(round as isize)..=round as isize {
+                let weight = (round as isize + 1 - step.abs()) as f32;
                 sum += weight * low[(k as isize + step).clamp(0, n as isize - 1) as usize];
                 weights += weight;
             }
@@ -173,7 +184,7 @@ mod tests {
     fn a_smoothed_radius_stays_below_and_keeps_its_valleys() {
         let raw: Vec<f32> =
             (0..=200).map(|k| 1.0 + ((k % 40) as f32 - 20.0).abs() * 0.05).collect();
-        let smooth = smooth_below(&raw);
+        let smooth = smooth_below(&raw, 4);
         for (k, r) in smooth.iter().enumerate() {
             assert!(*r <= raw[2 * k] + 1e-6, "{k}");
         }
