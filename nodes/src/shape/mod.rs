@@ -2,6 +2,6 @@
 
 use crate::define::NodeDef;
 
-mod resample;
+pub(crate) mod resample;
 
 pub(crate) const NODES: &[&NodeDef] = &[&resample::NODE];
