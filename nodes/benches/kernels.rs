@@ -14,7 +14,6 @@ use coif_nodes::maths::transcendental::sin_cos_turns;
 use divan::{Bencher, black_box};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
 const STRANDS: [usize; 2] = [10_000, 100_000];
@@ -25,12 +24,9 @@ fn main() {
     divan::main();
 }
 
-/// A host with rayon's threads, and a memory that keeps what nodes share but none of their pieces of work unless asked.
+/// A host with rayon's threads and no memory.
 #[derive(Default)]
-struct Pool {
-    kept: Mutex<HashMap<Key, Kept>>,
-    keeps_pieces: bool,
-}
+struct Pool;
 
 impl Host for Pool {
     fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
@@ -39,18 +35,37 @@ impl Host for Pool {
     fn cancelled(&self) -> bool {
         false
     }
+    fn find(&self, _: Key) -> Option<Kept> {
+        None
+    }
+    fn keep(&self, _: Key, _: Kept, _: usize) {}
+    fn progress(&self, _: usize, _: usize) {}
+}
+
+/// A [`Pool`] that remembers the first thing it is given and forgets all others: of a node that plans first, the plan.
+#[derive(Default)]
+struct Plans {
+    first: Mutex<Option<(Key, Kept)>>,
+}
+
+impl Host for Plans {
+    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+        Pool.for_each(n, f);
+    }
+    fn cancelled(&self) -> bool {
+        false
+    }
     fn find(&self, key: Key) -> Option<Kept> {
-        self.kept.lock().unwrap().get(&key).cloned()
+        let first = self.first.lock().unwrap();
+        first.as_ref().filter(|(known, _)| *known == key).map(|(_, kept)| kept.clone())
     }
     fn keep(&self, key: Key, value: Kept, _: usize) {
-        if self.keeps_pieces {
-            self.kept.lock().unwrap().insert(key, value);
-        }
+        self.first.lock().unwrap().get_or_insert((key, value));
     }
     fn progress(&self, _: usize, _: usize) {}
 }
 
-fn run(kind: &str, set: &[(&str, Value)], host: &Pool) -> Curves {
+fn run(kind: &str, set: &[(&str, Value)], host: &dyn Host) -> Curves {
     let node = coif_nodes::by_id(kind).expect("a node of this kind");
     let mut values: Vec<Vec<Value>> = vec![vec![]; node.inputs.len()];
     let mut key = KeyBuilder::new(kind);
@@ -77,7 +92,7 @@ fn head() -> Arc<Scalp> {
         let region = surface.points.iter().map(|p| f32::from(p.y > 0.0)).collect();
         let scalp =
             Scalp::new(surface, None, HeadFrame::IDENTITY, [(REGION.to_owned(), region)].into());
-        scalp.skin(&|n, f| Pool::default().for_each(n, f));
+        scalp.skin(&|n, f| Pool.for_each(n, f));
         Arc::new(scalp)
     })
     .clone()
@@ -156,13 +171,11 @@ fn falling(n: usize) -> Curves {
         b.set(FRIZZ, Domain::Curve, vec![0.5]);
         Arc::new(b.build())
     });
-    let tufts: Vec<_> = tufts.collect();
-    // None may run through the head: hair that does is pushed out, which is another thing to measure.
-    Curves::new(tufts)
+    Curves::new(tufts.collect())
 }
 
 fn strands(n: usize) -> Curves {
-    run("cluster_to_strands", &clusters(n), &Pool::default())
+    run("cluster_to_strands", &clusters(n), &Pool)
 }
 
 fn clusters(n: usize) -> Vec<(&'static str, Value)> {
@@ -174,24 +187,36 @@ fn clusters(n: usize) -> Vec<(&'static str, Value)> {
     ]
 }
 
+/// 500 guides and as many hairs as asked for between them.
+fn guides(n: usize) -> Vec<(&'static str, Value)> {
+    vec![
+        ("guides", falling(500).into()),
+        ("scalp", head().into()),
+        ("by", "count".into()),
+        ("count", Value::Int(n as i64)),
+        ("points", Value::Int(POINTS as i64)),
+    ]
+}
+
 fn bytes(strands: usize) -> usize {
     strands * POINTS * size_of::<Vec3>()
 }
 
-#[divan::bench(args = STRANDS)]
+#[divan::bench(args = STRANDS, sample_count = 20)]
 fn a_memset_of_their_points(bencher: Bencher, n: usize) {
-    bencher.bench(|| vec![black_box(1u8); bytes(n)]);
+    // What is given back is handed out again already mapped: nothing is given back.
+    bencher.bench(|| std::mem::forget(black_box(vec![black_box(1u8); bytes(n)])));
 }
 
-#[divan::bench(args = STRANDS)]
+#[divan::bench(args = STRANDS, sample_count = 20)]
 fn b_cluster_to_strands(bencher: Bencher, n: usize) {
-    let (set, host) = (clusters(n), Pool::default());
+    let (set, host) = (clusters(n), Pool);
     bencher.bench(|| run("cluster_to_strands", &set, &host));
 }
 
-#[divan::bench(args = STRANDS)]
+#[divan::bench(args = STRANDS, sample_count = 20)]
 fn c_root_projections(bencher: Bencher, n: usize) {
-    let (scalp, host) = (head(), Pool::default());
+    let (scalp, host) = (head(), Pool);
     let dice = Dice::new(0, 0, "roots");
     let at = falling(CLUSTERS);
     let asked: Vec<Vec3> = (0..n as u64)
@@ -210,14 +235,45 @@ fn c_root_projections(bencher: Bencher, n: usize) {
     });
 }
 
-#[divan::bench(args = STRANDS)]
+#[divan::bench(args = STRANDS, sample_count = 20)]
 fn e_resample(bencher: Bencher, n: usize) {
-    let (curves, host) = (strands(n), Pool::default());
+    let (curves, host) = (strands(n), Pool);
     bencher.bench(|| run("resample", &[("curves", curves.clone().into())], &host));
 }
 
-#[divan::bench]
+/// Roots placed and guides found: what the first evaluation does and later ones remember.
+#[divan::bench(args = STRANDS, sample_count = 10)]
+fn d_interpolate_from_nothing(bencher: Bencher, n: usize) {
+    bencher.bench(|| run("interpolate", &guides(n), &Pool));
+}
+
+#[divan::bench(args = STRANDS, sample_count = 20)]
+fn d_interpolate_with_roots_remembered(bencher: Bencher, n: usize) {
+    let (set, host) = (guides(n), Plans::default());
+    bencher.bench(|| run("interpolate", &set, &host));
+}
+
+#[divan::bench(args = STRANDS, sample_count = 20)]
+fn f_set_width(bencher: Bencher, n: usize) {
+    let (curves, host) = (strands(n), Pool);
+    bencher.bench(|| run("set_width", &[("curves", curves.clone().into())], &host));
+}
+
+/// Fill, taper, colour, resample, one after the other.
+#[divan::bench(args = STRANDS, sample_count = 10)]
+fn g_chain(bencher: Bencher, n: usize) {
+    let (set, host) = (clusters(n), Pool);
+    bencher.bench(|| {
+        ["set_width", "set_colour", "resample"]
+            .iter()
+            .fold(run("cluster_to_strands", &set, &host), |curves, kind| {
+                run(kind, &[("curves", curves.into())], &host)
+            })
+    });
+}
+
+#[divan::bench(sample_count = 5)]
 fn h_distance_field_of_25_000_triangles(bencher: Bencher) {
-    let (surface, host) = (bumpy_ball(112), Pool::default());
+    let (surface, host) = (bumpy_ball(112), Pool);
     bencher.bench(|| DistanceField::new(&surface, &|n, f| host.for_each(n, f)));
 }

@@ -517,12 +517,16 @@ mod tests {
                 99999999999999999999 is no whole number: integer is out of bounds; write it like 3
                 3 4 is no whole number: non-whitespace trailing characters; write it like 3"#]],
         );
-        check(Type::Float, &["NaN", "-inf", "1e400", "\"1\"", "1.2.3"], expect![[r#"
+        check(
+            Type::Float,
+            &["NaN", "-inf", "1e400", "\"1\"", "1.2.3"],
+            expect![[r#"
             NaN is no number: not a finite number; write it like 1.5
             -inf is no number: not a finite number; write it like 1.5
             1e400 is no number: not a finite number; write it like 1.5
             "1" is no number: expected float; write it like 1.5
-            1.2.3 is no number: expected float; write it like 1.5"#]]);
+            1.2.3 is no number: expected float; write it like 1.5"#]],
+        );
         check(
             Type::Field,
             &[
@@ -539,14 +543,22 @@ mod tests {
                 Linear([(1.0, 1.0), (0.0, 1.0)]) is no field (number, ramp, attribute or mask): a ramp needs at least one stop, finite numbers, and positions from 0 to 1 that do not fall; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])
                 Product([true]) is no field (number, ramp, attribute or mask): unexpected variant named `true` in enum `FileField`, expected one of `Linear`, `Smooth`, `Step`, `Attribute`, `Mask`, or `Product` instead; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])"#]],
         );
-        check(WORDS, &["spcing", "\"", "wide"], expect![[r#"
+        check(
+            WORDS,
+            &["spcing", "\"", "wide"],
+            expect![[r#"
             "spcing" is none of count, spacing; did you mean "spacing"?
             " is no choice: expected end of string; write it like "word"
-            "wide" is none of count, spacing"#]]);
-        check(Type::Vec3, &["(1, 2)", "1", "(1, 2, inf)"], expect![[r#"
+            "wide" is none of count, spacing"#]],
+        );
+        check(
+            Type::Vec3,
+            &["(1, 2)", "1", "(1, 2, inf)"],
+            expect![[r#"
             (1, 2) is no vector: expected a tuple of size 3 but found 2 elements instead; write it like (0.0, 1.0, 0.0)
             1 is no vector: expected opening `(`; write it like (0.0, 1.0, 0.0)
-            not a finite number"#]]);
+            not a finite number"#]],
+        );
         check(
             Type::Shapes,
             &["[]", "[(B, Circle)]", "[(A, Ellipse(3))]", "[(A, Rose(petals: 5, width: 1))]"],
@@ -570,7 +582,11 @@ mod tests {
                 a stroke has no samples
                 [(id: 1, x: [9223372036854775807], y: [1], z: [1], pressure:… is no strokes: stroke 1: sample 0 is not on earth; write it like the strokes of another groom"#]],
         );
-        check(Type::Curves, &["3"], expect!["3 is no curves: it comes by wire; write it like a wire"]);
+        check(
+            Type::Curves,
+            &["3"],
+            expect!["3 is no curves: it comes by wire; write it like a wire"],
+        );
     }
 
     #[test]

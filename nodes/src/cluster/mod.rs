@@ -3,6 +3,8 @@
 use crate::define::NodeDef;
 
 mod cluster_to_strands;
+mod interpolate;
+mod plan;
 mod sections;
 
-pub(crate) const NODES: &[&NodeDef] = &[&cluster_to_strands::NODE];
+pub(crate) const NODES: &[&NodeDef] = &[&cluster_to_strands::NODE, &interpolate::NODE];

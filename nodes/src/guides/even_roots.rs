@@ -244,7 +244,7 @@ mod tests {
                 let slice = ((turn / std::f32::consts::TAU + 0.5) * 6.0) as usize;
                 counts[high.min(7)][slice.min(5)] += 1;
             }
-            let want = all.len() as f32 / 48.0;
+            let want = counts[1..].iter().flatten().sum::<u32>() as f32 / 42.0;
             for count in counts[1..].iter().flatten() {
                 let off = (*count as f32 - want).abs();
                 assert!(off < 0.06 * want + 2.5 * want.sqrt().sqrt() + 1.0, "{n}: {counts:?}");
