@@ -715,7 +715,7 @@ mod tests {
         );
         check(
             connect("a.curves", "c.count"),
-            "c.count: a.curves gives curves, whole number is taken; wire an output that gives whole number",
+            "c.count: a.curves gives curves, whole number is taken; remove the wire and set a value",
         );
         check(
             connect("nix.curves", "c.curves"),

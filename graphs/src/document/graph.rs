@@ -524,7 +524,10 @@ fn check_wire(
         let other = def.outputs.iter().find(|output| output.ty.fits(input.ty));
         let remedy = match other {
             Some(other) => format!("wire {}.{}", from.node, other.name),
-            None => format!("wire an output that gives {}", input.ty.name()),
+            None if matches!(input.ty, Type::Curves | Type::Scalp) => {
+                format!("wire an output that gives {}", input.ty.name())
+            }
+            None => "remove the wire and set a value".to_owned(),
         };
         problems.push(problem(Fault::WrongType, &to.node, Some(&to.name), text, &remedy));
     }
@@ -640,15 +643,15 @@ mod tests {
             expect![[r#"
                 Error: a: this version has no node of kind "resmple"; did you mean resample?
                 Error: b.by: "cuont" cannot be used: "cuont" is none of count, spacing; did you mean "count"?; set it to one of count, spacing
-                Error: b.spacing: "wide" cannot be used: expected float; set it to a number from 0.001 to 1000 cm, such as 0.5
+                Error: b.spacing: "wide" cannot be used: expected a number; set it to a number from 0.001 to 1000 cm, such as 0.5
                 Error: b.cuont: resample has no input of this name (it is set to 3); did you mean count?
-                Error: b.count: c.curves gives curves, whole number is taken; wire an output that gives whole number
+                Error: b.count: c.curves gives curves, whole number is taken; remove the wire and set a value
                 Error: b.curve: resample has no input of this name, but a wire ends there; did you mean curves?
                 Error: b.curves: 2 wires end there, it takes one; remove the others, or merge them before
                 Error: c.curves: nothing is wired to it, curves is needed; add a node that gives curves and wire it
                 Error: d: this version has no node of kind "of_tomorrow"; open it with the version of coif that made it, or remove the node
                 Error (not needed): e.curves: 3 cannot be used: curves come by wire: connect a node; remove the value
-                Error (not needed): e.count: 2.5 cannot be used: something stands behind its end; set it to a whole number from 2 to 4096, such as 16
+                Error (not needed): e.count: 2.5 cannot be used: it has decimals; set it to a whole number from 2 to 4096, such as 16
                 Error (not needed): e.colour: resample has no input of this name (it is set to 1); remove it, or open the groom with the version of coif that made it
                 Error (not needed): e.curves: c.crves is no output: resample gives curves; did you mean c.curves?
                 Error (not needed): nix.in: there is no node nix to wire; remove the wire or add the node

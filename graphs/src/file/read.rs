@@ -135,6 +135,9 @@ pub(super) fn in_words(err: &ron::Error) -> String {
         ron::Error::DuplicateStructField { field, .. } => {
             format!("the field `{field}` stands here twice: keep one of them")
         }
+        ron::Error::ExpectedFloat => "expected a number".to_owned(),
+        ron::Error::ExpectedInteger => "expected a whole number".to_owned(),
+        ron::Error::IntegerOutOfBounds => "the number is out of range".to_owned(),
         ron::Error::Eof => "the text ends too early".to_owned(),
         ron::Error::ExceededRecursionLimit => format!("brackets are nested deeper than {DEEPEST}"),
         err => err.to_string(),

@@ -218,7 +218,7 @@ fn what_this_version_does_not_know_is_kept_byte_for_byte_and_said() {
             "kind: \"resample\", inputs: {\n    \"count\": \"nine\",\n    \"twist\": 3,\n    \"spacing\": 1}",
         ),
         expect![[r#"
-            5:14: a.count: "nine" is no whole number: expected integer; write it like 3
+            5:14: a.count: "nine" is no whole number: expected a whole number; write it like 3
             6:14: a.twist: resample has no such input: kept as it is
         "#]],
     );
@@ -241,7 +241,7 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
             "x.ron:1:13: unexpected field named `colour` in `Groom`, expected one of `format`, `title`, `note`, `seed`, `display`, `nodes`, `links`, or `layout` instead"
         ],
     );
-    said("(format: 1, seed: -1)", expect!["x.ron:1:21: integer is out of bounds"]);
+    said("(format: 1, seed: -1)", expect!["x.ron:1:21: the number is out of range"]);
     said("(format: 1) (", expect!["x.ron:1:13: something stands behind its end"]);
     said("(format: 1, title: \"x\ny", expect!["x.ron:1:21: expected end of string"]);
     said(
@@ -315,7 +315,7 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
             "x.ron:3:13: the file has format 2000000, this version reads up to 1: open it with a newer coif"
         ],
     );
-    said("(format: 99999999999)", expect!["x.ron:1:21: integer is out of bounds"]);
+    said("(format: 99999999999)", expect!["x.ron:1:21: the number is out of range"]);
     let err = read_bytes(b"(\n  \xff\xfe").unwrap_err();
     assert_eq!(err.to_string(), "2:3: not a groom: this is no UTF-8 text");
 }

@@ -64,7 +64,11 @@ fn like(ty: Type) -> &'static str {
 fn value_of(ty: Type, text: &str) -> Result<Value, String> {
     Ok(match ty {
         Type::Bool => Value::Bool(parse(text)?),
-        Type::Int => Value::Int(parse(text)?),
+        Type::Int => Value::Int(parse(text).map_err(|err| match number(text) {
+            Ok(x) if x.trunc() != x => "it has decimals".to_owned(),
+            Ok(_) if !err.contains("range") => "write it without a point".to_owned(),
+            _ => err,
+        })?),
         Type::Float => Value::Float(number(text)?),
         Type::Field => field(text, 1)?,
         Type::Vec3 | Type::Colour => {
@@ -527,21 +531,21 @@ mod tests {
             Type::Int,
             &["2.5", "three", "", "99999999999999999999", "3 4"],
             expect![[r#"
-                2.5 is no whole number: something stands behind its end; write it like 3
-                three is no whole number: expected integer; write it like 3
+                2.5 is no whole number: it has decimals; write it like 3
+                three is no whole number: expected a whole number; write it like 3
                  is no whole number: the text ends too early; write it like 3
-                99999999999999999999 is no whole number: integer is out of bounds; write it like 3
+                99999999999999999999 is no whole number: the number is out of range; write it like 3
                 3 4 is no whole number: something stands behind its end; write it like 3"#]],
         );
         check(
             Type::Float,
             &["NaN", "-inf", "1e400", "\"1\"", "1.2.3"],
             expect![[r#"
-            NaN is no number: not a finite number; write it like 1.5
-            -inf is no number: not a finite number; write it like 1.5
-            1e400 is no number: not a finite number; write it like 1.5
-            "1" is no number: expected float; write it like 1.5
-            1.2.3 is no number: expected float; write it like 1.5"#]],
+                NaN is no number: not a finite number; write it like 1.5
+                -inf is no number: not a finite number; write it like 1.5
+                1e400 is no number: not a finite number; write it like 1.5
+                "1" is no number: expected a number; write it like 1.5
+                1.2.3 is no number: expected a number; write it like 1.5"#]],
         );
         check(
             Type::Field,
