@@ -1,4 +1,9 @@
-//! Documents and their evaluation.
+//! Documents and their evaluation, without windows.
+//!
+//! **Invariant:** nothing here knows a window, a GPU or a widget. Files that documents name are read by
+//! [`schedule::files`] only; [`file::save`] writes the document itself.
 
 pub mod document;
 pub mod file;
+pub mod grooms;
+pub mod schedule;

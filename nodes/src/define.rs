@@ -77,7 +77,7 @@ pub struct OutputDef {
 pub enum Arity {
     /// Exactly one: a value or a wire.
     One,
-    /// One wire or none.
+    /// A value, a wire, or nothing: unset has a meaning of its own, which the input's doc states.
     Optional,
     /// Any number of wires, in the document's order.
     Many,
@@ -578,6 +578,23 @@ optional_and_many! {
     Curves, Curves;
     Arc<Scalp>, Scalp;
 }
+
+/// Numbers and shapes that may be left unset, such as those a preset fills in.
+macro_rules! optional {
+    ($($ty:ty),*) => {$(
+        impl Input for Option<$ty> {
+            const TYPE: Type = <$ty as Input>::TYPE;
+            const ARITY: Arity = Arity::Optional;
+            fn read(cx: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+                if values.is_empty() {
+                    return Ok(None);
+                }
+                <$ty as Input>::read(cx, values, def).map(Some)
+            }
+        }
+    )*};
+}
+optional!(f32, FieldInput, Arc<ShapeList>);
 
 /// Reads the word of a choice; for [`choice!`].
 pub(crate) fn read_choice<T: Copy>(

@@ -104,8 +104,9 @@ pub struct EvalCx<'a> {
     pub seed: u64,
     /// How much hair is made.
     pub quality: Quality,
-    /// Hash of the node's kind and version, the seed, the quality where the node thins, and every input
-    /// that is no curves.
+    /// Hash of the node's kind and version, the seed, the quality where the node thins, and every input that is neither
+    /// curves nor strokes: these enter the keys of the pieces that read them, so that one more stroke makes
+    /// one more tuft.
     pub node: Key,
     /// The surroundings.
     pub host: &'a dyn Host,
@@ -160,6 +161,14 @@ impl EvalCx<'_> {
     /// The skin of a head, ready for inside tests. Call it before running over tufts, never within.
     pub fn skin<'s>(&self, scalp: &'s Scalp) -> Skin<'s> {
         scalp.skin(&|n, f| self.host.for_each(n, f))
+    }
+    /// Centimetres that a typed centimetre stands for: the head's unit where lengths grow with it, which is remarked.
+    pub fn head_unit(&self, scalp: Option<&Scalp>, scale_with_head: bool) -> f32 {
+        let unit = scalp.filter(|_| scale_with_head).map_or(1.0, |scalp| scalp.frame().unit());
+        if unit != 1.0 {
+            self.remark(format!("lengths are multiplied by {unit:.3} for the size of the head"));
+        }
+        unit
     }
     /// Says something about the whole node.
     pub fn warn(&self, text: impl Into<String>) {

@@ -2,8 +2,30 @@
 
 use crate::data::curves::Curves;
 use crate::define::{NodeDef, NodeError, Value};
-use crate::eval::{EvalCx, Host, Log, PlainHost, Quality};
-use crate::maths::hash::KeyBuilder;
+use crate::eval::{EvalCx, Host, Kept, Log, PlainHost, Quality};
+use crate::maths::hash::{Key, KeyBuilder};
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+/// A host without threads that forgets nothing, for tests of what ran.
+#[derive(Default)]
+pub(crate) struct Memory(Mutex<BTreeMap<Key, Kept>>);
+
+impl Host for Memory {
+    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+        (0..n).for_each(f);
+    }
+    fn cancelled(&self) -> bool {
+        false
+    }
+    fn find(&self, key: Key) -> Option<Kept> {
+        self.0.lock().unwrap().get(&key).cloned()
+    }
+    fn keep(&self, key: Key, value: Kept, _: usize) {
+        self.0.lock().unwrap().insert(key, value);
+    }
+    fn progress(&self, _: usize, _: usize) {}
+}
 
 /// Runs a node; unset inputs have their defaults. Gives outputs and messages.
 #[track_caller]
@@ -37,7 +59,7 @@ pub(crate) fn run_on(
     let mut key = KeyBuilder::new(node.id);
     for (name, value) in set {
         let (at, _) = node.input(name).unwrap_or_else(|| panic!("{} has no {name}", node.id));
-        if !matches!(value, Value::Curves(_)) {
+        if !matches!(value, Value::Curves(_) | Value::Strokes(_)) {
             key = key.text(name).key(value.key());
         }
         values[at].push(value.clone());

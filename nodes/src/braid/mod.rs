@@ -2,4 +2,12 @@
 
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[];
+#[cfg(test)]
+mod laws;
+mod lay;
+mod lissajous_braid;
+mod stray;
+mod touch;
+mod weave;
+
+pub(crate) const NODES: &[&NodeDef] = &[&lissajous_braid::NODE];

@@ -2,4 +2,9 @@
 
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[];
+mod cluster_to_strands;
+mod interpolate;
+mod plan;
+mod sections;
+
+pub(crate) const NODES: &[&NodeDef] = &[&cluster_to_strands::NODE, &interpolate::NODE];

@@ -1,5 +1,10 @@
 //! Curls.
 
+mod preset;
+mod section;
+mod shape_list_curl;
+mod winding;
+
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[];
+pub(crate) const NODES: &[&NodeDef] = &[&shape_list_curl::NODE];

@@ -150,6 +150,15 @@ enum Part<'a> {
 }
 
 impl Part<'_> {
+    fn is_of_curves(&self) -> bool {
+        match self {
+            Part::View(view) => !matches!(view, View::Point(_)),
+            Part::Whole(view) => !matches!(view, View::Point(_)),
+            Part::Ramp(_) | Part::Along => false,
+            Part::Roots(_) => true,
+            Part::Product(parts) => parts.iter().all(Part::is_of_curves),
+        }
+    }
     fn at(&self, curve: usize, point: usize, u: f32) -> f32 {
         match self {
             Part::View(view) => view.at(curve, point),
@@ -171,6 +180,10 @@ impl Sampler<'_> {
             return x.max(self.range.0).min(self.range.1);
         }
         self.part.at(curve, point, u).max(self.range.0).min(self.range.1)
+    }
+    /// Whether the value is the same at all points of a curve.
+    pub fn is_of_curves(&self) -> bool {
+        self.part.is_of_curves()
     }
     /// The value at the fraction `u` of a curve, between whose points attributes are not interpolated: the
     /// nearest point before counts.

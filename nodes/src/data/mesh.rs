@@ -11,7 +11,8 @@ use std::collections::BTreeMap;
 /// A triangle mesh in its file's units and axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Vertices, welded: two corners at the same place share one point.
+    /// Vertices. Those that a file repeats at its seams are one point; things that merely touch, as
+    /// lashes do a lid, keep their own.
     pub points: Vec<Vec3>,
     /// Counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,

@@ -84,6 +84,8 @@ pub struct Scalp {
     frame: HeadFrame,
     /// Name to one value for each vertex, 0 to 1. Always holds `scalp`, the region where hair grows.
     masks: BTreeMap<String, Vec<f32>>,
+    /// For the report only: coordinates are in cm already.
+    cm_per_unit: f32,
     field: OnceLock<DistanceField>,
 }
 
@@ -116,7 +118,25 @@ impl Scalp {
         for (name, mask) in &masks {
             key = key.text(name).column(mask);
         }
-        Self { key: key.finish(), surface, uvs, frame, masks, field: OnceLock::new() }
+        Self {
+            key: key.finish(),
+            surface,
+            uvs,
+            frame,
+            masks,
+            cm_per_unit: 1.0,
+            field: OnceLock::new(),
+        }
+    }
+
+    /// Notes how many centimetres a unit of the mesh file was taken for.
+    pub fn with_cm_per_unit(mut self, cm_per_unit: f32) -> Self {
+        self.cm_per_unit = cm_per_unit;
+        self
+    }
+    /// Centimetres in one unit of the mesh file.
+    pub fn cm_per_unit(&self) -> f32 {
+        self.cm_per_unit
     }
 
     /// Hash of the content.
@@ -220,8 +240,19 @@ impl Skin<'_> {
         }
     }
 
+    /// The scalp point closest to `p`: [`Surface::closest`], told by the field where to look.
+    #[inline]
+    pub fn closest(&self, p: Vec3) -> Option<Hit> {
+        if let Depth::Near(d, _) = self.field.depth(p)
+            && let Some(hit) = self.surface.closest_within(p, d.abs() + self.field.error())
+        {
+            return Some(hit);
+        }
+        self.surface.closest(p)
+    }
+
     fn exact(&self, p: Vec3) -> Option<(f32, Hit)> {
-        let hit = self.surface.closest(p)?;
+        let hit = self.closest(p)?;
         Some((self.surface.signed_distance(p, &hit), hit))
     }
 
@@ -264,11 +295,15 @@ impl Skin<'_> {
         let mut moved = hit.point + outward * (height + CLEAR);
         // In a crease the way out of one side may lead into the other: twice more is enough for the
         // creases heads have, and the laws count what is left.
+        // The point it came from is this near, which makes the first look a short one.
+        let reach = moved.distance(hit.point) * 1.01 + 1e-5;
+        let mut next = self.surface.closest_within(moved, reach).or_else(|| self.closest(moved));
         for _ in 0..3 {
-            match self.exact(moved) {
+            match next.map(|hit| (self.surface.signed_distance(moved, &hit), hit)) {
                 Some((d, hit)) if d < height => {
                     let normal = self.surface.smooth_normal(hit.triangle, hit.bary);
                     moved += normal * (height - d + CLEAR);
+                    next = self.closest(moved);
                 }
                 _ => break,
             }

@@ -1,1 +1,14 @@
 //! Bytes to data and data to bytes. Nothing here opens a file or knows a path.
+
+pub mod chunks;
+pub mod error;
+pub mod export;
+pub mod gltf;
+pub mod hair;
+pub mod mesh_in;
+pub mod obj;
+pub mod usd;
+
+pub use chunks::Chunks;
+pub use error::FormatError;
+pub use mesh_in::{read_mesh, side_files};

@@ -1,5 +1,9 @@
-//! Guides: the curves that hair follows.
+//! Guides: curves drawn or grown, that hair follows.
 
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[];
+pub(crate) mod even_roots;
+mod scatter_guides;
+mod stroke_input;
+
+pub(crate) const NODES: &[&NodeDef] = &[&stroke_input::NODE, &scatter_guides::NODE];

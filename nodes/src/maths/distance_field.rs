@@ -241,6 +241,12 @@ impl DistanceField {
         Depth::Near(lerp(y0, y1, f.z), gradient)
     }
 
+    /// Half as much again as the error where the surface is smooth, cm.
+    #[inline]
+    pub fn error(&self) -> f32 {
+        0.15 * self.cell
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.blocks.len() * 4 + self.samples.len() * size_of::<[f32; SAMPLES]>()

@@ -8,6 +8,7 @@
 //! Guarantees: orthonormal to 1e-5; the normal of each step keeps `dot > 0.999` with the last one carried by the smallest
 //! rotation where nothing is wanted; corners and repeated points never make NaN.
 
+use super::closest::Surface;
 use super::spline::Spline;
 use super::transcendental::{atan2, sin_cos};
 use glam::Vec3;
@@ -62,8 +63,9 @@ pub fn carry(normal: Vec3, from: Vec3, to: Vec3) -> Vec3 {
     across(carried, to).unwrap_or_else(|| any_normal(to))
 }
 
-/// One step of the double reflection method; a step without length falls back on [`carry`].
-fn reflect_twice(normal: Vec3, step: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+/// One step of the double reflection method: `normal` at `from`, carried along `step` to the unit tangent `to`. A step
+/// without length falls back on [`carry`].
+pub fn reflect_twice(normal: Vec3, step: Vec3, from: Vec3, to: Vec3) -> Vec3 {
     let c1 = step.length_squared();
     if c1 <= 1e-20 {
         return carry(normal, from, to);
@@ -85,7 +87,7 @@ pub type Wish = Option<(Vec3, f32)>;
 /// The most a wished direction turns the normal in one step.
 const RELAX_STEP: f32 = 20.0 / 180.0 * std::f32::consts::PI;
 /// cos 10 degrees: the most the tangent may turn in one step.
-const STEP_COS: f32 = 0.984_807_8;
+pub const STEP_COS: f32 = 0.984_807_8;
 
 /// Frames at the fractions `us` of the spline's arc length (not decreasing, within [0, 1]), carried from the root.
 ///
@@ -148,6 +150,53 @@ fn relaxed(normal: Vec3, tangent: Vec3, wanted: Vec3, strength: f32) -> Vec3 {
     let angle = atan2(tangent.dot(normal.cross(target)), normal.dot(target)) * weight;
     let turned = Frame { tangent, normal }.rolled(angle.clamp(-RELAX_STEP, RELAX_STEP)).normal;
     across(turned, tangent).unwrap_or(normal)
+}
+
+/// The skin under a curve: what `Scalp` frames turn to (methods.md 1), tabulated along the curve.
+///
+/// The wanted direction is the smooth normal at the closest point of the skin. It counts in full where the curve
+/// is no farther from the skin than `fade`, and not at all from twice that on, where closest points jump.
+#[derive(Clone, Debug)]
+pub struct SkinUnder {
+    us: Vec<f32>,
+    normals: Vec<Vec3>,
+    strengths: Vec<f32>,
+}
+
+impl SkinUnder {
+    /// The skin at the fractions `us` of the spline's length (at least one, rising).
+    pub fn new(surface: &Surface, spline: &Spline, us: Vec<f32>, fade: f32) -> Self {
+        let mut under = Self { us, normals: vec![], strengths: vec![] };
+        // Past the fade the normal is still told for a while, for those who only ask which way is out.
+        let reach = 4.0 * fade;
+        for u in &under.us {
+            let hit = surface.closest_within(spline.at(*u), reach);
+            let last = under.normals.last().copied().unwrap_or(Vec3::ZERO);
+            under.normals.push(hit.map_or(last, |h| surface.smooth_normal(h.triangle, h.bary)));
+            under.strengths.push(hit.map_or(0.0, |h| {
+                let t = (2.0 - h.distance / fade.max(1e-6)).clamp(0.0, 1.0);
+                t * t * (3.0 - 2.0 * t)
+            }));
+        }
+        under
+    }
+    /// The direction away from the skin at the fraction `u`, unit (zero: no skin anywhere near), and how much it counts.
+    pub fn at(&self, u: f32) -> (Vec3, f32) {
+        let after = self.us.partition_point(|known| *known <= u).clamp(1, self.us.len().max(2) - 1);
+        if self.us.len() < 2 {
+            return (self.normals[0], self.strengths[0]);
+        }
+        let (u0, u1) = (self.us[after - 1], self.us[after]);
+        let t = if u1 > u0 { ((u - u0) / (u1 - u0)).clamp(0.0, 1.0) } else { 0.0 };
+        let normal = self.normals[after - 1].lerp(self.normals[after], t);
+        let strength = self.strengths[after - 1] * (1.0 - t) + self.strengths[after] * t;
+        (normal.normalize_or_zero(), strength)
+    }
+    /// The wish of [`frames`].
+    pub fn wish(&self, u: f32) -> Wish {
+        let (normal, strength) = self.at(u);
+        (normal != Vec3::ZERO && strength > 0.0).then_some((normal, strength))
+    }
 }
 
 #[cfg(test)]
@@ -222,5 +271,41 @@ mod tests {
         for pair in frames.windows(2) {
             assert!(pair[0].normal.dot(pair[1].normal) > 0.9);
         }
+    }
+
+    #[test]
+    fn scalp_frames_stand_on_the_skin_and_are_carried_off_it() {
+        let surface = crate::maths::closest::tests::sphere(8.9, 48);
+        // Over the ball from the front, then straight off it into the air.
+        let mut points: Vec<Vec3> = (0..10)
+            .map(|k| {
+                let (s, c) = crate::maths::transcendental::sin_cos_turns(k as f32 / 36.0);
+                Vec3::new(0.0, s, c) * 8.9
+            })
+            .collect();
+        points.extend((1..10).map(|k| Vec3::new(0.3 * k as f32, 9.0, -2.0 * k as f32)));
+        let spline = Spline::new(&points).unwrap();
+        let us: Vec<f32> = (0..400).map(|k| k as f32 / 399.0).collect();
+        let fade = 0.5;
+        let under = SkinUnder::new(&surface, &spline, us.clone(), fade);
+        let frames = frames(&spline, &us, None, |u, _, _| under.wish(u));
+        let mut carried = 0;
+        for (k, u) in us.iter().enumerate() {
+            let p = spline.at(*u);
+            let off = p.length() - 8.9;
+            if off < 0.5 * fade {
+                let want = across(p.normalize(), frames[k].tangent).unwrap();
+                assert!(frames[k].normal.dot(want) > 0.999, "{u}: {}", frames[k].normal.dot(want));
+            } else if off > 2.1 * fade && k > 0 {
+                let (a, b) = (frames[k - 1], frames[k]);
+                assert!(b.normal.dot(carry(a.normal, a.tangent, b.tangent)) > 0.9999);
+                assert_eq!(under.wish(*u), None);
+                carried += 1;
+            }
+            if k > 0 {
+                assert!(frames[k].normal.dot(frames[k - 1].normal) > 0.9);
+            }
+        }
+        assert!(carried > 100, "{carried}");
     }
 }

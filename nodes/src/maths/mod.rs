@@ -8,5 +8,7 @@ pub mod distance_field;
 pub mod frame;
 pub mod hash;
 pub mod low_discrepancy;
+pub mod nearest;
+pub mod rail;
 pub mod spline;
 pub mod transcendental;

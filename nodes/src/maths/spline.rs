@@ -152,6 +152,14 @@ impl Spline {
         self.tangent(self.locate(u))
     }
 
+    /// The place of CV `index`, which must be one of the curve's.
+    pub fn place_of_cv(&self, index: usize) -> Place {
+        match index.checked_sub(1) {
+            Some(span) if index == self.spans.len() => Place { span, t: 1.0 },
+            _ => Place { span: index, t: 0.0 },
+        }
+    }
+
     /// The fraction of the arc length at which CV `index` lies.
     pub fn u_of_cv(&self, index: usize) -> f32 {
         let total = self.length();

@@ -2,4 +2,7 @@
 
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[];
+mod groom_output;
+mod merge;
+
+pub(crate) const NODES: &[&NodeDef] = &[&merge::NODE, &groom_output::NODE];

@@ -1,5 +1,12 @@
 //! The head: where hair grows, and curves brought to it.
 
+pub mod bust;
+mod fit;
+mod head;
+pub(crate) mod lay;
+mod region;
+mod scalp_projection;
+
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[];
+pub(crate) const NODES: &[&NodeDef] = &[&head::NODE, &scalp_projection::NODE];

@@ -2,6 +2,10 @@
 
 use crate::define::NodeDef;
 
-mod resample;
+pub(crate) mod resample;
+mod set_colour;
+mod set_width;
+mod transform;
 
-pub(crate) const NODES: &[&NodeDef] = &[&resample::NODE];
+pub(crate) const NODES: &[&NodeDef] =
+    &[&resample::NODE, &set_colour::NODE, &set_width::NODE, &transform::NODE];

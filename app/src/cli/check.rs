@@ -1,0 +1,69 @@
+//! `coif check`: what is wrong with graphs, without evaluating them (or, with a target, what that target would refuse).
+
+use super::{Exit, complain, eval, print, unreal};
+use clap::{Args, ValueEnum};
+use coif_graphs::document::graph::{Severity, check};
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub(crate) struct CheckArgs {
+    /// Graphs: .ron files, or names of shipped grooms
+    #[arg(required = true)]
+    graphs: Vec<PathBuf>,
+    /// Also evaluate, and compare the hair with what a program can hold
+    #[arg(long, value_enum)]
+    target: Option<Target>,
+}
+
+/// A program that grooms are made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Target {
+    /// Unreal Engine's groom asset
+    Unreal,
+}
+
+pub(crate) fn run(args: CheckArgs) -> Exit {
+    let mut exit = Exit::Done;
+    for path in &args.graphs {
+        let shown = path.display();
+        let mut warnings = vec![];
+        let (document, folder) = match eval::load(path, &mut warnings) {
+            Ok(loaded) => loaded,
+            Err(stop) => {
+                stop.lines().iter().for_each(complain);
+                exit = Exit::Refused;
+                continue;
+            }
+        };
+        warnings.iter().for_each(|w| complain(format!("warning: {w}")));
+        let problems = check(&document);
+        let errors = problems.iter().filter(|p| p.severity == Severity::Error).count();
+        for problem in &problems {
+            let kind = if problem.severity == Severity::Error { "" } else { "warning: " };
+            complain(format!("{kind}{shown}: {problem}"));
+        }
+        if errors > 0 {
+            exit = Exit::Refused;
+            continue;
+        }
+        let over = match args.target {
+            Some(Target::Unreal) => match unreal::limits(&document, folder) {
+                Ok(over) => over,
+                Err(stop) => {
+                    stop.lines().iter().for_each(complain);
+                    exit = Exit::Refused;
+                    continue;
+                }
+            },
+            None => vec![],
+        };
+        for line in &over {
+            complain(format!("{shown}: {line}"));
+            exit = Exit::Refused;
+        }
+        if over.is_empty() {
+            print(&format!("{shown}: {} nodes, no errors", document.nodes.len()));
+        }
+    }
+    exit
+}

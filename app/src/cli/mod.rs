@@ -1,0 +1,83 @@
+//! The command line: a contract that other tools rely on.
+//!
+//! Messages go to stderr, data to stdout. Exit codes: 0 done, 1 an evaluation or a write failed, 2 wrong before
+//! anything ran, 130 interrupted. On anything but 0 no output file is touched.
+
+mod check;
+mod eval;
+mod files;
+mod measure;
+mod nodes;
+mod progress;
+mod report;
+mod unreal;
+
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Groom editor made of nodes: braids, partitions, curls and puffs.
+#[derive(Parser)]
+#[command(name = "coif", version, propagate_version = true, subcommand_negates_reqs = true)]
+struct Args {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Evaluate a graph and write its hair
+    Eval(eval::EvalArgs),
+    /// Check graphs without evaluating them: syntax, types, missing inputs, unknown nodes, a target's limits
+    Check(check::CheckArgs),
+    /// Print the manual of all nodes, or of one
+    Nodes(nodes::NodesArgs),
+    /// Measure exported strands: the laws of hair, from the file alone
+    Measure(measure::MeasureArgs),
+}
+
+/// How a command ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Exit {
+    /// All done; warnings are allowed.
+    Done = 0,
+    /// A node on the way to an output failed, an output has no curves, or writing failed.
+    Failed = 1,
+    /// Wrong before anything ran.
+    Refused = 2,
+    /// Somebody pressed Ctrl-C.
+    Interrupted = 130,
+}
+
+pub(crate) fn main() -> ExitCode {
+    let exit = match Args::parse().command {
+        Some(Command::Eval(args)) => eval::run(args),
+        Some(Command::Check(args)) => check::run(args),
+        Some(Command::Nodes(args)) => nodes::run(args),
+        Some(Command::Measure(args)) => measure::run(args),
+        None => eval::run(eval::EvalArgs::start_up()),
+    };
+    ExitCode::from(exit as u8)
+}
+
+/// Tells a person what is wrong.
+fn complain(text: impl std::fmt::Display) {
+    eprintln!("coif: {text}");
+}
+
+/// Prints a line of data; a reader that went away is no error of ours.
+fn print(text: &str) {
+    use std::io::Write;
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n"));
+}
+
+/// A lower-case extension without the dot.
+fn extension_of(path: &std::path::Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
+/// A path for messages.
+fn shown(path: &PathBuf) -> std::path::Display<'_> {
+    path.display()
+}

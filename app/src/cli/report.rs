@@ -1,0 +1,134 @@
+//! The report of an evaluation, as JSON that other tools read. Its fields are a contract.
+
+use coif_graphs::schedule::result::NodeReport;
+use serde::Serialize;
+
+/// What an evaluation made and what happened on the way.
+#[derive(Serialize)]
+pub(crate) struct Report {
+    /// Version of coif.
+    pub(crate) coif: &'static str,
+    /// Path of the graph, as given.
+    pub(crate) graph: String,
+    /// Seed it ran with.
+    pub(crate) seed: u64,
+    /// Wall time from start to the last byte, milliseconds.
+    pub(crate) total_ms: f64,
+    /// Most memory the process held, MiB; null where the system does not tell.
+    pub(crate) peak_rss_mib: Option<f64>,
+    /// The (first) head; null when none ran.
+    pub(crate) head: Option<Head>,
+    /// What the outputs gave.
+    pub(crate) outputs: Vec<Output>,
+    /// Every node that was needed.
+    pub(crate) nodes: Vec<Node>,
+    /// Why it ended with another exit code than 0.
+    pub(crate) errors: Vec<String>,
+    /// What was left out, clamped or changed.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// How the head was understood.
+#[derive(Serialize)]
+pub(crate) struct Head {
+    /// The node.
+    pub(crate) node: String,
+    /// Centimetres in one unit of the mesh file.
+    pub(crate) scale: f32,
+    /// Radius of the cranium, cm.
+    pub(crate) radius_cm: f32,
+    /// What lengths that scale with the head are multiplied by.
+    pub(crate) length_factor: f32,
+    /// Centre of the cranium, cm, in the (scaled) space of the mesh.
+    pub(crate) origin: [f32; 3],
+    /// Up, in the space of the mesh.
+    pub(crate) up: [f32; 3],
+    /// Forward, in the space of the mesh.
+    pub(crate) forward: [f32; 3],
+    /// Triangles.
+    pub(crate) triangles: usize,
+}
+
+/// What one output gave.
+#[derive(Serialize)]
+pub(crate) struct Output {
+    pub(crate) node: String,
+    pub(crate) socket: String,
+    /// Name of its group in files.
+    pub(crate) group: String,
+    pub(crate) curves: usize,
+    pub(crate) points: usize,
+    /// Lowest and highest corner, cm.
+    pub(crate) bounds: Option<[[f32; 3]; 2]>,
+    /// Content hash: the same on every machine.
+    pub(crate) hash: String,
+    /// Curves resampled because other tools would have read another curve.
+    pub(crate) resampled: usize,
+    /// Largest distance, cm, between the curves as coif and as USD readers understand them.
+    pub(crate) reading_difference: f32,
+}
+
+/// One node.
+#[derive(Serialize)]
+pub(crate) struct Node {
+    pub(crate) name: String,
+    pub(crate) kind: &'static str,
+    pub(crate) ms: f64,
+    pub(crate) cached: bool,
+    pub(crate) tufts_run: u32,
+    pub(crate) tufts_reused: u32,
+    pub(crate) curves: usize,
+    pub(crate) points: usize,
+    pub(crate) messages: Vec<String>,
+}
+
+impl Report {
+    /// An empty report.
+    pub(crate) fn new(graph: String) -> Self {
+        Self {
+            coif: env!("CARGO_PKG_VERSION"),
+            graph,
+            seed: 0,
+            total_ms: 0.0,
+            peak_rss_mib: None,
+            head: None,
+            outputs: vec![],
+            nodes: vec![],
+            errors: vec![],
+            warnings: vec![],
+        }
+    }
+
+    /// Takes over what the evaluation said of its nodes.
+    pub(crate) fn add_nodes(&mut self, nodes: &[NodeReport]) {
+        for node in nodes {
+            for message in node.messages.iter().filter(|m| m.warning) {
+                self.warnings.push(format!("{}: {message}", node.name));
+            }
+            self.nodes.push(Node {
+                name: node.name.clone(),
+                kind: node.kind,
+                ms: rounded(node.ms),
+                cached: node.cached,
+                tufts_run: node.tufts_run,
+                tufts_reused: node.tufts_reused,
+                curves: node.curves,
+                points: node.points,
+                messages: node.messages.iter().map(ToString::to_string).collect(),
+            });
+        }
+    }
+}
+
+/// Microseconds are enough for a person and for a budget.
+pub(crate) fn rounded(ms: f64) -> f64 {
+    (ms * 1e3).round() / 1e3
+}
+
+/// The most memory the process has held so far, MiB.
+pub(crate) fn peak_rss_mib() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kib: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(rounded(kib / 1024.0))
+}

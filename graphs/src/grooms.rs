@@ -1,0 +1,17 @@
+//! The grooms that come with coif, inside the program, so that they open from any folder.
+
+/// Name and text of every shipped groom.
+pub const ALL: &[(&str, &str)] = &[
+    ("start", include_str!("../grooms/start.ron")),
+    ("cornrows", include_str!("../grooms/cornrows.ron")),
+    ("braids", include_str!("../grooms/braids.ron")),
+    ("curls", include_str!("../grooms/curls.ron")),
+    ("puffs", include_str!("../grooms/puffs.ron")),
+    ("clusters", include_str!("../grooms/clusters.ron")),
+];
+
+/// The groom of that name, with or without `.ron`.
+pub fn by_name(name: &str) -> Option<&'static str> {
+    let name = name.strip_suffix(".ron").unwrap_or(name);
+    ALL.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+}

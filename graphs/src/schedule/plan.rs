@@ -1,0 +1,47 @@
+//! What must run for the targets, in an order in which it can.
+//!
+//! A plan is checked: every wire fits, every value is of its input's type and finite, every file is read, and there is no
+//! cycle. So running it can only fail in the nodes themselves.
+
+use coif_nodes::define::{NodeDef, Value};
+use coif_nodes::eval::Quality;
+
+/// Where one value of an input comes from.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// It is set.
+    Value(Value),
+    /// An output of an earlier step.
+    Wire {
+        /// Number of the step.
+        step: usize,
+        /// Number of its output.
+        output: usize,
+    },
+}
+
+/// One node to run.
+#[derive(Clone)]
+pub struct Step {
+    /// Its id in the document.
+    pub name: String,
+    /// Its kind.
+    pub def: &'static NodeDef,
+    /// Whether it only passes its first curves through.
+    pub bypass: bool,
+    /// For each input of the kind, in order: nothing, a value, or wires.
+    pub inputs: Vec<Vec<Source>>,
+}
+
+/// What must run.
+#[derive(Clone)]
+pub struct Plan {
+    /// The document's seed.
+    pub seed: u64,
+    /// How much hair is made.
+    pub quality: Quality,
+    /// **Invariant:** a step's wires lead to earlier steps only.
+    pub steps: Vec<Step>,
+    /// Steps and outputs that are asked for.
+    pub targets: Vec<(usize, usize)>,
+}

@@ -1,0 +1,220 @@
+//! What an evaluation gave: values, what ran, what was said, and the hash by which machines are compared.
+
+use crate::document::Document;
+use coif_nodes::data::attributes::{Attribute, Column, DECLARED, Domain};
+use coif_nodes::data::curves::{Curves, Tuft};
+use coif_nodes::define::{NodeError, Value};
+use coif_nodes::eval::Message;
+use coif_nodes::maths::hash::canonical;
+use std::collections::BTreeMap;
+
+/// What happened to one node of a plan.
+#[derive(Clone, Debug, Default)]
+pub struct NodeReport {
+    /// Its id in the document.
+    pub name: String,
+    /// Its kind.
+    pub kind: &'static str,
+    /// Wall time of its own work, milliseconds.
+    pub ms: f64,
+    /// Whether all of its outputs were known from before.
+    pub cached: bool,
+    /// Pieces of work that ran.
+    pub tufts_run: u32,
+    /// Pieces that were known from before.
+    pub tufts_reused: u32,
+    /// Curves of all its outputs.
+    pub curves: usize,
+    /// Points of all its outputs.
+    pub points: usize,
+    /// What it said.
+    pub messages: Vec<Message>,
+    /// Why it failed, if it did.
+    pub error: Option<NodeError>,
+}
+
+/// The end of an evaluation.
+#[derive(Debug, Default)]
+pub struct Outcome {
+    /// One value for each target; none where a node on the way failed or the run was cancelled.
+    pub targets: Vec<Option<Value>>,
+    /// One report for each step that was reached, in the plan's order.
+    pub nodes: Vec<NodeReport>,
+    /// Whether somebody asked to stop before the end.
+    pub cancelled: bool,
+}
+
+/// Hash of the content of curves: curves in order, attributes by name, little-endian, BLAKE3 cut to 128 bits, as 32
+/// hexadecimal digits.
+///
+/// Independent of tuft borders, of how values are shared, and of the machine: a missing attribute counts as its declared
+/// default where other tufts have it, -0.0 as 0.0.
+pub fn content_hash(curves: &Curves) -> String {
+    let mut hash = blake3::Hasher::new();
+    let mut buffer = Vec::new();
+    hash.update(b"coif curves 1");
+    hash.update(&(curves.curve_count() as u64).to_le_bytes());
+    for tuft in curves.tufts() {
+        let counts = tuft.offsets().windows(2).map(|o| o[1] - o[0]);
+        put(&mut hash, &mut buffer, counts.flat_map(u32::to_le_bytes));
+    }
+    for tuft in curves.tufts() {
+        let numbers = bytemuck::cast_slice::<_, f32>(tuft.points());
+        put(&mut hash, &mut buffer, numbers.iter().flat_map(|x| canonical(*x).to_le_bytes()));
+    }
+    // A column that varies over points anywhere is hashed by points everywhere.
+    let mut columns: BTreeMap<&str, (Domain, &Column)> = BTreeMap::new();
+    for attribute in curves.tufts().iter().flat_map(|t| t.attributes()) {
+        let domain = if attribute.values.len() == 1 { Domain::Curve } else { attribute.domain };
+        let entry = columns.entry(&attribute.name).or_insert((domain, &attribute.values));
+        entry.0 = entry.0.max(domain);
+    }
+    for (name, (domain, sample)) in columns {
+        let ty = sample.bytes().0;
+        hash.update(&(name.len() as u64).to_le_bytes());
+        hash.update(name.as_bytes());
+        hash.update(ty.as_bytes());
+        hash.update(&[domain as u8]);
+        for tuft in curves.tufts() {
+            column(&mut hash, &mut buffer, tuft, tuft.attribute(name), domain, name, sample);
+        }
+    }
+    hash.finalize().to_hex()[..32].to_owned()
+}
+
+/// Hash of what a document means, as 32 hexadecimal digits: moving nodes and writing notes changes nothing.
+pub fn document_hash(document: &Document) -> String {
+    let mut meaning = document.clone();
+    meaning.layout.clear();
+    meaning.comments.clear();
+    meaning.note.clear();
+    for node in meaning.nodes.values_mut() {
+        let node = std::sync::Arc::make_mut(node);
+        node.note.clear();
+        node.label = None;
+    }
+    blake3::hash(crate::file::write(&meaning).as_bytes()).to_hex()[..32].to_owned()
+}
+
+fn put(hash: &mut blake3::Hasher, buffer: &mut Vec<u8>, bytes: impl Iterator<Item = u8>) {
+    buffer.clear();
+    buffer.extend(bytes);
+    hash.update(buffer);
+}
+
+fn column(
+    hash: &mut blake3::Hasher,
+    buffer: &mut Vec<u8>,
+    tuft: &Tuft,
+    attribute: Option<&Attribute>,
+    domain: Domain,
+    name: &str,
+    sample: &Column,
+) {
+    let default = default_of(name, sample);
+    let found = attribute.map(|a| &a.values).filter(|v| v.bytes().0 == sample.bytes().0);
+    let (values, own) = match (found, attribute) {
+        (Some(values), Some(a)) => (values, a.domain),
+        _ => (&default, Domain::Curve),
+    };
+    // For each item of the hashed domain, the number of its value in the column.
+    let curve_of_point =
+        || (0..tuft.len()).flat_map(|i| std::iter::repeat_n(i, tuft.range(i).len()));
+    let items: Vec<usize> = match (values.len(), own, domain) {
+        (1, _, Domain::Curve) => vec![0; tuft.len()],
+        (1, _, Domain::Point) => vec![0; tuft.points().len()],
+        (_, Domain::Curve, Domain::Point) => curve_of_point().collect(),
+        (n, ..) => (0..n).collect(),
+    };
+    match values {
+        Column::F32(v) => {
+            put(hash, buffer, items.iter().flat_map(|i| canonical(v[*i]).to_le_bytes()));
+        }
+        Column::I32(v) => put(hash, buffer, items.iter().flat_map(|i| v[*i].to_le_bytes())),
+        Column::U64(v) => put(hash, buffer, items.iter().flat_map(|i| v[*i].to_le_bytes())),
+        Column::Vec2(v) => put(
+            hash,
+            buffer,
+            items.iter().flat_map(|i| v[*i].to_array()).flat_map(|x| canonical(x).to_le_bytes()),
+        ),
+        Column::Vec3(v) => put(
+            hash,
+            buffer,
+            items.iter().flat_map(|i| v[*i].to_array()).flat_map(|x| canonical(x).to_le_bytes()),
+        ),
+    }
+}
+
+fn default_of(name: &str, like: &Column) -> Column {
+    use coif_nodes::data::attributes as a;
+    use coif_nodes::data::attributes::Item;
+    let number = [
+        a::RADIUS,
+        a::WIDTH,
+        a::ROLL,
+        a::FRIZZ,
+        a::DENSITY,
+        a::ALLOW_DEPTH,
+        a::PHASE,
+        a::ALONG,
+        a::FIBRE,
+    ]
+    .iter()
+    .find(|d| d.name == name)
+    .map_or(0.0, |d| d.default);
+    debug_assert!(
+        DECLARED.iter().filter(|d| d.1 == "f32").count() == 9,
+        "a declared number is missing"
+    );
+    let colour = if name == a::COLOUR.name { a::COLOUR.default } else { glam::Vec3::ZERO };
+    match like {
+        Column::F32(_) => f32::column(vec![number]),
+        Column::I32(_) => i32::column(vec![if name == a::ROOT_TRIANGLE.name { -1 } else { 0 }]),
+        Column::U64(_) => u64::column(vec![0]),
+        Column::Vec2(_) => glam::Vec2::column(vec![glam::Vec2::ZERO]),
+        Column::Vec3(_) => glam::Vec3::column(vec![colour]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use coif_nodes::data::attributes::{ID, RADIUS, WIDTH};
+    use coif_nodes::data::curves::TuftBuilder;
+    use glam::Vec3;
+    use std::sync::Arc;
+
+    fn tuft(ids: std::ops::Range<u64>, width: &[f32]) -> Arc<Tuft> {
+        let mut b = TuftBuilder::new();
+        for id in ids.clone() {
+            b.push_curve(&[Vec3::ZERO, Vec3::Y * id as f32]);
+        }
+        b.set(ID, Domain::Curve, ids.collect());
+        if !width.is_empty() {
+            b.set(WIDTH, Domain::Curve, width.to_vec());
+        }
+        Arc::new(b.build())
+    }
+
+    #[test]
+    fn the_hash_does_not_see_tuft_borders_sharing_or_defaults_written_out() {
+        let whole = content_hash(&Curves::new(vec![tuft(1..5, &[0.1; 4])]));
+        let cut = content_hash(&Curves::new(vec![tuft(1..3, &[0.1]), tuft(3..5, &[0.1, 0.1])]));
+        assert_eq!(whole, cut);
+        let plain = Curves::new(vec![tuft(1..3, &[WIDTH.default; 2]), tuft(3..5, &[])]);
+        let full = Curves::new(vec![tuft(1..5, &[WIDTH.default])]);
+        assert_eq!(content_hash(&plain), content_hash(&full));
+        assert_ne!(whole, content_hash(&full));
+    }
+
+    #[test]
+    fn a_column_by_points_counts_as_one_by_curves_only_where_none_varies() {
+        let by_point = |values: Vec<f32>| {
+            let mut b = tuft(1..3, &[]).edit();
+            b.set(RADIUS, Domain::Point, values);
+            content_hash(&Curves::new(vec![b.build().into()]))
+        };
+        assert_eq!(by_point(vec![2.0]), by_point(vec![2.0]));
+        assert_ne!(by_point(vec![2.0, 2.0, 2.0, 1.0]), by_point(vec![2.0]));
+    }
+}

@@ -1,0 +1,328 @@
+//! Running a plan: independent nodes at once, tufts in parallel, what is known reused, stopped when
+//! asked.
+//!
+//! Nodes run on threads of their own; the pieces they cut their work into run on the evaluator's pool. So a
+//! node may wait for the pool (the distance field of a head is built once, by whoever asks first) without
+//! ever being run by it.
+
+use super::cache::Cache;
+use super::plan::{Plan, Source, Step};
+use super::result::{NodeReport, Outcome};
+use coif_nodes::define::{NodeError, Type, Value};
+use coif_nodes::eval::{EvalCx, Host, Kept, Log, Quality};
+use coif_nodes::maths::hash::{Key, KeyBuilder};
+use rayon::prelude::*;
+use std::panic::AssertUnwindSafe;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::time::Instant;
+
+/// Asks a run to stop; may be given to many.
+#[derive(Clone, Debug, Default)]
+pub struct CancelToken(Arc<AtomicBool>);
+
+impl CancelToken {
+    /// Asks to stop. Kernels look at least every 2 ms.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+    /// Whether somebody asked.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Is told how a run goes. Called from several threads.
+pub trait Progress: Sync {
+    /// A node began.
+    fn started(&self, _node: &str) {}
+    /// So many of a node's pieces of work are done.
+    fn pieces(&self, _node: &str, _done: usize, _of: usize) {}
+    /// So many of the plan's nodes are done.
+    fn done(&self, _nodes: usize, _of: usize) {}
+}
+
+/// Nobody to tell.
+#[derive(Debug, Default)]
+pub struct Quiet;
+impl Progress for Quiet {}
+
+/// What becomes of a node's readers when it fails.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OnFailure {
+    /// They do not run.
+    #[default]
+    Stop,
+    /// They get the failed node's first curves, so that the groom does not vanish (the editor).
+    PassThrough,
+}
+
+/// Threads and a cache that outlive single runs.
+pub struct Evaluator {
+    pool: rayon::ThreadPool,
+    threads: usize,
+    cache: Mutex<Cache>,
+}
+
+impl Evaluator {
+    /// An evaluator with so many threads (0: one a core) and a cache of so many bytes (0: none, values are dropped
+    /// after their last reader).
+    ///
+    /// # Errors
+    /// When the system gives no threads.
+    pub fn new(threads: usize, cache_bytes: usize) -> Result<Self, String> {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|err| format!("no threads to work with: {err}"))?;
+        let threads = pool.current_num_threads();
+        Ok(Self { pool, threads, cache: Mutex::new(Cache::new(cache_bytes)) })
+    }
+
+    fn cache(&self) -> std::sync::MutexGuard<'_, Cache> {
+        self.cache.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Runs `f` on the evaluator's threads.
+    pub fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+        if self.threads == 1 || n < 2 {
+            (0..n).for_each(f);
+        } else {
+            self.pool.install(|| (0..n).into_par_iter().with_max_len(1).for_each(f));
+        }
+    }
+
+    /// Runs a plan to its end, to the first failure on every way, or until cancelled.
+    pub fn run(
+        &self,
+        plan: &Plan,
+        on_failure: OnFailure,
+        cancel: &CancelToken,
+        progress: &dyn Progress,
+    ) -> Outcome {
+        let n = plan.steps.len();
+        let wires = |step: &Step| {
+            let all = step.inputs.iter().flatten();
+            all.filter_map(|s| match s {
+                Source::Wire { step, .. } => Some(*step),
+                Source::Value(_) => None,
+            })
+            .collect::<Vec<_>>()
+        };
+        let mut waiting: Vec<usize> = plan.steps.iter().map(|s| wires(s).len()).collect();
+        // How many more readers each step's values have; targets are read at the end.
+        let mut readers = vec![0usize; n];
+        plan.steps.iter().flat_map(wires).for_each(|step| readers[step] += 1);
+        plan.targets.iter().for_each(|(step, _)| readers[*step] += 1);
+        let mut values: Vec<Option<Vec<Value>>> = vec![None; n];
+        let mut reports: Vec<Option<NodeReport>> = vec![None; n];
+        let mut ready: Vec<usize> = (0..n).rev().filter(|i| waiting[*i] == 0).collect();
+        let (mut running, mut finished) = (0, 0);
+        let (send, receive) = mpsc::channel::<(usize, NodeReport, Option<Vec<Value>>)>();
+        std::thread::scope(|scope| {
+            loop {
+                while running < self.threads
+                    && let Some(i) = ready.pop()
+                {
+                    let inputs: Vec<Vec<Value>> = plan.steps[i]
+                        .inputs
+                        .iter()
+                        .map(|sources| {
+                            let found = sources.iter().map(|source| match source {
+                                Source::Value(value) => Some(value.clone()),
+                                Source::Wire { step, output } => {
+                                    Some(values[*step].as_ref()?.get(*output)?.clone())
+                                }
+                            });
+                            found.flatten().collect()
+                        })
+                        .collect();
+                    // Not held here any more while the node runs: it may be the last reader.
+                    for step in wires(&plan.steps[i]) {
+                        readers[step] -= 1;
+                        if readers[step] == 0 {
+                            values[step] = None;
+                        }
+                    }
+                    running += 1;
+                    progress.started(&plan.steps[i].name);
+                    let send = send.clone();
+                    scope.spawn(move || {
+                        let (report, out) =
+                            self.step(plan, i, inputs, on_failure, cancel, progress);
+                        let _ = send.send((i, report, out));
+                    });
+                }
+                if running == 0 {
+                    break;
+                }
+                let Ok((i, report, out)) = receive.recv() else { break };
+                running -= 1;
+                finished += 1;
+                progress.done(finished, n);
+                reports[i] = Some(report);
+                if out.is_some() {
+                    for (j, step) in plan.steps.iter().enumerate().skip(i + 1) {
+                        let uses = wires(step).iter().filter(|s| **s == i).count();
+                        waiting[j] -= uses;
+                        if uses > 0 && waiting[j] == 0 {
+                            ready.push(j);
+                        }
+                    }
+                    ready.sort_unstable_by(|a, b| b.cmp(a));
+                    if readers[i] > 0 {
+                        values[i] = out;
+                    }
+                }
+            }
+        });
+        let targets = plan
+            .targets
+            .iter()
+            .map(|(step, output)| values[*step].as_ref()?.get(*output).cloned())
+            .collect();
+        Outcome {
+            targets,
+            nodes: reports.into_iter().flatten().collect(),
+            cancelled: cancel.is_cancelled(),
+        }
+    }
+
+    fn step(
+        &self,
+        plan: &Plan,
+        i: usize,
+        inputs: Vec<Vec<Value>>,
+        on_failure: OnFailure,
+        cancel: &CancelToken,
+        progress: &dyn Progress,
+    ) -> (NodeReport, Option<Vec<Value>>) {
+        let step = &plan.steps[i];
+        let began = Instant::now();
+        let log = Log::default();
+        let mut report =
+            NodeReport { name: step.name.clone(), kind: step.def.id, ..NodeReport::default() };
+        let (node, whole) = keys(step, &inputs, plan.seed, plan.quality);
+        let known = self.cache().find(whole).and_then(|kept| kept.downcast::<Known>().ok());
+        let result = if step.bypass {
+            passed_through(step, &inputs)
+                .ok_or_else(|| NodeError::failed("bypassed, but it has no curves to pass on"))
+        } else if let Some(known) = known {
+            report.cached = true;
+            report.messages.clone_from(&known.messages);
+            report.tufts_reused = known.tufts;
+            Ok(known.values.clone())
+        } else if cancel.is_cancelled() {
+            Err(NodeError::Cancelled)
+        } else {
+            let host = PoolHost { evaluator: self, cancel, progress, node: &step.name };
+            let cx =
+                EvalCx { seed: plan.seed, quality: plan.quality, node, host: &host, log: &log };
+            let ran = std::panic::catch_unwind(AssertUnwindSafe(|| (step.def.run)(&cx, &inputs)));
+            let result = ran.unwrap_or_else(|panic| {
+                let text = panic
+                    .downcast_ref::<String>()
+                    .map(String::as_str)
+                    .or_else(|| panic.downcast_ref::<&str>().copied())
+                    .unwrap_or("no reason given");
+                Err(NodeError::failed(format!("a mistake in coif, please report it: {text}")))
+            });
+            report.tufts_run = log.tufts_run.load(Ordering::Relaxed);
+            report.tufts_reused = log.tufts_reused.load(Ordering::Relaxed);
+            report.messages = log.messages();
+            if let Ok(values) = &result {
+                let bytes = values.iter().map(Value::bytes).sum::<usize>() + 256;
+                let known = Known {
+                    values: values.clone(),
+                    messages: report.messages.clone(),
+                    tufts: report.tufts_run + report.tufts_reused,
+                };
+                self.cache().keep(whole, Arc::new(known), bytes);
+            }
+            result
+        };
+        report.ms = began.elapsed().as_secs_f64() * 1e3;
+        let values = match result {
+            Ok(values) => Some(values),
+            Err(error) => {
+                let cancelled = error == NodeError::Cancelled;
+                report.error = Some(error);
+                match on_failure {
+                    OnFailure::PassThrough if !cancelled => passed_through(step, &inputs),
+                    _ => None,
+                }
+            }
+        };
+        for value in values.iter().flatten() {
+            if let Value::Curves(curves) = value {
+                report.curves += curves.curve_count();
+                report.points += curves.point_count();
+            }
+        }
+        (report, values)
+    }
+}
+
+/// All outputs of a node, as the cache keeps them.
+struct Known {
+    values: Vec<Value>,
+    messages: Vec<coif_nodes::eval::Message>,
+    tufts: u32,
+}
+
+/// The key of the node and its values, and the key that also counts the curves it reads.
+fn keys(step: &Step, inputs: &[Vec<Value>], seed: u64, quality: Quality) -> (Key, Key) {
+    let mut node = KeyBuilder::new(step.def.id).int(u64::from(step.def.version)).int(seed);
+    if step.def.thins {
+        node = node.int(quality as u64);
+    }
+    let mut curves = KeyBuilder::new("reads");
+    for (def, values) in step.def.inputs.iter().zip(inputs) {
+        if def.ty == Type::Curves {
+            curves = values.iter().fold(curves.text(def.name), |key, v| key.key(v.key()));
+        } else if !values.is_empty() {
+            // A value that says what the default says is the same value.
+            let default = def.default.map(|default| default().key());
+            if values.len() == 1 && default == Some(values[0].key()) {
+                continue;
+            }
+            node = values.iter().fold(node.text(def.name), |key, v| key.key(v.key()));
+        }
+    }
+    let node = node.finish();
+    (node, curves.key(node).finish())
+}
+
+/// The first curves that a node reads, for every output that gives curves; none when an output gives something else or
+/// there are no curves.
+fn passed_through(step: &Step, inputs: &[Vec<Value>]) -> Option<Vec<Value>> {
+    let curves = inputs.iter().flatten().find(|v| matches!(v, Value::Curves(_)))?;
+    let all = step.def.outputs.iter().all(|o| o.ty == Type::Curves);
+    all.then(|| vec![curves.clone(); step.def.outputs.len()])
+}
+
+struct PoolHost<'a> {
+    evaluator: &'a Evaluator,
+    cancel: &'a CancelToken,
+    progress: &'a dyn Progress,
+    node: &'a str,
+}
+
+impl Host for PoolHost<'_> {
+    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+        self.evaluator.for_each(n, f);
+    }
+    fn cancelled(&self) -> bool {
+        self.cancel.is_cancelled()
+    }
+    fn find(&self, key: Key) -> Option<Kept> {
+        let mut cache = self.evaluator.cache();
+        if cache.is_off() { None } else { cache.find(key) }
+    }
+    fn keep(&self, key: Key, value: Kept, bytes: usize) {
+        self.evaluator.cache().keep(key, value, bytes);
+    }
+    fn progress(&self, done: usize, of: usize) {
+        self.progress.pieces(self.node, done, of);
+    }
+}

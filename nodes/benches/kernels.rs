@@ -1,0 +1,279 @@
+//! The busiest kernels at 10,000 and 100,000 strands of 16 points, each beside a memset of as many bytes into freshly
+//! allocated memory: what is quoted is the ratio of the two in one run.
+
+use coif_nodes::data::attributes::{DENSITY, Domain, FRIZZ, ID, RADIUS};
+use coif_nodes::data::curves::{Curves, TuftBuilder};
+use coif_nodes::data::scalp::{HeadFrame, REGION, Scalp};
+use coif_nodes::define::Value;
+use coif_nodes::eval::{EvalCx, Host, Kept, Log, Quality};
+use coif_nodes::maths::closest::Surface;
+use coif_nodes::maths::distance_field::DistanceField;
+use coif_nodes::maths::hash::{Dice, Key, KeyBuilder};
+use coif_nodes::maths::low_discrepancy::r2;
+use coif_nodes::maths::transcendental::sin_cos_turns;
+use divan::{Bencher, black_box};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::sync::{Arc, Mutex, OnceLock};
+
+const STRANDS: [usize; 2] = [10_000, 100_000];
+const POINTS: usize = 16;
+const CLUSTERS: usize = 150;
+
+fn main() {
+    divan::main();
+}
+
+/// A host with rayon's threads and no memory.
+#[derive(Default)]
+struct Pool;
+
+impl Host for Pool {
+    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+        (0..n).into_par_iter().with_max_len(1).for_each(f);
+    }
+    fn cancelled(&self) -> bool {
+        false
+    }
+    fn find(&self, _: Key) -> Option<Kept> {
+        None
+    }
+    fn keep(&self, _: Key, _: Kept, _: usize) {}
+    fn progress(&self, _: usize, _: usize) {}
+}
+
+/// A [`Pool`] that remembers the first thing it is given and forgets all others: of a node that plans first, the plan.
+#[derive(Default)]
+struct Plans {
+    first: Mutex<Option<(Key, Kept)>>,
+}
+
+impl Host for Plans {
+    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+        Pool.for_each(n, f);
+    }
+    fn cancelled(&self) -> bool {
+        false
+    }
+    fn find(&self, key: Key) -> Option<Kept> {
+        let first = self.first.lock().unwrap();
+        first.as_ref().filter(|(known, _)| *known == key).map(|(_, kept)| kept.clone())
+    }
+    fn keep(&self, key: Key, value: Kept, _: usize) {
+        self.first.lock().unwrap().get_or_insert((key, value));
+    }
+    fn progress(&self, _: usize, _: usize) {}
+}
+
+fn run(kind: &str, set: &[(&str, Value)], host: &dyn Host) -> Curves {
+    let node = coif_nodes::by_id(kind).expect("a node of this kind");
+    let mut values: Vec<Vec<Value>> = vec![vec![]; node.inputs.len()];
+    let mut key = KeyBuilder::new(kind);
+    for (name, value) in set {
+        let (at, _) = node.input(name).expect("an input of this name");
+        if !matches!(value, Value::Curves(_)) {
+            key = key.text(name).key(value.key());
+        }
+        values[at].push(value.clone());
+    }
+    let (log, quality) = (Log::default(), Quality::Final);
+    let cx = EvalCx { seed: 0, quality, node: key.finish(), host, log: &log };
+    match (node.run)(&cx, &values).expect("a result").swap_remove(0) {
+        Value::Curves(curves) => curves,
+        other => panic!("a {}", other.type_name()),
+    }
+}
+
+/// A ball of a head's size with bumps of a centimetre and 25,000 triangles.
+fn head() -> Arc<Scalp> {
+    static HEAD: OnceLock<Arc<Scalp>> = OnceLock::new();
+    HEAD.get_or_init(|| {
+        let surface = bumpy_ball(112);
+        let region = surface.points.iter().map(|p| f32::from(p.y > 0.0)).collect();
+        let scalp =
+            Scalp::new(surface, None, HeadFrame::IDENTITY, [(REGION.to_owned(), region)].into());
+        scalp.skin(&|n, f| Pool.for_each(n, f));
+        Arc::new(scalp)
+    })
+    .clone()
+}
+
+fn bumpy_ball(rows: u32) -> Surface {
+    let columns = rows;
+    let place = |row: u32, column: u32| {
+        let (sr, cr) = sin_cos_turns(row as f32 / (2 * rows) as f32);
+        let (s, c) = sin_cos_turns(column as f32 / columns as f32);
+        let n = Vec3::new(sr * s, cr, sr * c);
+        let bump = sin_cos_turns(0.6 * n.x + 0.2).0 * sin_cos_turns(0.5 * n.y - 0.1).1;
+        n * (8.9 + 0.8 * bump)
+    };
+    let mut points = vec![place(0, 0)];
+    for row in 1..rows {
+        points.extend((0..columns).map(|column| place(row, column)));
+    }
+    points.push(place(rows, 0));
+    let last = points.len() as u32 - 1;
+    let at = |row: u32, column: u32| match row {
+        0 => 0,
+        r if r == rows => last,
+        r => 1 + (r - 1) * columns + column % columns,
+    };
+    let mut triangles = vec![];
+    for row in 0..rows {
+        for column in 0..columns {
+            let (a, b) = (at(row, column), at(row, column + 1));
+            let (c, d) = (at(row + 1, column), at(row + 1, column + 1));
+            if row > 0 {
+                triangles.push([a, c, b]);
+            }
+            if row + 1 < rows {
+                triangles.push([b, c, d]);
+            }
+        }
+    }
+    Surface::new(points, triangles)
+}
+
+/// Evenly spread points of the upper half of the head.
+fn roots(n: usize) -> Vec<Vec3> {
+    let scalp = head();
+    (0..n as u32)
+        .map(|i| {
+            let [a, b] = r2(i, [0.5, 0.5]);
+            let (s, c) = sin_cos_turns(a);
+            let flat = (1.0 - b * b).max(0.0).sqrt();
+            let p = Vec3::new(flat * s, b, flat * c) * 9.0;
+            scalp.closest_root(p).expect("a root").point
+        })
+        .collect()
+}
+
+/// Curves of 20 cm that leave at 50 degrees from the skin and fall.
+fn falling(n: usize) -> Curves {
+    let tufts = roots(n).into_iter().enumerate().map(|(i, root)| {
+        let out = root.normalize();
+        let mut direction = (out + Vec3::new(out.x, 0.0, out.z).normalize_or(Vec3::X)).normalize();
+        let mut p = root;
+        let points: Vec<Vec3> = (0..11)
+            .map(|k| {
+                if k > 0 {
+                    p += direction * 2.0;
+                    direction = (direction + Vec3::NEG_Y * 0.35).normalize();
+                }
+                p
+            })
+            .collect();
+        let mut b = TuftBuilder::new();
+        b.push_curve(&points);
+        b.set(ID, Domain::Curve, vec![i as u64 + 1]);
+        b.set(RADIUS, Domain::Curve, vec![1.0]);
+        b.set(DENSITY, Domain::Curve, vec![1.0]);
+        b.set(FRIZZ, Domain::Curve, vec![0.5]);
+        Arc::new(b.build())
+    });
+    Curves::new(tufts.collect())
+}
+
+fn strands(n: usize) -> Curves {
+    run("cluster_to_strands", &clusters(n), &Pool)
+}
+
+fn clusters(n: usize) -> Vec<(&'static str, Value)> {
+    vec![
+        ("curves", falling(CLUSTERS).into()),
+        ("scalp", head().into()),
+        ("count", Value::Int((n / CLUSTERS) as i64)),
+        ("points", Value::Int(POINTS as i64)),
+    ]
+}
+
+/// 500 guides and as many hairs as asked for between them.
+fn guides(n: usize) -> Vec<(&'static str, Value)> {
+    vec![
+        ("guides", falling(500).into()),
+        ("scalp", head().into()),
+        ("by", "count".into()),
+        ("count", Value::Int(n as i64)),
+        ("points", Value::Int(POINTS as i64)),
+    ]
+}
+
+fn bytes(strands: usize) -> usize {
+    strands * POINTS * size_of::<Vec3>()
+}
+
+#[divan::bench(args = STRANDS, sample_count = 20)]
+fn a_memset_of_their_points(bencher: Bencher, n: usize) {
+    // What is given back is handed out again already mapped: nothing is given back.
+    bencher.bench(|| std::mem::forget(black_box(vec![black_box(1u8); bytes(n)])));
+}
+
+#[divan::bench(args = STRANDS, sample_count = 20)]
+fn b_cluster_to_strands(bencher: Bencher, n: usize) {
+    let (set, host) = (clusters(n), Pool);
+    bencher.bench(|| run("cluster_to_strands", &set, &host));
+}
+
+#[divan::bench(args = STRANDS, sample_count = 20)]
+fn c_root_projections(bencher: Bencher, n: usize) {
+    let (scalp, host) = (head(), Pool);
+    let dice = Dice::new(0, 0, "roots");
+    let at = falling(CLUSTERS);
+    let asked: Vec<Vec3> = (0..n as u64)
+        .map(|i| {
+            let root = at.tufts()[i as usize * CLUSTERS / n].points()[0];
+            let d = Vec3::new(dice.signed(i, 0), dice.signed(i, 1), dice.signed(i, 2));
+            root + d.reject_from(root.normalize())
+        })
+        .collect();
+    bencher.bench(|| {
+        let skin = scalp.skin(&|n, f| host.for_each(n, f));
+        asked
+            .par_chunks(512)
+            .map(|c| c.iter().filter_map(|p| skin.closest(*p)).count())
+            .sum::<usize>()
+    });
+}
+
+#[divan::bench(args = STRANDS, sample_count = 20)]
+fn e_resample(bencher: Bencher, n: usize) {
+    let (curves, host) = (strands(n), Pool);
+    bencher.bench(|| run("resample", &[("curves", curves.clone().into())], &host));
+}
+
+/// Roots placed and guides found: what the first evaluation does and later ones remember.
+#[divan::bench(args = STRANDS, sample_count = 10)]
+fn d_interpolate_from_nothing(bencher: Bencher, n: usize) {
+    bencher.bench(|| run("interpolate", &guides(n), &Pool));
+}
+
+#[divan::bench(args = STRANDS, sample_count = 20)]
+fn d_interpolate_with_roots_remembered(bencher: Bencher, n: usize) {
+    let (set, host) = (guides(n), Plans::default());
+    bencher.bench(|| run("interpolate", &set, &host));
+}
+
+#[divan::bench(args = STRANDS, sample_count = 20)]
+fn f_set_width(bencher: Bencher, n: usize) {
+    let (curves, host) = (strands(n), Pool);
+    bencher.bench(|| run("set_width", &[("curves", curves.clone().into())], &host));
+}
+
+/// Fill, taper, colour, resample, one after the other.
+#[divan::bench(args = STRANDS, sample_count = 10)]
+fn g_chain(bencher: Bencher, n: usize) {
+    let (set, host) = (clusters(n), Pool);
+    bencher.bench(|| {
+        ["set_width", "set_colour", "resample"]
+            .iter()
+            .fold(run("cluster_to_strands", &set, &host), |curves, kind| {
+                run(kind, &[("curves", curves.into())], &host)
+            })
+    });
+}
+
+#[divan::bench(sample_count = 5)]
+fn h_distance_field_of_25_000_triangles(bencher: Bencher) {
+    let (surface, host) = (bumpy_ball(112), Pool);
+    bencher.bench(|| DistanceField::new(&surface, &|n, f| host.for_each(n, f)));
+}

@@ -1,0 +1,533 @@
+//! Laying a weave along a source curve: stations, frames, amplitudes, and the skin underneath.
+//!
+//! The picture: *stations* stand along the source, some for each stitch. Each has a frame, an amplitude
+//! and a place in the weave's cycle, which together put a point of every strand there. Points that the
+//! skin is in the way of are pressed or moved off it, and each strand is then resampled evenly along its own length.
+//!
+//! **Invariant:** whatever moves points in depth keeps their order there, so no crossing is ever undone.
+
+use super::touch::Line;
+use super::weave::{Size, Weave};
+use crate::data::scalp::{Scalp, Skin};
+use crate::maths::frame::{self, Frame, SkinUnder};
+use crate::maths::hash::Dice;
+use crate::maths::spline::{CurveFault, Place, Spline};
+use glam::Vec3;
+
+/// What the front of a braid faces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Facing {
+    /// Carried from the root with the least twist.
+    Carried,
+    /// A direction in space.
+    Axis(Vec3),
+    /// Away from the skin.
+    Skin,
+}
+
+/// What happens to what reaches into the skin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Contact {
+    /// Pressed on to it.
+    Flatten,
+    /// Moved off it as a whole.
+    PushOut,
+    /// Nothing.
+    Allow,
+}
+
+/// The stitch coordinate along the source: how far in cm each stitch has come.
+#[derive(Clone, Debug)]
+pub(crate) struct Advance {
+    pitch: f32,
+    /// Arc length at each whole stitch where they are uneven; empty where they are even.
+    knots: Vec<f32>,
+}
+
+impl Advance {
+    /// Stitches of one length.
+    pub(crate) fn even(pitch: f32) -> Self {
+        Self { pitch, knots: vec![] }
+    }
+    /// Stitches of these lengths.
+    pub(crate) fn uneven(pitch: f32, lengths: impl Iterator<Item = f32>) -> Self {
+        let mut knots = vec![0.0];
+        for length in lengths {
+            knots.push(knots[knots.len() - 1] + length);
+        }
+        Self { pitch, knots }
+    }
+    /// Arc length at stitch coordinate `q`.
+    pub(crate) fn s(&self, q: f64) -> f32 {
+        let spans = self.knots.len().saturating_sub(1);
+        if spans == 0 {
+            return (q * f64::from(self.pitch)) as f32;
+        }
+        let k = (q.max(0.0) as usize).min(spans - 1);
+        let length = |k: usize| self.knots[k + 1] - self.knots[k];
+        // The harmonic mean of neighbouring lengths as slope keeps the cubic rising.
+        let slope = |k: usize| {
+            let (a, b) = (length(k.saturating_sub(1)), length(k.min(spans - 1)));
+            2.0 * a * b / (a + b)
+        };
+        let (m0, m1, rise) = (slope(k), slope(k + 1), length(k));
+        let t = (q - k as f64) as f32;
+        if t > 1.0 {
+            return self.knots[spans] + (t - 1.0) * m1;
+        }
+        let (c2, c3) = (3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise);
+        self.knots[k] + ((c3 * t + c2) * t + m0) * t
+    }
+    /// The stitch coordinate at arc length `s`, which must lie within the known stitches.
+    pub(crate) fn q(&self, s: f32) -> f64 {
+        if self.knots.len() < 2 {
+            return f64::from(s) / f64::from(self.pitch);
+        }
+        let (mut low, mut high) = (0.0, (self.knots.len() - 1) as f64);
+        for _ in 0..48 {
+            let mid = 0.5 * (low + high);
+            if self.s(mid) < s { low = mid } else { high = mid }
+        }
+        0.5 * (low + high)
+    }
+}
+
+/// The skin below a braid, and what happens where the braid would be in it.
+#[derive(Clone, Copy)]
+pub(crate) struct Below<'a> {
+    pub(crate) scalp: &'a Scalp,
+    pub(crate) skin: Skin<'a>,
+    pub(crate) contact: Contact,
+}
+
+/// Everything that decides where the strands of one braid lie.
+pub(crate) struct Shape<'a> {
+    pub(crate) weave: Weave,
+    /// At the widest place.
+    pub(crate) size: Size,
+    pub(crate) advance: Advance,
+    /// Stitches up to the tie.
+    pub(crate) stitches: f64,
+    /// Arc length of the source at the tie.
+    pub(crate) tied_at: f32,
+    /// Length of the tuft; 0: none.
+    pub(crate) tuft: f32,
+    pub(crate) flare: f32,
+    /// Cycles that the first strand has walked at the root.
+    pub(crate) phase: f64,
+    pub(crate) cvs_per_stitch: usize,
+    pub(crate) gather: f32,
+    /// Fraction of the size across and in depth, by the fraction along the source.
+    pub(crate) scale: &'a dyn Fn(f32) -> (f32, f32),
+    /// Turn in radians, by the fraction along the source.
+    pub(crate) roll: &'a dyn Fn(f32) -> f32,
+    pub(crate) facing: Facing,
+    /// Wanted normal at the root where nothing else decides it.
+    pub(crate) start: Option<Vec3>,
+    /// Height of the braid's middle over the source: a fixed part, and one that scales with the depth.
+    pub(crate) raise: (f32, f32),
+    pub(crate) looseness: f32,
+    pub(crate) loose: Dice,
+    /// Ids of the braid and of its strands.
+    pub(crate) braid: u64,
+    pub(crate) ids: &'a [u64],
+    pub(crate) below: Option<Below<'a>>,
+}
+
+/// A braid in space.
+pub(crate) struct Laid {
+    /// The strands, evenly resampled.
+    pub(crate) lines: Vec<Line>,
+    /// Normal of the braid at each CV of each strand, across the strand. Unit.
+    pub(crate) normals: Vec<Vec<Vec3>>,
+    stations: Vec<Station>,
+    /// The strands through the stations.
+    raw: Vec<Spline>,
+    braided: usize,
+}
+
+struct Station {
+    s: f32,
+    /// Stitch coordinate.
+    q: f64,
+    /// Centre of the cross-section.
+    centre: Vec3,
+    frame: Frame,
+    /// Amplitudes, cm.
+    a: f32,
+    b: f32,
+    /// Radius of the tubes at the bottom, cm.
+    tube: f32,
+    /// Away from the skin. Zero: not near any.
+    out: Vec3,
+    /// How far the skin counts, from 0 at the root of a braid that grows out of it to 1.
+    grip: f32,
+}
+
+/// How much the tie narrows the braid.
+const PINCH: f32 = 0.62;
+/// Depth of the bundle in the tie, as a fraction of its width: hair under a band is nearly round.
+const ROUND: f32 = 0.8;
+/// Amplitude of strands gathered in the root: a bundle in which they lie side by side. Less makes wires of
+/// them, for where centres meet tubes have no thickness.
+const GATHERED: f32 = 0.3;
+/// Between these stitches behind the tie the weave comes to rest: sooner kinks the strands, later
+/// braids on beyond the band.
+const REST: (f64, f64) = (0.15, 0.65);
+/// The most a source may turn between two stations, radians (about 9 degrees).
+const TURN: f32 = 0.15;
+/// The most stations that the turns of a source alone can ask for.
+const MOST_FOR_TURNS: f32 = 4096.0;
+/// The most stations in a tuft.
+const MOST_IN_TUFT: f32 = 256.0;
+
+fn smooth(t: f32) -> f32 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+impl Shape<'_> {
+    /// Puts the strands along `source`.
+    pub(crate) fn lay(&self, source: &Spline) -> Result<Laid, CurveFault> {
+        let (mut stations, braided) = self.stations(source);
+        let mut strands: Vec<Vec<Vec3>> = (0..self.weave.strands)
+            .map(|i| stations.iter().map(|station| self.point(station, i)).collect())
+            .collect();
+        if let Some(below) = &self.below {
+            self.meet_skin(below, &mut stations, &mut strands);
+        }
+        let raw =
+            strands.iter().map(|points| Spline::new(points)).collect::<Result<Vec<_>, _>>()?;
+        let mut laid = Laid { lines: vec![], normals: vec![], stations, raw, braided };
+        for spline in &laid.raw {
+            let n = laid.stations.len();
+            let (mut points, mut s, mut ups) = (vec![], vec![], vec![]);
+            for k in 0..n {
+                let place = spline.locate(k as f32 / (n - 1) as f32);
+                points.push(spline.point(place));
+                s.push(laid.along(place));
+                ups.push(laid.frame(place).normal);
+            }
+            let even = Spline::new(&points)?;
+            let normals = ups.iter().enumerate().map(|(k, up)| {
+                let tangent = even.tangent_at(even.u_of_cv(k));
+                frame::across(*up, tangent).unwrap_or_else(|| frame::any_normal(tangent))
+            });
+            laid.normals.push(normals.collect());
+            laid.lines.push(Line { spline: even, s });
+        }
+        Ok(laid)
+    }
+
+    /// Stations from root to tip, and how many spans of them are braided.
+    fn stations(&self, source: &Spline) -> (Vec<Station>, usize) {
+        let length = source.length();
+        let cvs = (self.stitches * self.cvs_per_stitch as f64).ceil();
+        let turns = (total_turn(source) / TURN).min(MOST_FOR_TURNS);
+        let braided = cvs.max(f64::from(turns)).max(8.0) as usize;
+        let mut places: Vec<(f32, f64)> = (0..=braided)
+            .map(|k| {
+                let q = self.stitches * k as f64 / braided as f64;
+                (self.advance.s(q).min(self.tied_at), q)
+            })
+            .collect();
+        places[braided].0 = self.tied_at;
+        if self.tuft > 0.0 {
+            let last_step = (self.tied_at - places[braided - 1].0).max(1e-3 * self.tuft);
+            let n = (self.tuft / last_step).ceil().clamp(4.0, MOST_IN_TUFT) as usize;
+            // A cubic that starts at the weave's own pace and stops without a jerk.
+            let more = self.rest();
+            let until = 3.0 * more * f64::from(self.size.pitch);
+            for k in 1..=n {
+                let s = self.tuft * k as f32 / n as f32;
+                let left = 1.0 - (f64::from(s) / until).min(1.0);
+                let q = self.stitches + more * (1.0 - left * left * left);
+                places.push((self.tied_at + s, q));
+            }
+        }
+        let us: Vec<f32> = places.iter().map(|(s, _)| (s / length).min(1.0)).collect();
+        let under = self.below.as_ref().map(|below| {
+            let every = (braided / self.stitches.max(1.0) as usize / 4).max(1);
+            let mut few: Vec<f32> = us.iter().copied().step_by(every).collect();
+            few.push(1.0);
+            SkinUnder::new(below.scalp.surface(), source, few, self.size.a)
+        });
+        let frames =
+            frame::frames(source, &us, self.start, |u, _, _| match (self.facing, &under) {
+                (Facing::Skin, Some(under)) => under.wish(u),
+                (Facing::Axis(axis), _) => Some((axis, 1.0)),
+                _ => None,
+            });
+        let stations = places.iter().zip(&us).zip(frames).map(|(((s, q), u), frame)| {
+            let beyond = (s - length).max(0.0);
+            let (out, held) = under.as_ref().map_or((Vec3::ZERO, 0.0), |under| under.at(*u));
+            let (scale_x, scale_y) = (self.scale)(*u);
+            let (gather_x, gather_y) = self.gathered(*s);
+            let (tie_x, tie_y) = self.tie(*s);
+            let (mut x, mut y) = (scale_x * gather_x * tie_x, scale_y * gather_y * tie_y);
+            if self.looseness > 0.0 {
+                x *= 1.0 + 0.16 * self.looseness * self.waver(*q, 0);
+                y *= 1.0 + 0.22 * self.looseness * self.waver(*q, 1);
+            }
+            let mut centre = source.at(*u) + frame.tangent * beyond;
+            let mut grip = 1.0;
+            if self.facing == Facing::Skin {
+                centre += frame.normal * (held * (self.raise.0 + self.raise.1 * y));
+            } else {
+                grip = smooth(s / (2.0 * (self.size.a + self.size.side)));
+            }
+            Station {
+                s: *s,
+                q: *q,
+                centre,
+                frame: frame.rolled((self.roll)(*u)),
+                a: self.size.a * x,
+                b: self.size.b * y,
+                tube: self.size.top * x.min(y),
+                out,
+                grip,
+            }
+        });
+        (stations.collect(), braided)
+    }
+
+    /// Stitches from the tie to where the weave rests: where the strands then make the roundest bundle.
+    fn rest(&self) -> f64 {
+        let n = f64::from(self.weave.strands);
+        let roundness = |more: f64| {
+            let cycle = self.phase + (self.stitches + more) / n;
+            let at: Vec<(f32, f32)> =
+                (0..self.weave.strands).map(|i| self.weave.at(i, cycle)).collect();
+            let mut least = f32::MAX;
+            for (i, a) in at.iter().enumerate() {
+                for b in &at[..i] {
+                    let (x, y) = (a.0 - b.0, ROUND * (a.1 - b.1));
+                    least = least.min(x * x + y * y);
+                }
+            }
+            least
+        };
+        let tries = (0..=16).map(|k| REST.0 + (REST.1 - REST.0) * f64::from(k) / 16.0);
+        let best = tries.map(|more| (roundness(more), more));
+        best.fold((-1.0, REST.0), |best, it| if it.0 > best.0 { it } else { best }).1
+    }
+
+    /// Factors of the amplitudes where strands gather in the root.
+    fn gathered(&self, s: f32) -> (f32, f32) {
+        if self.gather <= 0.0 {
+            return (1.0, 1.0);
+        }
+        let t = smooth(s / self.gather);
+        let round = (ROUND * GATHERED * self.size.a / self.size.b).min(1.0);
+        (GATHERED + (1.0 - GATHERED) * t, round + (1.0 - round) * t)
+    }
+
+    /// Factors of the amplitudes about the tie and beyond.
+    fn tie(&self, s: f32) -> (f32, f32) {
+        if self.tuft <= 0.0 {
+            return (1.0, 1.0);
+        }
+        let round = (ROUND * PINCH * self.size.a / self.size.b).max(PINCH);
+        let beyond = s - self.tied_at;
+        if beyond < 0.0 {
+            let t = smooth(1.0 + beyond / self.size.pitch);
+            return (1.0 + (PINCH - 1.0) * t, 1.0 + (round - 1.0) * t);
+        }
+        let wider = (1.0 + self.flare * smooth(beyond / self.tuft)).max(0.02);
+        (PINCH * wider, round * wider)
+    }
+
+    /// Smooth noise along the braid, -1 to 1.
+    fn waver(&self, q: f64, channel: u64) -> f32 {
+        let k = q.max(0.0).floor();
+        let at = |k: f64| self.loose.signed(self.braid, 2 * (k as u64) + channel);
+        let t = smooth((q - k) as f32);
+        at(k) * (1.0 - t) + at(k + 1.0) * t
+    }
+
+    /// Where strand `i` is at a station.
+    fn point(&self, station: &Station, i: u32) -> Vec3 {
+        let n = f64::from(self.weave.strands);
+        let cycle = self.phase + station.q / n;
+        let (mut x, y) = self.weave.at(i, cycle);
+        if self.looseness > 0.0 {
+            // A bulge where the strand is outermost, of its own size at each pass.
+            let pass = (2.0 * (cycle + self.weave.ahead(i))).floor().max(0.0) as u64;
+            let x2 = x * x;
+            x *= 1.0 + 0.3 * self.looseness * self.loose.unit(self.ids[i as usize], pass) * x2 * x2;
+        }
+        station.centre + station.frame.across(station.a * x, station.b * y)
+    }
+
+    /// Presses or moves the strands off the skin.
+    fn meet_skin(&self, below: &Below, stations: &mut [Station], strands: &mut [Vec<Vec3>]) {
+        if below.contact == Contact::Allow {
+            return;
+        }
+        if below.contact == Contact::Flatten {
+            for (k, station) in stations.iter().enumerate() {
+                let facing = smooth((station.frame.normal.dot(station.out) - 0.3) / 0.4);
+                let facing = facing * station.grip;
+                if facing <= 0.0 {
+                    continue;
+                }
+                for points in strands.iter_mut() {
+                    points[k] = pressed(station, points[k], facing, below);
+                }
+            }
+        }
+        // What is still in the skin moves with its whole cross-section: the section keeps its shape.
+        let lacking: Vec<f32> = stations
+            .iter()
+            .enumerate()
+            .map(|(k, station)| {
+                let most = strands.iter().fold(0.0f32, |most, points| {
+                    let reach = 2.0 * station.tube;
+                    let lacks = distance(below, points[k], reach).map_or(0.0, |d| station.tube - d);
+                    most.max(lacks)
+                });
+                // A thousandth is what pressing leaves by rounding.
+                if most > 1e-3 * station.tube { most * station.grip } else { 0.0 }
+            })
+            .collect();
+        if lacking.iter().all(|lack| *lack == 0.0) {
+            return;
+        }
+        let half = (self.cvs_per_stitch / 2).max(1);
+        let eased = eased_above(&lacking, half);
+        for (k, station) in stations.iter_mut().enumerate() {
+            let step = station.out * eased[k];
+            station.centre += step;
+            strands.iter_mut().for_each(|points| points[k] += step);
+        }
+    }
+}
+
+/// A point of a cross-section after what is below it has been pressed up: the lowest place a strand could take
+/// here comes to rest on the skin, the highest stays, and what is between keeps its order.
+fn pressed(station: &Station, p: Vec3, facing: f32, below: &Below) -> Vec3 {
+    let y = (p - station.centre).dot(station.frame.normal);
+    let depth = 2.0 * station.b;
+    let over_lowest = y + station.b;
+    let Some(d) = distance(below, p, depth + 2.0 * station.tube) else { return p };
+    let lacks = (station.tube - (d - over_lowest)) * facing;
+    if lacks <= 0.0 || depth <= 0.0 {
+        return p;
+    }
+    // At most so much of the depth is pressed together; beyond it everything is lifted.
+    let pressed = lacks.min(0.75 * depth);
+    let share = 1.0 - (over_lowest / depth).clamp(0.0, 1.0);
+    p + station.frame.normal * (pressed * share + (lacks - pressed))
+}
+
+/// Signed distance from the skin where it is nearer than `reach`.
+pub(crate) fn distance(below: &Below, p: Vec3, reach: f32) -> Option<f32> {
+    // The field knows distances up to a centimetre.
+    if reach < 0.95 {
+        return Some(below.skin.distance(p)).filter(|d| *d < 0.99);
+    }
+    let surface = below.scalp.surface();
+    surface.closest_within(p, reach).map(|hit| surface.signed_distance(p, &hit))
+}
+
+/// A smooth function nowhere below `values`: the most of each neighbourhood, averaged over as many.
+fn eased_above(values: &[f32], half: usize) -> Vec<f32> {
+    let n = values.len();
+    let around = |k: usize| k.saturating_sub(half)..(k + half + 1).min(n);
+    let high: Vec<f32> =
+        (0..n).map(|k| values[around(k)].iter().fold(0.0f32, |most, v| most.max(*v))).collect();
+    (0..n)
+        .map(|k| {
+            let (from, to) = (k as isize - half as isize, k as isize + half as isize);
+            let at = |i: isize| high[i.clamp(0, n as isize - 1) as usize];
+            (from..=to).map(at).sum::<f32>() / (to - from + 1) as f32
+        })
+        .collect()
+}
+
+/// How much a curve turns in all, radians (chords for arcs: a little less).
+fn total_turn(spline: &Spline) -> f32 {
+    let mut last = spline.tangent(Place { span: 0, t: 0.0 });
+    let mut total = 0.0;
+    for span in 0..spline.span_count() {
+        for t in [0.25, 0.5, 0.75, 1.0] {
+            let tangent = spline.tangent(Place { span, t });
+            total += tangent.distance(last);
+            last = tangent;
+        }
+    }
+    total
+}
+
+/// A place where a strand is outermost.
+pub(crate) struct Stitch {
+    /// Stitch coordinate.
+    pub(crate) q: f64,
+    /// -1 left, 1 right.
+    pub(crate) side: i32,
+    pub(crate) strand: u32,
+}
+
+impl Shape<'_> {
+    /// The stitches up to the tie, in order; of two at one place the left one first.
+    pub(crate) fn stitches(&self) -> Vec<Stitch> {
+        let n = f64::from(self.weave.strands);
+        let mut all = vec![];
+        for (quarter, side) in [(0.25, self.weave.first_side()), (0.75, -self.weave.first_side())] {
+            let first = (quarter - self.phase) * n;
+            let mut q = first - first.floor();
+            // What rounds to a whole stitch is one.
+            if q > 1.0 - 1e-9 {
+                q = 0.0;
+            }
+            while q <= self.stitches + 1e-9 {
+                let strand = (first - q).round().rem_euclid(n) as u32;
+                all.push(Stitch { q: q.min(self.stitches), side, strand });
+                q += 1.0;
+            }
+        }
+        all.sort_by(|a, b| {
+            (a.q + 1e-7 * f64::from(a.side)).total_cmp(&(b.q + 1e-7 * f64::from(b.side)))
+        });
+        all
+    }
+}
+
+impl Laid {
+    /// Where on the strands through the stations a stitch coordinate is.
+    fn place(&self, q: f64, stitches: f64) -> Place {
+        let x = (q / stitches).clamp(0.0, 1.0) * self.braided as f64;
+        let span = (x as usize).min(self.braided - 1);
+        Place { span, t: (x - span as f64) as f32 }
+    }
+    /// Position of strand `strand` at a stitch, its arc length along the source, and the braid's normal.
+    pub(crate) fn stitch(&self, stitch: &Stitch, stitches: f64) -> (Vec3, f32, Vec3) {
+        let place = self.place(stitch.q, stitches);
+        let point = self.raw[stitch.strand as usize].point(place);
+        (point, self.along(place), self.frame(place).normal)
+    }
+    /// CVs of a strand for one stitch.
+    pub(crate) fn cvs_per_stitch(&self, stitches: f64) -> f32 {
+        (self.braided as f64 / stitches) as f32
+    }
+    fn along(&self, place: Place) -> f32 {
+        let (a, b) = (&self.stations[place.span], &self.stations[place.span + 1]);
+        a.s + (b.s - a.s) * place.t
+    }
+    fn frame(&self, place: Place) -> Frame {
+        let (a, b) = (&self.stations[place.span].frame, &self.stations[place.span + 1].frame);
+        let tangent = a.tangent.lerp(b.tangent, place.t).try_normalize().unwrap_or(a.tangent);
+        let normal = a.normal.lerp(b.normal, place.t);
+        Frame { tangent, normal: frame::across(normal, tangent).unwrap_or(a.normal) }
+    }
+    /// How far the skin counts at arc length `s`: 0 at the root of a braid that grows out of it, then 1.
+    pub(crate) fn grip(&self, s: f32) -> f32 {
+        let after = self.stations.partition_point(|station| station.s <= s);
+        self.stations[after.clamp(1, self.stations.len()) - 1].grip
+    }
+    /// Centre of the braid at arc length `s`.
+    pub(crate) fn centre(&self, s: f32) -> Vec3 {
+        let after = self.stations.partition_point(|station| station.s <= s);
+        self.stations[after.clamp(1, self.stations.len()) - 1].centre
+    }
+}

@@ -1,0 +1,577 @@
+//! Lissajous braid: strands woven along a source curve, free or lying on the scalp as a cornrow.
+//!
+//! methods.md 2, after section 2.1 of the braids-and-curls talk ("Lightyear"). The path of the strands across the braid is in
+//! `weave.rs`, laying it along a source and on the skin in `lay.rs`, the thickness of the tubes in
+//! `touch.rs`, loose hairs in `stray.rs`.
+//!
+//! Guarantees: the strands' crossings, read from the evaluated curves, are those of the weave on any
+//! source; tubes touch and never pass through each other wherever the source's radius of curvature is at
+//! least twice the amplitude and it stays clear of itself; even stitches are even to 1 % of arc
+//! length; a source without length or with a number that is not finite is left out and named.
+//! Not promised: anything where the source turns more sharply than that, or comes near itself.
+
+use super::lay::{self, Advance, Below, Contact, Facing, Shape};
+use super::stray::{self, Strand};
+use super::touch::{Line, Near, touching_radii};
+use super::weave::{Neighbours, Pitch, Weave, coprime, default_frequency};
+use crate::data::attributes::{self as attr, Attribute, Domain, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::ramp::{Blend, Ramp};
+use crate::data::scalp::Scalp;
+use crate::define::{FieldInput, NodeError, choice, node};
+use crate::eval::{EvalCx, Piece};
+use crate::maths::hash::{Dice, curve_id};
+use crate::maths::spline::Spline;
+use glam::Vec3;
+use std::sync::Arc;
+
+node! {
+    /// Braid two to twelve strands along each source curve.
+    ///
+    /// The strands are cluster curves whose radius makes neighbours just touch; fill them with hair downstream. With
+    /// a scalp wired the braid lies on it as a cornrow, raised by half its height, and its stitches face
+    /// outward. Give the stitches to the edge partition to draw the surrounding hair into the braid.
+    "lissajous_braid", version 1, label "Lissajous braid",
+    words "cornrow canerow braid plait knots dutch french english fishtail rope twist box braids";
+    inputs {
+        /// Curves to braid along, root first; one braid each.
+        source: Curves, words("guide spine path");
+        /// The head. Cornrows lie on it; free braids are kept out of it.
+        scalp: Option<Arc<Scalp>>;
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
+        /// Strands in each braid.
+        strands: i64 = 3, hard(2.0, 12.0), soft(2.0, 7.0), unit(Count), words("hanks sections");
+        /// How often a strand goes up and down while it crosses the braid once and returns: 1 is a rope, 2 the
+        /// classic braid, one less than the strands a plain weave. It must have no divisor in common with the number
+        /// of strands. 0 takes the smallest from 2 on that fits (a rope for two strands).
+        weave: i64 = 0, hard(0.0, 11.0), soft(0.0, 5.0), unit(Count), words("pattern fishtail");
+        /// The path of the strands across the braid.
+        formula: Formula = Formula::Weave;
+        /// Whether the number of stitches is given, or their distance.
+        stitches_by: StitchesBy = StitchesBy::Spacing;
+        /// Stitches (the Vs of a braid) along the curve up to the tie, when they are counted. Each source can have its own
+        /// by an attribute or mask.
+        stitches | knots: FieldInput = 12.0f32, hard(1.0, 200.0), soft(3.0, 60.0), unit(Count), words("knots frequency");
+        /// Distance of stitches, when they are spaced. 0 takes twice the amplitude, which is the look of hair
+        /// braided firmly; under half of that strands get thin. Longer sources get more stitches, and
+        /// those there are stay where they are.
+        stitch_spacing: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 4.0), unit(Length), words("knots frequency");
+        /// Width of the whole braid over its tubes. A ramp or mask may vary it.
+        width: FieldInput = 1.0f32, hard(0.01, 100.0), soft(0.2, 5.0), unit(Length), handle(Handle::Radius);
+        /// Height of the whole braid over its tubes, front to back. 0 takes half the width.
+        height: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("depth thickness");
+        /// Width and height at the root, as a fraction of the full size. 0 starts the braid in a point.
+        root_amplitude: f32 = 1.0, hard(0.0, 4.0), soft(0.0, 1.0), unit(Ratio);
+        /// How the root amplitude (value 0) becomes the full size (value 1) along the source.
+        root_taper: Arc<Ramp> = taper(0.0, 0.3);
+        /// Width and height at the tip, as a fraction of the full size. 0 ends the braid in a point.
+        tip_amplitude: f32 = 0.7, hard(0.0, 4.0), soft(0.0, 1.0), unit(Ratio);
+        /// How the full size (value 0) becomes the tip amplitude (value 1) along the source.
+        tip_taper: Arc<Ramp> = taper(0.3, 1.0);
+        /// What the front of the braid faces.
+        frames: FramesBy = FramesBy::Auto;
+        /// The direction that the front of the braid faces, when frames follow an axis.
+        up_axis: Vec3 = Vec3::Y;
+        /// Turn of the whole braid about its source. A ramp twists it.
+        roll: FieldInput = 0.0f32, hard(-36000.0, 36000.0), soft(-180.0, 180.0), unit(Angle), handle(Handle::Angle),
+            words("twist");
+        /// Turn added along the source, degrees from root to tip.
+        roll_ramp: Arc<Ramp> = Ramp::constant(0.0), unit(Angle), words("twist");
+        /// Whether strands cross under or over on their way in. It makes no difference where the weave is odd (a rope,
+        /// four or six strands): both are the same braid, and only the handedness tells two apart.
+        crossing: Crossing = Crossing::Auto, words("dutch french inside out");
+        /// Height of the underside of a braid with scalp frames over its source. Below 0 it lies deeper.
+        scalp_offset: f32 = 0.0, hard(-10.0, 10.0), soft(-0.5, 0.5), unit(Length), handle(Handle::Length);
+        /// How far a braid with scalp frames sinks: 0 lies on the skin, 1 has its middle at the skin. What would
+        /// be under the skin is treated as the scalp intersection says.
+        sink: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("embed");
+        /// What happens to a braid that reaches into the skin.
+        scalp_intersection: Intersection = Intersection::Flatten, words("collision penetration");
+        /// Which way round the braid is: the turn of a rope, or the side on which the first stitch lies.
+        handedness: Hand = Hand::Z, words("mirror direction twist");
+        /// Where in their cycle the strands start, 360 degrees being once across and back.
+        phase: f32 = 0.0, hard(-3600.0, 3600.0), soft(0.0, 360.0), unit(Angle);
+        /// Points of each strand for one stitch. 8 is enough for three strands and few stitches; weaves with many
+        /// strands need no more, for their stitches are parts of a longer path.
+        cvs_per_stitch: i64 = 12, hard(8.0, 64.0), soft(8.0, 32.0), unit(Count), words("resolution points");
+        /// Length over which the strands, gathered to a bundle at the root, open to the full braid. 0 starts them as they lie
+        /// in the braid.
+        root_gather: f32 = 0.8, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length);
+        /// Where along the source the braid is tied, as a fraction of its length. What lies beyond hangs loose as a
+        /// tuft; 1 braids to the very end.
+        tie: f32 = 0.9, hard(0.05, 1.0), soft(0.5, 1.0), unit(Ratio), handle(Handle::Along), words("elastic band bead");
+        /// Length of the tuft beyond the tie; past the end of the source it goes on straight. 0 ends with the source.
+        tuft_length: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 10.0), unit(Length), handle(Handle::Length), words("tassel tail");
+        /// How much wider the tuft ends than it is at the tie: 0 as wide, 1 twice as wide, -1 in a point.
+        flare: f32 = 0.4, hard(-1.0, 10.0), soft(-1.0, 2.0), words("tassel");
+        /// Thickness of the tubes: 1 makes neighbours touch, less leaves gaps, more presses them into one another, which
+        /// closes the windows of braids with many strands.
+        fullness: FieldInput = 1.0f32, hard(0.05, 2.0), soft(0.5, 1.1), unit(Ratio), words("volume pancake");
+        /// How loosely the braid is made: its size wavers and strands bulge out here and there. 0 is perfectly
+        /// regular.
+        looseness: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("messy random");
+        /// How much stitches differ in length. 0 makes all the same, 1 lets one be several times another.
+        uneven_stitches: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("messy random irregular");
+        /// Short hairs that stick out of the braid, for each centimetre of it; they come out by themselves.
+        flyaways: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 40.0), unit(PerCm), words("stray frizz fuzz");
+        /// Length of the longest flyaways; the shortest have a third of it.
+        flyaway_length: f32 = 1.0, hard(0.01, 50.0), soft(0.2, 4.0), unit(Length);
+        /// Measure lengths in head units: on a head of another size the braid is as much larger or smaller. Needs the
+        /// scalp.
+        scale_with_head: bool = true;
+    }
+    outputs {
+        /// The strands: for each source one tuft of as many curves as there are strands, with radius, normal and the
+        /// fraction along the source at each point.
+        curves: Curves;
+        /// One curve for each braid through its stitches, the places where a strand is outermost, in order, with
+        /// side and fraction along the source at each point.
+        stitches: Curves;
+        /// The flyaways, fine curves rooted on the strands.
+        flyaways: Curves;
+    }
+}
+
+choice! {
+    /// The path of the strands across the braid.
+    Formula {
+        /// A true weave for every number of strands.
+        Weave = "weave",
+        /// The formula of the Lightyear talk as printed. The same for three strands; with more they pass through each other.
+        Lightyear = "lightyear",
+    }
+}
+
+choice! {
+    /// What decides the number of stitches.
+    StitchesBy {
+        /// Their number on each curve.
+        Count = "count",
+        /// Their distance.
+        Spacing = "spacing",
+    }
+}
+
+choice! {
+    /// What the front of the braid faces.
+    FramesBy {
+        /// Away from the scalp where one is wired, else as little twist as possible.
+        Auto = "auto",
+        /// As little twist as possible, from the root on. For braids that hang free.
+        Minimal = "minimal",
+        /// A direction in space.
+        UpAxis = "up_axis",
+        /// Away from the scalp below; farther off than the braid is wide, as little twist as possible. For cornrows.
+        Scalp = "scalp",
+    }
+}
+
+choice! {
+    /// How strands cross on their way in.
+    Crossing {
+        /// Under for braids on the scalp, over for others.
+        Auto = "auto",
+        /// Strands pass under their neighbours and the braid stands out: cornrow, Dutch braid.
+        Under = "under",
+        /// Strands pass over their neighbours and the braid lies flat: English and French braid.
+        Over = "over",
+    }
+}
+
+choice! {
+    /// What happens to a braid that reaches into the skin.
+    Intersection {
+        /// It is pressed flat on to the skin; tubes still touch and never pass through each other.
+        Flatten = "flatten",
+        /// It keeps its cross-section and is moved off the skin.
+        PushOut = "push_out",
+        /// It stays as it is, and its strands may lie under the skin as deep as they do.
+        Allow = "allow",
+    }
+}
+
+choice! {
+    /// Which way round the braid is.
+    Hand {
+        /// Turned like the middle of the letter Z.
+        Z = "Z",
+        /// Turned like the middle of the letter S.
+        S = "S",
+    }
+}
+
+fn taper(from: f32, to: f32) -> Ramp {
+    Ramp::new(Blend::Smooth, vec![(from, 0.0), (to, 1.0)]).unwrap_or_else(|_| Ramp::constant(1.0))
+}
+
+/// Index under which a braid's own id is made from its source, and that of its stitch curve: beyond any strand.
+const BRAID_ITSELF: u64 = 1 << 32;
+const STITCHES: u64 = BRAID_ITSELF + 1;
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let plan = Plan::new(cx, &inputs);
+    let [curves, stitches, flyaways] = cx.each_curve(&inputs.source, |tuft, curve, piece| {
+        match braid(&plan, tuft, curve, piece)? {
+            Some(made) => Ok(made),
+            None => Ok([const { TuftBuilder::new }; 3].map(|new| new().build())),
+        }
+    })?;
+    Ok(Outputs { curves, stitches, flyaways })
+}
+
+/// What all braids of one evaluation share.
+struct Plan<'a> {
+    inputs: &'a Inputs,
+    weave: Weave,
+    near: Neighbours,
+    /// Centimetres in the unit that lengths are given in.
+    unit: f32,
+    facing: Facing,
+    below: Option<Below<'a>>,
+    loose: Dice,
+    uneven: Dice,
+    stray: Dice,
+}
+
+impl<'a> Plan<'a> {
+    fn new(cx: &EvalCx, inputs: &'a Inputs) -> Self {
+        let strands = inputs.strands as u32;
+        let mut m = inputs.weave as u32;
+        if m != 0 && (m >= strands || !coprime(m, strands)) {
+            m = default_frequency(strands);
+            cx.warn(format!(
+                "weave {} does not fit {strands} strands: it must be smaller and have no divisor in common with \
+                 them; {m} was taken",
+                inputs.weave
+            ));
+        } else if m == 0 {
+            m = default_frequency(strands);
+        }
+        let scalp = inputs.scalp.as_deref();
+        let facing = match inputs.frames {
+            FramesBy::Auto | FramesBy::Scalp if scalp.is_some() => Facing::Skin,
+            FramesBy::UpAxis => Facing::Axis(inputs.up_axis),
+            FramesBy::Scalp => {
+                cx.warn("frames follow the scalp, but none is wired: minimal frames were taken");
+                Facing::Carried
+            }
+            FramesBy::Auto | FramesBy::Minimal => Facing::Carried,
+        };
+        let under = match inputs.crossing {
+            Crossing::Auto => facing == Facing::Skin,
+            Crossing::Under => true,
+            Crossing::Over => false,
+        };
+        let mirrored = inputs.handedness == Hand::S;
+        let weave = match inputs.formula {
+            Formula::Weave => Weave::new(strands, m, under, mirrored),
+            Formula::Lightyear => Weave::lightyear(strands, under, mirrored),
+        };
+        if inputs.formula == Formula::Lightyear && strands != 3 {
+            cx.warn(format!(
+                "the formula of the talk lets {strands} strands pass through each other; formula weave does not"
+            ));
+        }
+        let unit = match scalp {
+            Some(scalp) if inputs.scale_with_head => scalp.frame().unit(),
+            _ => 1.0,
+        };
+        if unit != 1.0 {
+            cx.remark(format!("lengths are scaled with the head by {unit:.3}"));
+        }
+        let contact = match inputs.scalp_intersection {
+            Intersection::Flatten => Contact::Flatten,
+            Intersection::PushOut => Contact::PushOut,
+            Intersection::Allow => Contact::Allow,
+        };
+        Self {
+            inputs,
+            weave,
+            near: Neighbours::new(&weave),
+            unit,
+            facing,
+            below: scalp.map(|scalp| Below { scalp, skin: cx.skin(scalp), contact }),
+            loose: cx.dice(inputs.seed, "looseness"),
+            uneven: cx.dice(inputs.seed, "uneven stitches"),
+            stray: cx.dice(inputs.seed, "flyaways"),
+        }
+    }
+}
+
+/// The most stitches that a spacing may ask for on one source.
+const MOST_STITCHES: f32 = 400.0;
+
+/// The strands, stitches and flyaways of one source; none where the source is no curve.
+fn braid(
+    plan: &Plan,
+    tuft: &Tuft,
+    curve: usize,
+    piece: &mut Piece,
+) -> Result<Option<[Tuft; 3]>, NodeError> {
+    let (inputs, unit, source_id) = (plan.inputs, plan.unit, tuft.id(curve));
+    let source = match Spline::new(tuft.curve(curve)) {
+        Ok(source) => source,
+        Err(fault) => {
+            piece.trouble(source_id, fault);
+            return Ok(None);
+        }
+    };
+    let (tag, strands) = (inputs.seed as u64, plan.weave.strands);
+    let braid_id = curve_id(source_id, tag, BRAID_ITSELF);
+    let ids: Vec<u64> = (0..u64::from(strands)).map(|i| curve_id(source_id, tag, i)).collect();
+    let scalp = inputs.scalp.as_deref();
+    let [width, height, roll, fullness, count, spacing] = [
+        &inputs.width,
+        &inputs.height,
+        &inputs.roll,
+        &inputs.fullness,
+        &inputs.stitches,
+        &inputs.stitch_spacing,
+    ]
+    .map(|field| field.on(tuft, scalp));
+    let (width, height, roll, fullness) = (width?, height?, roll?, fullness?);
+
+    // The full size is that of the widest place; elsewhere it is scaled.
+    let outer = |u: f32| {
+        let w = width.along(tuft, curve, u) * unit;
+        let h = height.along(tuft, curve, u) * unit;
+        (w, if h > 0.0 { h } else { 0.5 * w })
+    };
+    let (mut full_w, mut full_h) = (0.0f32, 0.0f32);
+    for k in 0..=16 {
+        let (w, h) = outer(k as f32 / 16.0);
+        (full_w, full_h) = (full_w.max(w), full_h.max(h));
+    }
+    let scale = |u: f32| {
+        let (w, h) = outer(u);
+        let root = lerp(inputs.root_amplitude, 1.0, inputs.root_taper.at(u));
+        let tip = lerp(1.0, inputs.tip_amplitude, inputs.tip_taper.at(u));
+        // Amplitude 0 would put all strands at one place, where no tube has any thickness.
+        let taper = (root * tip).max(0.02);
+        (taper * w / full_w, taper * h / full_h)
+    };
+    // A braid that sinks into skin it is pressed on to is a flatter braid.
+    let offset = inputs.scalp_offset * unit;
+    let pressing = plan.facing == Facing::Skin
+        && plan.below.as_ref().is_some_and(|below| below.contact == Contact::Flatten);
+    let (depth, raise) = if pressing {
+        let depth = (full_h * (1.0 - 0.5 * inputs.sink) + offset.min(0.0)).max(0.2 * full_h);
+        (depth, (offset.max(0.0), 0.5 * depth))
+    } else {
+        (full_h, (offset, 0.5 * full_h * (1.0 - inputs.sink)))
+    };
+
+    let length = source.length();
+    let tied_at = length * inputs.tie;
+    let tuft_length = match inputs.tuft_length * unit {
+        asked if asked > 0.0 => asked,
+        _ => length - tied_at,
+    };
+    let spacing = spacing?.along(tuft, curve, 0.0) * unit;
+    let asked = match inputs.stitches_by {
+        StitchesBy::Count => Pitch::Cm(tied_at / count?.along(tuft, curve, 0.0).round().max(1.0)),
+        StitchesBy::Spacing if spacing > 0.0 => Pitch::Cm(spacing),
+        StitchesBy::Spacing => Pitch::Amplitudes(2.0),
+    };
+    let at_full = fullness.along(tuft, curve, 0.5).min(1.0);
+    let mut size = plan.near.size(full_w, depth, asked, at_full);
+    let limited = size.pitch.clamp(tied_at / MOST_STITCHES, tied_at);
+    if limited > size.pitch {
+        piece.trouble(source_id, "stitches were limited to 400 on a curve");
+    }
+    if limited != size.pitch {
+        size = plan.near.size(full_w, depth, Pitch::Cm(limited), at_full);
+    }
+    if size.pitch < size.a {
+        piece.trouble(
+            source_id,
+            "stitches are closer than half the distance that suits the braid's width, so strands are thin",
+        );
+    }
+    let (advance, stitches) = advance(plan, braid_id, size.pitch, tied_at);
+
+    let start = tuft.view(attr::NORMAL).at(curve, tuft.range(curve).start);
+    let start = (start != Vec3::ZERO)
+        .then_some(start)
+        .or_else(|| scalp.map(|scalp| source.at(0.5) - scalp.frame().origin));
+    let shape = Shape {
+        weave: plan.weave,
+        size,
+        advance,
+        stitches,
+        tied_at,
+        tuft: if tuft_length > 1e-3 * length { tuft_length } else { 0.0 },
+        flare: inputs.flare,
+        phase: f64::from(inputs.phase) / 360.0,
+        cvs_per_stitch: inputs.cvs_per_stitch as usize,
+        gather: inputs.root_gather * unit,
+        scale: &scale,
+        roll: &|u| (roll.along(tuft, curve, u) + inputs.roll_ramp.at(u)).to_radians(),
+        facing: plan.facing,
+        start,
+        raise,
+        looseness: inputs.looseness,
+        loose: plan.loose,
+        braid: braid_id,
+        ids: &ids,
+        below: plan.below,
+    };
+    let laid = match shape.lay(&source) {
+        Ok(laid) => laid,
+        Err(fault) => {
+            piece.trouble(source_id, fault);
+            return Ok(None);
+        }
+    };
+    // Looking this far along the source finds the nearest place of another strand also where a bend
+    // of radius 2A halves distances on its inner side.
+    let window = 1.5 * size.pitch.max(1.2 * size.a);
+    let fill = |u: f32| fullness.along(tuft, curve, u);
+    let stitch = laid.cvs_per_stitch(stitches);
+    let near = Near { window, stitch };
+    let mut radii = touching_radii(&laid.lines, near, piece)?;
+    let mut depths: Vec<Vec<f32>> = vec![];
+    for (line, radii) in laid.lines.iter().zip(&mut radii) {
+        let mut depth = vec![];
+        for (k, radius) in radii.iter_mut().enumerate() {
+            *radius *= fill((line.s[k] / length).min(1.0));
+            depth.push(plan.below.as_ref().map_or(0.0, |below| {
+                let p = line.spline.point(line.spline.place_of_cv(k));
+                rest(below, p, laid.grip(line.s[k]), radius)
+            }));
+        }
+        depths.push(depth);
+    }
+
+    let n = laid.lines[0].s.len();
+    let mut out = TuftBuilder::even(
+        laid.lines
+            .iter()
+            .flat_map(|line| (0..n).map(|k| line.spline.point(line.spline.place_of_cv(k))))
+            .collect(),
+        n,
+    );
+    for attribute in tuft.attributes().iter().filter(|a| a.domain == Domain::Curve) {
+        let values = attribute.values.gather(&vec![curve as u32; strands as usize]);
+        out.set_column(Attribute { values, ..attribute.clone() });
+    }
+    let along =
+        |line: &Line| -> Vec<f32> { line.s.iter().map(|s| (s / length).clamp(0.0, 1.0)).collect() };
+    out.set(attr::ID, Domain::Curve, ids.clone());
+    out.set(attr::PARENT, Domain::Curve, vec![source_id]);
+    out.set(attr::BRAID, Domain::Curve, vec![braid_id]);
+    out.set(attr::STRAND, Domain::Curve, (0..strands as i32).collect());
+    let phases = (0..strands).map(|i| {
+        let cycle = shape.phase + plan.weave.ahead(i);
+        (cycle - cycle.floor()) as f32
+    });
+    out.set(attr::PHASE, Domain::Curve, phases.collect());
+    out.set(attr::ALONG, Domain::Point, laid.lines.iter().flat_map(along).collect());
+    out.set(attr::RADIUS, Domain::Point, radii.concat());
+    out.set(attr::NORMAL, Domain::Point, laid.normals.concat());
+    if depths.iter().flatten().any(|depth| *depth > 0.0) {
+        out.set(attr::ALLOW_DEPTH, Domain::Point, depths.concat());
+    }
+    bind(&mut out, tuft, curve, source.at(0.0), scalp);
+
+    let mut stitch_curve = TuftBuilder::new();
+    let all = shape.stitches();
+    let places: Vec<(Vec3, f32, Vec3)> =
+        all.iter().map(|stitch| laid.stitch(stitch, stitches)).collect();
+    if places.len() > 1 {
+        stitch_curve.push_curve(&places.iter().map(|(p, ..)| *p).collect::<Vec<_>>());
+        stitch_curve.set(attr::ID, Domain::Curve, vec![curve_id(source_id, tag, STITCHES)]);
+        stitch_curve.set(attr::PARENT, Domain::Curve, vec![source_id]);
+        stitch_curve.set(attr::BRAID, Domain::Curve, vec![braid_id]);
+        let along = places.iter().map(|(_, s, _)| (s / length).clamp(0.0, 1.0));
+        stitch_curve.set(attr::ALONG, Domain::Point, along.collect());
+        stitch_curve.set(attr::SIDE, Domain::Point, all.iter().map(|s| s.side).collect());
+        stitch_curve.set(
+            attr::STRAND,
+            Domain::Point,
+            all.iter().map(|s| s.strand as i32).collect(),
+        );
+        stitch_curve.set(attr::NORMAL, Domain::Point, places.iter().map(|(.., n)| *n).collect());
+        bind(&mut stitch_curve, tuft, curve, source.at(0.0), scalp);
+    }
+
+    let fine: Vec<Strand> = laid
+        .lines
+        .iter()
+        .zip(&radii)
+        .zip(&ids)
+        .map(|((line, radii), id)| Strand {
+            spline: &line.spline,
+            radii,
+            centres: line.s.iter().map(|s| laid.centre(*s)).collect(),
+            id: *id,
+        })
+        .collect();
+    let hairs = (inputs.flyaways / unit * tied_at).round() as usize;
+    let longest = inputs.flyaway_length * unit;
+    let strays = stray::flyaways(&fine, (braid_id, tag), hairs, longest, plan.stray);
+    Ok(Some([out.build(), stitch_curve.build(), strays]))
+}
+
+fn lerp(a: f32, b: f32, t: f32) -> f32 {
+    a + (b - a) * t
+}
+
+/// How stitches follow one another up to the tie, and how many there are.
+fn advance(plan: &Plan, braid_id: u64, pitch: f32, tied_at: f32) -> (Advance, f64) {
+    let even = f64::from(tied_at) / f64::from(pitch);
+    if plan.inputs.uneven_stitches <= 0.0 {
+        return (Advance::even(pitch), even);
+    }
+    let draw = |k: u64| {
+        pitch * (1.0 + 0.7 * plan.inputs.uneven_stitches * plan.uneven.signed(braid_id, k))
+    };
+    match plan.inputs.stitches_by {
+        // As many as asked for share the length.
+        StitchesBy::Count => {
+            let n = even.round().max(1.0) as u64;
+            let fit = tied_at / (0..n).map(draw).sum::<f32>();
+            (Advance::uneven(pitch, (0..n).map(|k| draw(k) * fit)), n as f64)
+        }
+        // As many as go in: a longer source changes none of them.
+        StitchesBy::Spacing => {
+            let mut reached = 0.0;
+            let lengths = (0..).map(draw).take_while(|length| {
+                let more = reached < tied_at;
+                reached += length;
+                more
+            });
+            let advance = Advance::uneven(pitch, lengths);
+            let stitches = advance.q(tied_at);
+            (advance, stitches)
+        }
+    }
+}
+
+/// Lets a tube rest on the skin: limits its radius to its centre's height where the skin counts, and tells
+/// how deep under the skin it still reaches.
+fn rest(below: &Below, p: Vec3, grip: f32, radius: &mut f32) -> f32 {
+    let Some(d) = lay::distance(below, p, 1.5 * *radius) else { return 0.0 };
+    if below.contact != Contact::Allow {
+        let free = (1.0 - grip) * *radius;
+        *radius = radius.min(d.max(0.02 * *radius) + free);
+    }
+    // A thousandth over, for what lies between CVs.
+    if *radius > d + 1e-4 { (*radius - d) + 1e-3 } else { 0.0 }
+}
+
+/// Binds curves to the scalp where their source is bound, or else where it is closest.
+fn bind(out: &mut TuftBuilder, tuft: &Tuft, curve: usize, root: Vec3, scalp: Option<&Scalp>) {
+    let at = tuft.range(curve).start;
+    let triangle = tuft.view(ROOT_TRIANGLE).at(curve, at);
+    if triangle >= 0 {
+        out.set(ROOT_TRIANGLE, Domain::Curve, vec![triangle]);
+        out.set(ROOT_BARY, Domain::Curve, vec![tuft.view(ROOT_BARY).at(curve, at)]);
+        out.set(ROOT_UV, Domain::Curve, vec![tuft.view(ROOT_UV).at(curve, at)]);
+    } else if let Some(bound) = scalp.and_then(|scalp| scalp.closest_root(root)) {
+        out.set(ROOT_TRIANGLE, Domain::Curve, vec![bound.triangle as i32]);
+        out.set(ROOT_BARY, Domain::Curve, vec![bound.bary]);
+        out.set(ROOT_UV, Domain::Curve, vec![bound.uv]);
+    }
+}

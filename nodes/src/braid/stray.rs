@@ -1,0 +1,63 @@
+//! Flyaways: short hairs that leave a braid.
+
+use crate::data::attributes::{self as attr, Domain};
+use crate::data::curves::{Tuft, TuftBuilder};
+use crate::maths::frame;
+use crate::maths::hash::{Dice, curve_id};
+use crate::maths::spline::Spline;
+use glam::Vec3;
+
+/// Points of a flyaway.
+const CVS: usize = 8;
+
+/// A braid's strand as flyaways see it.
+pub(crate) struct Strand<'a> {
+    pub(crate) spline: &'a Spline,
+    pub(crate) radii: &'a [f32],
+    /// Centre of the braid beside each CV.
+    pub(crate) centres: Vec<Vec3>,
+    pub(crate) id: u64,
+}
+
+/// `count` hairs of up to `longest` cm on the strands of one braid. More only adds to them.
+pub(crate) fn flyaways(
+    strands: &[Strand],
+    (braid, tag): (u64, u64),
+    count: usize,
+    longest: f32,
+    dice: Dice,
+) -> Tuft {
+    let mut out = TuftBuilder::new();
+    let (mut ids, mut parents) = (vec![], vec![]);
+    for index in 0..count as u64 {
+        let id = curve_id(braid, tag, (1 << 33) + index);
+        let strand = &strands[dice.below(id, 0, strands.len() as u32) as usize];
+        let u = dice.unit(id, 1);
+        let place = strand.spline.locate(u);
+        let (p, tangent) = (strand.spline.point(place), strand.spline.tangent(place));
+        let away = frame::across(p - strand.centres[place.span], tangent)
+            .unwrap_or_else(|| frame::any_normal(tangent));
+        let frame = frame::Frame { tangent, normal: away }.rolled(1.2 * dice.signed(id, 2));
+        let length = longest * dice.range(id, 3, 1.0 / 3.0, 1.0);
+        // Lies along the strand at first, then springs away, and bends to one side.
+        let (lift, bend) = (dice.range(id, 4, 0.25, 0.9), 0.5 * dice.signed(id, 5));
+        let points: Vec<Vec3> = (0..CVS)
+            .map(|k| {
+                let t = k as f32 / (CVS - 1) as f32;
+                let across = frame.normal * lift + frame.binormal() * bend;
+                p + frame.normal * (0.9 * strand.radii[place.span])
+                    + tangent * (length * t * (1.0 - 0.3 * t))
+                    + across * (length * t * t)
+            })
+            .collect();
+        out.push_curve(&points);
+        ids.push(id);
+        parents.push(strand.id);
+    }
+    if !ids.is_empty() {
+        out.set(attr::ID, Domain::Curve, ids);
+        out.set(attr::PARENT, Domain::Curve, parents);
+        out.set(attr::BRAID, Domain::Curve, vec![braid]);
+    }
+    out.build()
+}

@@ -1,0 +1,205 @@
+//! How thick the strands of a braid can be: radii at which neighbouring tubes touch and never overlap.
+//!
+//! The idea: the radius of a strand at a place is half the distance from there to the nearest place of any
+//! other strand. Two tubes then cannot overlap, for each takes at most half of what is between them, and
+//! where two strands are each other's nearest they touch. Distances are those of the placed, bent
+//! splines, in space: strands slope, so they come closer than in the cross-section.
+//!
+//! Guarantees: `r_i(u) + r_j(v) <= 1.02 |p_i(u) - p_j(v)|` on the splines, radii interpolated between CVs (tested by the
+//! node); a radius is never more than 0.9 of the strand's own radius of curvature. The raw distance has
+//! kinks where the nearest neighbour changes; what is returned is a smooth function below it.
+
+use crate::define::NodeError;
+use crate::eval::Piece;
+use crate::maths::spline::{Place, Spline};
+use glam::Vec3;
+
+/// A strand's centre line: its spline, and for each CV the arc length along the braid's source.
+pub(crate) struct Line {
+    pub(crate) spline: Spline,
+    pub(crate) s: Vec<f32>,
+}
+
+/// The most of its own radius of curvature that a tube may take: at 1 its inner side would crease.
+const OF_CURVATURE: f32 = 0.9;
+
+/// Points of a strand at its CVs and half way between, as columns.
+struct Fine {
+    at: [Vec<f32>; 3],
+    s: Vec<f32>,
+}
+
+impl Fine {
+    fn new(line: &Line) -> Self {
+        let n = line.spline.span_count();
+        let mut fine = Self { at: [vec![], vec![], vec![]], s: vec![] };
+        for span in 0..n {
+            fine.push(line.spline.point(Place { span, t: 0.0 }), line.s[span]);
+            let half = 0.5 * (line.s[span] + line.s[span + 1]);
+            fine.push(line.spline.point(Place { span, t: 0.5 }), half);
+        }
+        fine.push(line.spline.point(Place { span: n - 1, t: 1.0 }), line.s[n]);
+        fine
+    }
+    fn push(&mut self, p: Vec3, s: f32) {
+        self.at[0].push(p.x);
+        self.at[1].push(p.y);
+        self.at[2].push(p.z);
+        self.s.push(s);
+    }
+    fn len(&self) -> usize {
+        self.s.len()
+    }
+    fn point(&self, k: usize) -> Vec3 {
+        Vec3::new(self.at[0][k], self.at[1][k], self.at[2][k])
+    }
+    /// Square of the least distance of `p` from this strand between the samples `from` and `to`.
+    fn nearest2(&self, p: Vec3, from: usize, to: usize, buffer: &mut Vec<f32>) -> f32 {
+        let [xs, ys, zs] = [0, 1, 2].map(|axis| &self.at[axis][from..to]);
+        buffer.clear();
+        buffer.extend(xs.iter().zip(ys).zip(zs).map(|((x, y), z)| {
+            let (x, y, z) = (x - p.x, y - p.y, z - p.z);
+            x * x + y * y + z * z
+        }));
+        let least = least(buffer);
+        let Some(k) = buffer.iter().position(|d| *d == least) else { return least };
+        // The square of the distance is a parabola near its minimum, exactly so for straight strands.
+        if k == 0 || k + 1 == buffer.len() {
+            return least;
+        }
+        let (before, after) = (buffer[k - 1], buffer[k + 1]);
+        let bend = before + after - 2.0 * least;
+        if bend <= 0.0 {
+            return least;
+        }
+        let slope = after - before;
+        // Never below half the sampled square: where the samples are too coarse the parabola lies.
+        (least - slope * slope / (8.0 * bend)).max(0.5 * least)
+    }
+}
+
+/// The least of the values, eight lanes at a time.
+fn least(values: &[f32]) -> f32 {
+    let mut lanes = [f32::MAX; 8];
+    let chunks = values.chunks_exact(8);
+    let rest = chunks.remainder();
+    for chunk in chunks {
+        for (lane, value) in lanes.iter_mut().zip(chunk) {
+            *lane = if *value < *lane { *value } else { *lane };
+        }
+    }
+    lanes.iter().chain(rest).fold(f32::MAX, |least, value| least.min(*value))
+}
+
+/// Where to look for neighbours.
+#[derive(Clone, Copy)]
+pub(crate) struct Near {
+    /// How far along the source (cm) another strand's nearest place can be.
+    pub(crate) window: f32,
+    /// CVs of a stitch.
+    pub(crate) stitch: f32,
+}
+
+/// Radii at which the tubes touch, one for each CV of each line.
+pub(crate) fn touching_radii(
+    lines: &[Line],
+    Near { window, stitch }: Near,
+    piece: &mut Piece,
+) -> Result<Vec<Vec<f32>>, NodeError> {
+    let fine: Vec<Fine> = lines.iter().map(Fine::new).collect();
+    let round = (2.0 * ROUND * stitch).round().max(1.0) as usize;
+    let mut buffer = vec![];
+    let mut out = vec![];
+    for (i, own) in fine.iter().enumerate() {
+        // For each strand the range of its samples that lie within the window.
+        let mut ranges = vec![(0, 1); fine.len()];
+        let mut raw = Vec::with_capacity(own.len());
+        for (k, s) in own.s.iter().enumerate() {
+            piece.tick()?;
+            let p = own.point(k);
+            let mut nearest = f32::MAX;
+            for (j, other) in fine.iter().enumerate().filter(|(j, _)| *j != i) {
+                let (from, to) = &mut ranges[j];
+                while *from + 1 < other.s.len() && other.s[*from] < s - window {
+                    *from += 1;
+                }
+                while *to < other.s.len() && other.s[*to] <= s + window {
+                    *to += 1;
+                }
+                *to = (*to).max(*from + 1);
+                nearest = nearest.min(other.nearest2(p, *from, *to, &mut buffer));
+            }
+            raw.push((0.5 * nearest.sqrt()).min(OF_CURVATURE * turn_radius(own, k)));
+        }
+        out.push(smooth_below(&raw, round));
+    }
+    Ok(out)
+}
+
+/// Radius of the circle through a sample and its neighbours; huge on a straight line.
+fn turn_radius(fine: &Fine, k: usize) -> f32 {
+    let k = k.clamp(1, fine.len() - 2);
+    let (a, b, c) = (fine.point(k - 1), fine.point(k), fine.point(k + 1));
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    let twice_area = ab.cross(bc).length();
+    let product = ab.length() * bc.length() * ca.length();
+    // Below this the bend is rounding.
+    if twice_area <= 1e-5 * ca.length_squared() { f32::MAX } else { 0.5 * product / twice_area }
+}
+
+/// Kinks are rounded over this part of a stitch to either side: half of it leaves visible creases on the
+/// tubes, twice of it takes a tenth of their volume.
+const ROUND: f32 = 1.0 / 12.0;
+
+/// Every other value of a function that is smooth and nowhere above `raw`: the least of each neighbourhood, averaged
+/// over neighbourhoods of the same size (an opening, so valleys keep their depth).
+fn smooth_below(raw: &[f32], round: usize) -> Vec<f32> {
+    let n = raw.len();
+    let low: Vec<f32> = (0..n)
+        .map(|k| {
+            let around = &raw[k.saturating_sub(round)..(k + round + 1).min(n)];
+            around.iter().fold(f32::MAX, |least, r| least.min(*r))
+        })
+        .collect();
+    (0..n)
+        .step_by(2)
+        .map(|k| {
+            // A triangle: the average of averages. Weights of what lies past an end go to the end.
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for step in -(round as isize)..=round as isize {
+                let weight = (round as isize + 1 - step.abs()) as f32;
+                sum += weight * low[(k as isize + step).clamp(0, n as isize - 1) as usize];
+                weights += weight;
+            }
+            sum / weights
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_smoothed_radius_stays_below_and_keeps_its_valleys() {
+        let raw: Vec<f32> =
+            (0..=200).map(|k| 1.0 + ((k % 40) as f32 - 20.0).abs() * 0.05).collect();
+        let smooth = smooth_below(&raw, 4);
+        for (k, r) in smooth.iter().enumerate() {
+            assert!(*r <= raw[2 * k] + 1e-6, "{k}");
+        }
+        assert!((smooth[10] - 1.0).abs() < 1e-6);
+        let bend = |w: &[f32]| (w[0] + w[2] - 2.0 * w[1]).abs();
+        let raw_cvs: Vec<f32> = raw.iter().step_by(2).copied().collect();
+        let most = |v: &[f32]| v.windows(3).map(bend).fold(0.0, f32::max);
+        assert!(most(&smooth) < 0.5 * most(&raw_cvs), "{} {}", most(&smooth), most(&raw_cvs));
+    }
+
+    #[test]
+    fn the_least_is_the_least() {
+        for n in 0..40usize {
+            let values: Vec<f32> = (0..n).map(|k| ((k * 7 + 3) % 11) as f32).collect();
+            assert_eq!(least(&values), values.iter().copied().fold(f32::MAX, f32::min));
+        }
+    }
+}

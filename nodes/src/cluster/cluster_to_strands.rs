@@ -1,0 +1,274 @@
+//! Cluster to strands: hair inside the tubes that clusters are (methods.md 6).
+//!
+//! Per cluster the frame, centre, radius and roll at every strand point are worked out once; a strand is
+//! then a root, a short random walk and one multiplication a point. Guarantees: raising the density only
+//! adds strands; a strand never leaves the radius in the plane across its cluster; no point ends under the
+//! skin by more than `allow_depth` (points, not the chords between them); roots lie on the scalp. Not
+//! promised: that strands keep clear of each other, or that points of strands pushed off the skin or
+//! frizzed are as evenly spaced as the cluster's.
+
+use super::sections::{Sections, reads_attribute};
+use crate::data::attributes::{
+    Attribute, COLOUR, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY, ROOT_TRIANGLE,
+    ROOT_UV, WIDTH,
+};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::field::Field;
+use crate::data::scalp::{Scalp, Skin};
+use crate::define::{Colour, FieldInput, NodeError, node};
+use crate::eval::{EvalCx, Piece};
+use crate::maths::hash::{Dice, curve_id};
+use crate::maths::low_discrepancy::disc;
+use crate::maths::transcendental::sin_cos_turns;
+use glam::{Vec2, Vec3};
+use std::sync::Arc;
+
+node! {
+    /// Fill clusters with hair: strands that start on the scalp around each cluster's root and run within its
+    /// radius to its tip.
+    ///
+    /// Density, twist and frizz work as in hair sketching: density fills the cluster, twist turns its
+    /// cross-section a little more at every point and makes ropes, frizz lets every strand wander. Editing one cluster
+    /// makes only its own strands again, and a higher density only adds strands to those there are.
+    "cluster_to_strands", version 1, label "Cluster to strands",
+        words "fill wisp clump lock generate hair strands sketch frizz twist rope density tube", thins;
+    inputs {
+        /// Clusters to fill. Their attributes radius, density, frizz, roll, colour and allow_depth count where the inputs
+        /// below read them.
+        curves: Curves;
+        /// The head. Roots are put on it and strands kept out of it; without one, roots fill the disc across the cluster's
+        /// root.
+        scalp: Option<Arc<Scalp>>;
+        /// Strands in a cluster of density 1 and radius 1 cm. The number grows with density and with the area of the
+        /// cross-section.
+        strands: i64 = 512, hard(0.0, 65536.0), soft(16.0, 2048.0), unit(Count), words("amount number");
+        /// Exactly so many strands in every cluster, whatever its density and radius. 0: as density and radius ask.
+        count: i64 = 0, hard(0.0, 65536.0), soft(0.0, 2000.0), unit(Count), words("amount number");
+        /// Radius of the cross-section. May vary along the cluster, which makes tapered locks; the radius at the root decides
+        /// where roots lie and how many.
+        radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()), hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), words("thickness size"), handle(Handle::Radius);
+        /// How full the cluster is: 0 has no strands, 1 has all. Read at the root.
+        density: FieldInput = Field::Attribute(DENSITY.name.to_owned()), hard(0.0, 1.0), unit(Ratio), words("fullness");
+        /// How much each strand wanders within the cluster: 0 runs parallel to it, 1 may cross all of it from one step to
+        /// the next.
+        frizz: FieldInput = Field::Attribute(FRIZZ.name.to_owned()), hard(0.0, 1.0), unit(Ratio), words("noise messy flyaway random");
+        /// Distance along the cluster between two random steps of frizz. 0: one step at each of the cluster's points.
+        frizz_step: f32 = 2.0, hard(0.0, 1000.0), soft(0.5, 5.0), unit(Length), words("scale frequency");
+        /// Turn of the cross-section at each point of the cluster but the root, added up towards the tip and to the
+        /// cluster's own roll. 45 at every point is a rope; negative turns the other way.
+        twist: FieldInput = 0.0, hard(-3600.0, 3600.0), soft(-90.0, 90.0), unit(Angle), words("rope twirl spin roll");
+        /// Points on each strand, root and tip included. A strongly twisted cluster gets as many more as keep its turn under
+        /// 30 degrees from point to point.
+        points: i64 = 16, hard(2.0, 1024.0), soft(4.0, 64.0), unit(Count), words("cvs segments resolution");
+        /// Diameter of a hair at its root.
+        width_root: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
+        /// Diameter of a hair at its tip. The same as at the root takes less memory; Set width can taper at the end of the
+        /// graph.
+        width_tip: f32 = 0.008, hard(0.0001, 1.0), soft(0.0005, 0.05), unit(Length), words("thickness diameter taper");
+        /// Whether strands have the colour of their cluster.
+        inherit_colour: bool = true, words("color");
+        /// Colour of the strands when they do not inherit it.
+        colour: Colour = COLOUR.default, words("color");
+        /// Whether points under the skin are moved out to it, as far as the cluster's allow_depth lets them.
+        push_out: bool = true, words("collide scalp intersection penetration");
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
+        /// Whether lengths typed here grow with the size of the head. A radius read from an attribute is in true
+        /// centimetres already.
+        scale_with_head: bool = true;
+    }
+    outputs {
+        /// Hair: one tuft for each cluster.
+        curves: Curves;
+    }
+}
+
+/// The most strands one cluster may have.
+const MOST: f32 = 262_144.0;
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = inputs.scalp.as_deref();
+    let unit = cx.head_unit(scalp, inputs.scale_with_head);
+    let radius_unit = if reads_attribute(&inputs.radius.field) { 1.0 } else { unit };
+    let skin = scalp.map(|scalp| cx.skin(scalp));
+    let filler = Filler {
+        roots: cx.dice(inputs.seed, "roots"),
+        walk: cx.dice(inputs.seed, "frizz"),
+        push: inputs.push_out,
+        seed: inputs.seed,
+        scalp,
+        skin,
+    };
+    let [curves] = cx.each_curve(&inputs.curves, |tuft, curve, piece| {
+        let id = tuft.id(curve);
+        let mut left_out = |why: &str| {
+            piece.trouble(id, why);
+            Ok([TuftBuilder::new().build()])
+        };
+        let sampled = super::sections::Asked {
+            points: inputs.points as usize,
+            radius: &inputs.radius.on(tuft, scalp)?,
+            radius_unit,
+            frizz: &inputs.frizz.on(tuft, scalp)?,
+            frizz_step: inputs.frizz_step * unit,
+            twist: &inputs.twist.on(tuft, scalp)?,
+        };
+        let sections = match Sections::new(tuft, curve, &sampled, skin.zip(scalp)) {
+            Ok(sections) => sections,
+            Err(fault) => return left_out(&fault.to_string()),
+        };
+        let radius = sections.root_radius / unit;
+        let density = inputs.density.on(tuft, scalp)?.at(curve, tuft.range(curve).start, 0.0);
+        let wanted = match inputs.count {
+            0 => inputs.strands as f32 * density * radius * radius,
+            count => count as f32,
+        };
+        if wanted > MOST {
+            return left_out("a cluster that asks for more than 262144 strands was left out");
+        }
+        let count = cx.thinned(wanted.round() as usize);
+        let mut strands = filler.fill(id, count, &sections, piece)?;
+        inherit(&mut strands, tuft, curve, &sections, &inputs);
+        Ok([strands.build()])
+    })?;
+    Ok(Outputs { curves })
+}
+
+/// What fills all clusters.
+struct Filler<'a> {
+    roots: Dice,
+    walk: Dice,
+    push: bool,
+    seed: i64,
+    scalp: Option<&'a Scalp>,
+    skin: Option<Skin<'a>>,
+}
+
+impl Filler<'_> {
+    /// The first `count` strands of a cluster.
+    fn fill(
+        &self,
+        cluster: u64,
+        count: usize,
+        sections: &Sections,
+        piece: &mut Piece,
+    ) -> Result<TuftBuilder, NodeError> {
+        let skin = self.skin.as_ref().filter(|_| self.push);
+        let each = sections.at.len();
+        let shift = [self.roots.unit(cluster, 0), self.roots.unit(cluster, 1)];
+        let mut points: Vec<Vec3> = Vec::with_capacity(count * each);
+        let mut ids = Vec::with_capacity(count);
+        let mut triangles = Vec::with_capacity(count);
+        let mut barys = Vec::with_capacity(count);
+        let mut uvs = Vec::with_capacity(count);
+        let wanders = !sections.steps.is_empty();
+        // Two equal values before the first and after the last knot keep the walk's ends level.
+        let mut walk = vec![Vec2::ZERO; sections.steps.len() + 2];
+        for i in 0..count {
+            piece.tick()?;
+            let id = curve_id(cluster, self.seed as u64, i as u64);
+            ids.push(id);
+            let q = Vec2::from(disc(i as u32, shift));
+            let mut root = sections.root + sections.disc[0] * q.x + sections.disc[1] * q.y;
+            if let (Some(skin), Some(scalp)) = (&self.skin, self.scalp)
+                && let Some(hit) = skin.closest(root)
+            {
+                let on_scalp = scalp.root(hit.triangle, hit.bary);
+                root = on_scalp.point;
+                triangles.push(on_scalp.triangle as i32);
+                barys.push(on_scalp.bary);
+                uvs.push(on_scalp.uv);
+            }
+            points.push(root);
+            self.wander(id, q, &sections.steps, &mut walk);
+            points.extend(sections.at[1..].iter().map(|section| {
+                let [a, b, c] = section.weights;
+                let d = match walk.get(section.knot..section.knot + 3) {
+                    Some([before, here, after]) if wanders => *before * a + *here * b + *after * c,
+                    _ => q,
+                };
+                let mut p = section.centre + section.x * d.x + section.y * d.y;
+                if section.root_share > 0.0 {
+                    p = section.on_the_way(root - sections.root, p);
+                }
+                match skin {
+                    Some(skin) => skin.push_out(p, section.depth).0,
+                    None => p,
+                }
+            }));
+        }
+        let mut out = TuftBuilder::even(points, each);
+        out.set(ID, Domain::Curve, ids);
+        if !triangles.is_empty() {
+            out.set(ROOT_TRIANGLE, Domain::Curve, triangles);
+            out.set(ROOT_BARY, Domain::Curve, barys);
+            if self.scalp.is_some_and(|scalp| scalp.uvs().is_some()) {
+                out.set(ROOT_UV, Domain::Curve, uvs);
+            }
+        }
+        Ok(out)
+    }
+
+    /// A strand's place in the unit disc at each knot, between one more value at both ends: at every knot it takes a step
+    /// in a random direction, up to the wall and never farther than `steps` says.
+    #[inline]
+    fn wander(&self, id: u64, start: Vec2, steps: &[f32], walk: &mut [Vec2]) {
+        let mut d = start;
+        walk[0] = d;
+        for (knot, step) in (0..).zip(steps) {
+            if knot > 0 {
+                // One draw for both numbers: 24 bits of it for the direction, 24 for the length.
+                let bits = self.walk.bits(id, knot);
+                let unit = |bits: u64| (bits & 0xFF_FFFF) as f32 * (1.0 / (1u32 << 24) as f32);
+                let (sin, cos) = sin_cos_turns(unit(bits >> 40));
+                let x = Vec2::new(cos, sin);
+                let along = d.dot(x);
+                let wall = (along * along + 1.0 - d.length_squared()).max(0.0).sqrt() - along;
+                d += x * (unit(bits >> 8) * wall.min(*step));
+            }
+            walk[knot as usize + 1] = d;
+        }
+        if let Some(last) = walk.last_mut() {
+            *last = d;
+        }
+    }
+}
+
+/// Gives strands what their cluster has.
+fn inherit(
+    strands: &mut TuftBuilder,
+    tuft: &Tuft,
+    curve: usize,
+    sections: &Sections,
+    inputs: &Inputs,
+) {
+    let count = strands.len();
+    let own = [ID.name, RADIUS.name, DENSITY.name, FRIZZ.name, WIDTH.name, COLOUR.name];
+    let root = [ROOT_TRIANGLE.name, ROOT_BARY.name, ROOT_UV.name];
+    for attribute in tuft.attributes() {
+        let name = attribute.name.as_ref();
+        if attribute.domain == Domain::Curve && !own.contains(&name) && !root.contains(&name) {
+            let values = attribute.values.gather(&[curve as u32]);
+            strands.set_column(Attribute { values, ..attribute.clone() });
+        }
+    }
+    strands.set(PARENT, Domain::Curve, vec![tuft.id(curve)]);
+    let each = sections.at.len();
+    if inputs.width_root == inputs.width_tip {
+        strands.set(WIDTH, Domain::Curve, vec![inputs.width_root]);
+    } else {
+        let width = |k: usize| {
+            let u = k as f32 / (each - 1) as f32;
+            inputs.width_root + (inputs.width_tip - inputs.width_root) * u
+        };
+        strands.set(WIDTH, Domain::Point, (0..each).map(width).collect::<Vec<_>>().repeat(count));
+    }
+    let colours = match inputs.inherit_colour {
+        true => sections.colours(tuft, curve),
+        false => vec![inputs.colour.0],
+    };
+    match colours[..] {
+        [one] => strands.set(COLOUR, Domain::Curve, vec![one]),
+        _ => strands.set(COLOUR, Domain::Point, colours.repeat(count)),
+    }
+}

@@ -1,0 +1,211 @@
+//! The cross-sections of a cluster where its strands have points: worked out once, used by every strand.
+
+use crate::data::attributes::{ALLOW_DEPTH, COLOUR, ROLL, SCALP_NORMAL};
+use crate::data::curves::{Tuft, View};
+use crate::data::field::{Field, Sampler};
+use crate::data::scalp::{Scalp, Skin};
+use crate::maths::frame::{Frame, any_normal, carry, frames};
+use crate::maths::spline::{CurveFault, Place, Spline};
+use glam::Vec3;
+
+/// The most that the cross-section turns between two points of a strand, degrees.
+const TURN: f32 = 30.0;
+/// The most points that a strand is given to keep within [`TURN`].
+const MOST_POINTS: usize = 4096;
+/// Strands reach the plane across the cluster within this many radii from the root: sooner, those rooted ahead of
+/// a cluster that leaves at a flat angle would have to run back.
+const REACH: f32 = 1.25;
+/// The most steps of a random walk along one cluster.
+const MOST_STEPS: f32 = 4096.0;
+
+/// What the artist asks of a cluster.
+pub(super) struct Asked<'a> {
+    pub points: usize,
+    pub radius: &'a Sampler<'a>,
+    pub radius_unit: f32,
+    pub frizz: &'a Sampler<'a>,
+    /// cm; 0: one step at each CV.
+    pub frizz_step: f32,
+    /// Degrees at each CV but the root.
+    pub twist: &'a Sampler<'a>,
+}
+
+/// What all strands of a cluster share.
+pub(super) struct Sections {
+    /// Where the cluster starts.
+    pub root: Vec3,
+    pub root_radius: f32,
+    /// Half axes of the disc of roots, in the scalp's tangent plane, cm.
+    pub disc: [Vec3; 2],
+    /// One for each point of a strand; the root's is not used.
+    pub at: Vec<Section>,
+    /// How far the walk may step to each of its knots, in radii; empty when no strand wanders.
+    pub steps: Vec<f32>,
+    places: Vec<Place>,
+}
+
+/// The cross-section at one point of the strands.
+pub(super) struct Section {
+    pub centre: Vec3,
+    /// Half axes, cm: radius and roll are in them.
+    pub x: Vec3,
+    pub y: Vec3,
+    /// The first of three values of the walk that count here, and how much each does.
+    pub knot: usize,
+    pub weights: [f32; 3],
+    /// How deep the point may go under the skin, cm.
+    pub depth: f32,
+    /// How much of the offset from the centre is still the root's.
+    pub root_share: f32,
+    tangent: Vec3,
+    radius: f32,
+}
+
+impl Section {
+    /// A point on its way from the root, `offset` from the cluster's, to `p` in the plane across; no farther from the
+    /// centre line than the radius.
+    #[inline]
+    pub(super) fn on_the_way(&self, offset: Vec3, p: Vec3) -> Vec3 {
+        let blended = (p - self.centre).lerp(offset, self.root_share);
+        let along = self.tangent * blended.dot(self.tangent);
+        self.centre + along + (blended - along).clamp_length_max(self.radius)
+    }
+}
+
+/// Whether any part of a field is an attribute, which is in true cm already.
+pub(super) fn reads_attribute(field: &Field) -> bool {
+    match field {
+        Field::Attribute(_) => true,
+        Field::Product(parts) => parts.iter().any(reads_attribute),
+        _ => false,
+    }
+}
+
+impl Sections {
+    pub(super) fn new(
+        tuft: &Tuft,
+        curve: usize,
+        asked: &Asked,
+        head: Option<(Skin, &Scalp)>,
+    ) -> Result<Self, CurveFault> {
+        let spline = Spline::new(tuft.curve(curve))?;
+        let (cvs, length) = (tuft.range(curve), spline.length());
+        let sample = |field: &Sampler, place: Place, u: f32| {
+            between(place, |cv| field.at(curve, cvs.start + cv, u))
+        };
+        let rolls = rolls(tuft, curve, &spline, asked.twist);
+        let roll_at = |place: Place| between(place, |cv| rolls[cv]).to_radians();
+        let (us, places) = strand_points(&spline, asked.points, &rolls);
+
+        let (root, tangent) = (tuft.curve(curve)[0], spline.tangent(places[0]));
+        let root_radius = sample(asked.radius, places[0], 0.0) * asked.radius_unit;
+        let hit = head.and_then(|(skin, scalp)| Some((skin.closest(root)?, scalp)));
+        let normal = match hit {
+            Some((hit, scalp)) => scalp.surface().smooth_normal(hit.triangle, hit.bary),
+            None => tuft.view(SCALP_NORMAL).at(curve, cvs.start).try_normalize().unwrap_or(tangent),
+        };
+        let upright = Frame { tangent: normal, normal: any_normal(normal) };
+        let start = carry(upright.normal, normal, tangent);
+        let upright = upright.rolled(roll_at(places[0]));
+
+        let depth = tuft.view(ALLOW_DEPTH);
+        let spans = match asked.frizz_step {
+            step if step > 0.0 => (length / step).round().clamp(1.0, MOST_STEPS) as usize,
+            _ => spline.span_count(),
+        };
+        let steps: Vec<f32> = (0..=spans)
+            .map(|knot| match asked.frizz_step {
+                step if step > 0.0 => {
+                    let u = knot as f32 / spans as f32;
+                    sample(asked.frizz, spline.locate(u), u)
+                }
+                _ => asked.frizz.at(curve, cvs.start + knot, spline.u_of_cv(knot)),
+            })
+            .collect();
+        let at = frames(&spline, &us, Some(start), |_, _, _| None)
+            .into_iter()
+            .zip(us.iter().zip(&places))
+            .map(|(frame, (&u, &place))| {
+                let radius = sample(asked.radius, place, u) * asked.radius_unit;
+                let frame = frame.rolled(roll_at(place));
+                let (knot, weights) = smooth(match asked.frizz_step {
+                    step if step > 0.0 => u * spans as f32,
+                    _ => place.span as f32 + place.t,
+                });
+                Section {
+                    centre: spline.point(place),
+                    x: frame.normal * radius,
+                    y: frame.binormal() * radius,
+                    knot,
+                    weights,
+                    depth: between(place, |cv| depth.at(curve, cvs.start + cv)),
+                    root_share: (1.0 - u * length / (REACH * root_radius).max(1e-6)).max(0.0),
+                    tangent: frame.tangent,
+                    radius,
+                }
+            })
+            .collect();
+        let disc = [upright.normal * root_radius, upright.binormal() * root_radius];
+        let steps = if steps.iter().all(|s| *s <= 0.0) { vec![] } else { steps };
+        Ok(Self { root, root_radius, disc, at, steps, places })
+    }
+
+    /// The cluster's colour at each point of a strand, or the one it has everywhere.
+    pub(super) fn colours(&self, tuft: &Tuft, curve: usize) -> Vec<Vec3> {
+        match tuft.view(COLOUR) {
+            View::Point(all) => {
+                let all = &all[tuft.range(curve)];
+                let at = |place: &Place| all[place.span].lerp(all[place.span + 1], place.t);
+                self.places.iter().map(at).collect()
+            }
+            other => vec![other.at(curve, 0)],
+        }
+    }
+}
+
+/// A number between CVs.
+fn between(place: Place, at: impl Fn(usize) -> f32) -> f32 {
+    let (a, b) = (at(place.span), at(place.span + 1));
+    a + (b - a) * place.t
+}
+
+/// Running sum of the turn at each CV, degrees.
+fn rolls(tuft: &Tuft, curve: usize, spline: &Spline, twist: &Sampler) -> Vec<f32> {
+    let (roll, first) = (tuft.view(ROLL), tuft.range(curve).start);
+    let mut sum = 0.0;
+    (0..tuft.range(curve).len())
+        .map(|cv| {
+            if cv > 0 {
+                sum += twist.at(curve, first + cv, spline.u_of_cv(cv));
+            }
+            // Whatever an attribute holds: a roll that is no number turns nothing.
+            let all = sum + roll.at(curve, first + cv);
+            if all.is_finite() { all } else { 0.0 }
+        })
+        .collect()
+}
+
+/// Where a strand has points: evenly along the cluster, and so many that its roll turns at most [`TURN`] in between.
+fn strand_points(spline: &Spline, asked: usize, rolls: &[f32]) -> (Vec<f32>, Vec<Place>) {
+    let mut count = asked;
+    loop {
+        let us: Vec<f32> = (0..count).map(|k| k as f32 / (count - 1) as f32).collect();
+        let places: Vec<Place> = us.iter().map(|u| spline.locate(*u)).collect();
+        let roll = |place: Place| between(place, |cv| rolls[cv]);
+        let most = places.windows(2).map(|w| (roll(w[1]) - roll(w[0])).abs()).fold(0.0, f32::max);
+        if most <= TURN * 1.001 || count >= MOST_POINTS {
+            return (us, places);
+        }
+        count = (((count - 1) as f32 * most / TURN).ceil() as usize + 1).min(MOST_POINTS);
+    }
+}
+
+/// Which knots count at `x` (knot number and fraction): a quadratic B-spline, which is smooth and stays within what
+/// its knots span, so that a walk in a disc never leaves it. Number of the first in a list that repeats the
+/// first knot before itself, and three weights that add up to one.
+fn smooth(x: f32) -> (usize, [f32; 3]) {
+    let knot = (x + 0.5).floor();
+    let f = x - knot;
+    let (a, c) = (0.5 * (0.5 - f) * (0.5 - f), 0.5 * (0.5 + f) * (0.5 + f));
+    (knot as usize, [a, 1.0 - a - c, c])
+}

@@ -1,0 +1,61 @@
+//! How much a reader may allocate for a file: every allocation is charged before it is made.
+//!
+//! **Invariant:** what is charged stays below 32 MiB + 10 times the file. Vectors that grow are
+//! charged for their capacity; moving one to a larger place takes half as much again for a moment,
+//! which keeps the real peak below 64 MiB + 20 times the file.
+
+use super::super::super::FormatError;
+
+/// Bytes that may still be allocated. What stays is never given back, so the budget bounds work too.
+pub(super) struct Budget {
+    left: u64,
+}
+
+impl Budget {
+    /// The budget for a file of so many bytes.
+    pub(super) fn for_file(length: usize) -> Self {
+        Self { left: (32 << 20) + 10 * length as u64 }
+    }
+
+    /// Takes bytes from the budget.
+    pub(super) fn charge(&mut self, bytes: u64) -> Result<(), FormatError> {
+        match self.left.checked_sub(bytes) {
+            Some(left) => {
+                self.left = left;
+                Ok(())
+            }
+            None => Err(FormatError::at(
+                "file",
+                "it unfolds to far more than its length, which no groom does: refused",
+            )),
+        }
+    }
+
+    /// Gives back what was charged for memory that is free again. Only for what was a step on the way
+    /// to something that stays charged: a few tables must not be decoded without end.
+    pub(super) fn give_back(&mut self, bytes: u64) {
+        self.left += bytes;
+    }
+
+    /// Takes the bytes of so many items.
+    pub(super) fn charge_items<T>(&mut self, count: u64) -> Result<(), FormatError> {
+        self.charge(count.saturating_mul(size_of::<T>() as u64))
+    }
+
+    /// Appends to a vector, charging for its growth.
+    pub(super) fn push<T>(&mut self, values: &mut Vec<T>, value: T) -> Result<(), FormatError> {
+        if values.len() == values.capacity() {
+            let more = values.capacity().max(8);
+            self.charge_items::<T>(more as u64)?;
+            values.reserve_exact(more);
+        }
+        values.push(value);
+        Ok(())
+    }
+
+    /// Copies a text, charging for it.
+    pub(super) fn text(&mut self, text: &str) -> Result<String, FormatError> {
+        self.charge(text.len() as u64)?;
+        Ok(text.to_owned())
+    }
+}

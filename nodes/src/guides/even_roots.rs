@@ -1,0 +1,282 @@
+//! Roots spread evenly over the scalp region: an endless list of which every start is even.
+//!
+//! Triangles are put in the order in which a Hilbert curve visits them, and the curve is continued within
+//! each triangle by bisection, so that one number from 0 to 1 tells a place and equal lengths have equal
+//! area. Numbers then come from van der Corput's sequence with its digits scrambled (Owen 1995), which spreads over any start of
+//! it. Where the region is soft, a place counts with the region's value as its chance.
+//!
+//! Guarantees: the list depends on scalp, seed and nothing else; as many places a cm2 everywhere that the region is 1.
+
+use crate::data::scalp::{Root, Scalp};
+use crate::maths::hash::{Dice, mix};
+use glam::{Vec2, Vec3};
+
+/// The list.
+pub(crate) struct EvenRoots<'a> {
+    scalp: &'a Scalp,
+    dice: Dice,
+    /// Triangles with any region, in their order along the curve, and the sum of area times highest region up to and with each.
+    triangles: Vec<u32>,
+    sums: Vec<f64>,
+}
+
+/// Halvings within a triangle: beyond that a place is exact to a few thousandths of its edge.
+const HALVINGS: u32 = 18;
+
+impl<'a> EvenRoots<'a> {
+    pub(crate) fn new(scalp: &'a Scalp, dice: Dice) -> Self {
+        let (surface, region) = (scalp.surface(), scalp.region());
+        let (lo, hi) = surface.bounds();
+        let scale = 1023.0 / (hi - lo).max_element().max(1e-6);
+        let mut order: Vec<(u32, u32)> = (0..surface.triangles.len() as u32)
+            .filter(|t| highest(scalp, region, *t) > 0.0)
+            .map(|t| {
+                let [a, b, c] = surface.corners(t);
+                let cell = ((a + b + c) / 3.0 - lo) * scale;
+                (hilbert([cell.x as u32, cell.y as u32, cell.z as u32]), t)
+            })
+            .collect();
+        order.sort_unstable();
+        let mut sum = 0.0;
+        let (mut triangles, mut sums) = (vec![], vec![]);
+        for (_, t) in order {
+            let area = 0.5 * f64::from(surface.area_vector(t).length());
+            if area.is_finite() && area > 0.0 {
+                sum += area * f64::from(highest(scalp, region, t));
+                triangles.push(t);
+                sums.push(sum);
+            }
+        }
+        Self { scalp, dice, triangles, sums }
+    }
+
+    /// How many places the list has to be asked for one a cm2, cm2: the region's area, a soft triangle counted with
+    /// its highest corner.
+    pub(crate) fn area(&self) -> f64 {
+        self.sums.last().copied().unwrap_or(0.0)
+    }
+
+    /// The `i`-th place of the list; none where the soft edge of the region leaves it out, or without any region.
+    pub(crate) fn get(&self, i: u32) -> Option<(u32, Vec2)> {
+        let bits = scrambled(i, self.dice.bits(0, 0));
+        let at = f64::from(bits) * (1.0 / 4_294_967_296.0) * self.area();
+        let slot = self.sums.partition_point(|sum| *sum <= at);
+        let triangle = *self.triangles.get(slot)?;
+        let before = if slot > 0 { self.sums[slot - 1] } else { 0.0 };
+        let fraction = (at - before) / (self.sums[slot] - before);
+        let bary = within((fraction * f64::from(1u32 << HALVINGS)) as u32);
+        let region = self.scalp.region();
+        let share =
+            self.scalp.mask_at(region, triangle, bary) / highest(self.scalp, region, triangle);
+        (share >= 1.0 || self.dice.unit(1, u64::from(i)) < share).then_some((triangle, bary))
+    }
+
+    /// [`Self::get`] bound to the scalp.
+    pub(crate) fn root(&self, i: u32) -> Option<Root> {
+        let (triangle, bary) = self.get(i)?;
+        Some(self.scalp.root(triangle, bary))
+    }
+}
+
+fn highest(scalp: &Scalp, region: &[f32], triangle: u32) -> f32 {
+    let [a, b, c] = scalp.surface().triangles[triangle as usize].map(|v| region[v as usize]);
+    a.max(b).max(c).min(1.0)
+}
+
+/// Van der Corput's sequence in base 2 as a 32-bit fraction, scrambled digit by digit in dependence of the digits before
+/// (the hash of Laine and Karras 2011).
+fn scrambled(i: u32, seed: u64) -> u32 {
+    let mut x = i;
+    let seed = mix(seed);
+    x = x.wrapping_add(seed as u32);
+    x ^= x.wrapping_mul(0x6c50_b47c);
+    x ^= x.wrapping_mul(0xb82f_1e52);
+    x ^= x.wrapping_mul(0xc7af_e638);
+    x ^= x.wrapping_mul(0x8d22_f6e6);
+    x ^= ((seed >> 32) as u32) & !1;
+    x.reverse_bits()
+}
+
+/// A place in a triangle by bisecting it: fractions (in 2^-[`HALVINGS`]) that are close lie close.
+fn within(fraction: u32) -> Vec2 {
+    let (mut from, mut apex, mut to) = (Vec2::ZERO, Vec2::X, Vec2::Y);
+    for halving in (0..HALVINGS).rev() {
+        let middle = (from + to) * 0.5;
+        (from, to) = if fraction >> halving & 1 == 0 { (from, apex) } else { (apex, to) };
+        apex = middle;
+    }
+    (from + apex + to) / 3.0
+}
+
+/// How far along a Hilbert curve through 1024^3 cells a cell lies (Skilling 2004, "Programming the
+/// Hilbert curve").
+fn hilbert(mut cell: [u32; 3]) -> u32 {
+    const BITS: u32 = 10;
+    let mut q = 1 << (BITS - 1);
+    while q > 1 {
+        let low = q - 1;
+        for axis in 0..3 {
+            if cell[axis] & q != 0 {
+                cell[0] ^= low;
+            } else {
+                let t = (cell[0] ^ cell[axis]) & low;
+                cell[0] ^= t;
+                cell[axis] ^= t;
+            }
+        }
+        q >>= 1;
+    }
+    cell[1] ^= cell[0];
+    cell[2] ^= cell[1];
+    let mut t = 0;
+    let mut q = 1 << (BITS - 1);
+    while q > 1 {
+        if cell[2] & q != 0 {
+            t ^= q - 1;
+        }
+        q >>= 1;
+    }
+    let [x, y, z] = cell.map(|c| c ^ t);
+    (0..BITS)
+        .rev()
+        .fold(0, |key, bit| key << 3 | (x >> bit & 1) << 2 | (y >> bit & 1) << 1 | z >> bit & 1)
+}
+
+/// Places of the list of which no two are close: the list with those left out that lie too near to an earlier one. What is too
+/// near shrinks as places are taken, so every start of it is even and more only adds.
+pub(crate) struct Apart {
+    /// Taken places and the distance that each demanded.
+    taken: Vec<Vec3>,
+    area: f32,
+    least: f32,
+    /// Side of the cells and numbers of the places in each, rebuilt as the distance shrinks.
+    cell: f32,
+    cells: std::collections::BTreeMap<[i32; 3], Vec<u32>>,
+    /// Shrinks a little whenever many places in a row were refused.
+    slack: f32,
+    refused: u32,
+}
+
+/// Of the distance that places in a perfect grid of triangles would have, 1.07 sqrt(area / number).
+const SPREAD: f32 = 0.8;
+/// Places refused in a row before the distance shrinks.
+const PATIENCE: u32 = 24;
+
+impl Apart {
+    /// For a region of so many cm2; never nearer than `least` cm.
+    pub(crate) fn new(area: f32, least: f32) -> Self {
+        Self {
+            taken: vec![],
+            area,
+            least,
+            cell: f32::MAX,
+            cells: Default::default(),
+            slack: 1.0,
+            refused: 0,
+        }
+    }
+    /// Whether nothing can be taken any more, for even the least distance is refused again and again.
+    pub(crate) fn full(&self) -> bool {
+        self.refused > 40 * PATIENCE
+    }
+    /// Takes a place unless an earlier one is too near. `density` (0 to 1) widens the distance where fewer are wanted.
+    pub(crate) fn take(&mut self, p: Vec3, density: f32) -> bool {
+        let even = SPREAD * (self.area / (self.taken.len() + 1) as f32).sqrt() * self.slack;
+        let apart = (even / density.max(0.02).sqrt()).max(self.least);
+        if even.max(self.least) < 0.5 * self.cell {
+            self.cell = even.max(self.least).max(1e-3);
+            self.cells.clear();
+            for (i, p) in (0..).zip(&self.taken) {
+                self.cells.entry(cell_of(*p, self.cell)).or_default().push(i);
+            }
+        }
+        if self.too_near(p, apart) {
+            self.refused += 1;
+            if self.refused.is_multiple_of(PATIENCE) {
+                self.slack *= 0.92;
+            }
+            return false;
+        }
+        self.refused = 0;
+        self.slack = (self.slack * 1.01).min(1.0);
+        let at = cell_of(p, self.cell);
+        self.cells.entry(at).or_default().push(self.taken.len() as u32);
+        self.taken.push(p);
+        true
+    }
+    fn too_near(&self, p: Vec3, apart: f32) -> bool {
+        let near = |i: &u32| self.taken[*i as usize].distance_squared(p) < apart * apart;
+        let (lo, hi) = (cell_of(p - apart, self.cell), cell_of(p + apart, self.cell));
+        let cells = (0..3).map(|a| (hi[a] - lo[a] + 1) as usize).product::<usize>();
+        if cells > self.taken.len() {
+            return self.taken.iter().any(|other| other.distance_squared(p) < apart * apart);
+        }
+        (lo[0]..=hi[0]).any(|x| {
+            (lo[1]..=hi[1]).any(|y| {
+                (lo[2]..=hi[2])
+                    .any(|z| self.cells.get(&[x, y, z]).is_some_and(|all| all.iter().any(near)))
+            })
+        })
+    }
+}
+
+fn cell_of(p: Vec3, cell: f32) -> [i32; 3] {
+    (p / cell).floor().as_ivec3().to_array()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::scalp::tests::ball;
+
+    #[test]
+    fn every_start_of_the_list_is_spread_by_area() {
+        let scalp = ball();
+        let roots = EvenRoots::new(&scalp, Dice::new(1, 2, "roots"));
+        for n in [500u32, 5_000, 50_000] {
+            let all: Vec<Root> = (0..n).filter_map(|i| roots.root(i)).collect();
+            assert!(all.len() as f32 > 0.95 * n as f32, "{n}: {}", all.len());
+            // Twelve equal slices in height times six in azimuth of the upper half ball (its border row is soft).
+            let mut counts = [[0u32; 6]; 8];
+            for root in &all {
+                let high = (root.point.y / 8.9 * 8.0) as usize;
+                let turn = crate::maths::transcendental::atan2(root.point.z, root.point.x);
+                let slice = ((turn / std::f32::consts::TAU + 0.5) * 6.0) as usize;
+                counts[high.min(7)][slice.min(5)] += 1;
+            }
+            let want = counts[1..].iter().flatten().sum::<u32>() as f32 / 42.0;
+            for count in counts[1..].iter().flatten() {
+                let off = (*count as f32 - want).abs();
+                assert!(off < 0.06 * want + 2.5 * want.sqrt().sqrt() + 1.0, "{n}: {counts:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn places_apart_are_apart_and_fill_the_region() {
+        let scalp = ball();
+        let roots = EvenRoots::new(&scalp, Dice::new(1, 2, "roots"));
+        for n in [40usize, 300, 3000] {
+            let mut apart = Apart::new(roots.area() as f32, 0.0);
+            let mut i = 0;
+            while apart.taken.len() < n && !apart.full() {
+                if let Some(root) = roots.root(i) {
+                    apart.take(root.point, 1.0);
+                }
+                i += 1;
+            }
+            let even = (roots.area() as f32 / n as f32).sqrt();
+            let nearest = apart
+                .taken
+                .iter()
+                .enumerate()
+                .map(|(i, p)| {
+                    let others = apart.taken.iter().enumerate().filter(|(j, _)| *j != i);
+                    others.map(|(_, q)| p.distance(*q)).fold(f32::MAX, f32::min)
+                })
+                .fold(f32::MAX, f32::min);
+            assert!(nearest > 0.5 * even, "{n}: {nearest} of {even}, {i} tried");
+            assert!((i as usize) < 40 * n, "{n}: {i} tried");
+        }
+    }
+}

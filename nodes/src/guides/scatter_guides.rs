@@ -1,0 +1,294 @@
+//! Scatter guides: guides all over the scalp region, laid by a simple flow, as a start for combing or as short hair.
+//!
+//! Guarantees: roots lie on the scalp and in the region; a higher count only adds guides; no point
+//! lies under the skin; points are evenly spaced. Not promised: that guides keep clear of each other.
+
+use super::even_roots::{Apart, EvenRoots};
+use crate::data::attributes::{
+    DENSITY, Domain, ID, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL,
+};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::scalp::{Root, Scalp, Skin};
+use crate::define::{FieldInput, NodeError, choice, node};
+use crate::eval::EvalCx;
+use crate::maths::frame::{across, any_normal, carry};
+use crate::maths::hash::{KeyBuilder, curve_id};
+use crate::maths::spline::Spline;
+use crate::maths::transcendental::{exp, sin_cos};
+use glam::Vec3;
+use std::sync::Arc;
+
+node! {
+    /// Spread guides evenly over the scalp and lay them in a direction.
+    ///
+    /// A start for combing, clusters for filling, or with Interpolate a whole short head of hair. Raising the count
+    /// only adds guides between those there are. Where the scalp region is soft, guides are fewer.
+    "scatter_guides", version 1, label "Scatter guides",
+        words "guides generate plant grow distribute populate roots crown whorl flow short hair";
+    inputs {
+        /// The head.
+        scalp: Arc<Scalp>;
+        /// Whether the number of guides is given, or how many there are on a square centimetre.
+        by: By = By::Count;
+        /// Guides on the whole region, when by count.
+        count: i64 = 300, hard(0.0, 100000.0), soft(10.0, 2000.0), unit(Count), words("amount number");
+        /// Guides on a square centimetre, when by density.
+        density: f32 = 0.5, hard(0.0, 1000.0), soft(0.05, 5.0), unit(PerCm2), words("amount number");
+        /// How many of the guides are kept, from none to all; usually a painted mask.
+        mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region paint");
+        /// No two roots are nearer than this. Asking for too much ends with fewer guides than asked for.
+        min_distance: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("spacing relax poisson");
+        /// Length of the guides.
+        length: FieldInput = 6.0, hard(0.05, 300.0), soft(0.5, 40.0), unit(Length), handle(Handle::Length);
+        /// How much shorter a guide may be than its length, drawn for each: 0 none, 1 down to nothing.
+        length_variation: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("random vary");
+        /// Which way guides are laid.
+        flow: Flow = Flow::Crown, words("direction part comb");
+        /// The direction for that flow, in the head frame (x to the head's left, y up, z forward).
+        direction: Vec3 = Vec3::NEG_Y;
+        /// Where the crown is, in the head frame, centimetres on a head of average size.
+        crown: Vec3 = Vec3::new(0.8, 6.8, -5.6), handle(Handle::Point), words("whorl vertex cowlick");
+        /// How far hair at the crown turns out of the straight way from it, in degrees: 0 is a plain star, 60 a strong
+        /// whorl. It fades away within about 5 cm.
+        whorl: f32 = 45.0, hard(-180.0, 180.0), soft(-90.0, 90.0), unit(Angle), words("swirl cowlick");
+        /// Angle between scalp and guide at the root: 0 lies flat, 90 stands straight up.
+        lie: FieldInput = 35.0, hard(0.0, 90.0), unit(Angle), words("lift stand elevation"), handle(Handle::Angle);
+        /// How far a guide bends from root to tip, towards the scalp.
+        bend: f32 = 25.0, hard(-360.0, 360.0), soft(-90.0, 180.0), unit(Angle), words("curve curl under");
+        /// How strongly gravity pulls: 0 not at all, 1 lets hair hang after a few centimetres.
+        droop: f32 = 0.25, hard(0.0, 10.0), soft(0.0, 2.0), unit(Ratio), words("gravity hang fall sag");
+        /// How far the direction strays at random.
+        randomness: f32 = 8.0, hard(0.0, 180.0), soft(0.0, 45.0), unit(Angle), words("jitter noise messy");
+        /// Points on each guide, root and tip included.
+        points: i64 = 10, hard(2.0, 1024.0), soft(4.0, 32.0), unit(Count), words("cvs segments");
+        /// Radius of the guide when it is used as a cluster.
+        radius: FieldInput = 1.0, hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), handle(Handle::Radius);
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
+        /// Whether lengths grow with the size of the head.
+        scale_with_head: bool = true;
+    }
+    outputs {
+        /// Guides, one tuft each.
+        curves: Curves;
+    }
+}
+
+choice! {
+    /// What decides the number of guides.
+    By {
+        /// So many on the whole region.
+        Count = "count",
+        /// So many on each square centimetre.
+        Density = "density",
+    }
+}
+
+choice! {
+    /// Which way guides are laid.
+    Flow {
+        /// Away from the crown in all directions, as short hair grows.
+        Crown = "crown",
+        /// Down, whatever the head does.
+        Down = "down",
+        /// From the forehead to the back of the head.
+        Back = "back",
+        /// The same direction everywhere.
+        Direction = "direction",
+    }
+}
+
+/// Candidates looked at for each guide asked for, before giving up.
+const TRIES: u32 = 200;
+/// How far over the skin guides are kept, cm.
+const CLEARANCE: f32 = 0.02;
+/// Steps that a guide is grown in between two of its points.
+const SUBSTEPS: usize = 3;
+/// How far from the crown the whorl has faded to a third, head units.
+const WHORL_REACH: f32 = 3.0;
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = &*inputs.scalp;
+    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
+    let roots = roots(cx, &inputs, unit)?;
+    let bound = bound(&roots, inputs.seed);
+    let length = inputs.length.on(&bound, Some(scalp))?;
+    let lie = inputs.lie.on(&bound, Some(scalp))?;
+    let radius = inputs.radius.on(&bound, Some(scalp))?;
+    let skin = cx.skin(scalp);
+    let (vary, stray) = (cx.dice(inputs.seed, "length"), cx.dice(inputs.seed, "direction"));
+    let grower = Grower { scalp, skin, inputs: &inputs, unit };
+    let key = |i: usize| {
+        let (index, root) = &roots[i];
+        KeyBuilder::new("guide").int(u64::from(*index)).vec3(root.point).vec3(root.normal).finish()
+    };
+    let [curves] = cx.each_item(roots.len(), key, |i, piece| {
+        piece.tick()?;
+        let (id, (_, root)) = (bound.id(i), &roots[i]);
+        let shorter = 1.0 - inputs.length_variation * vary.unit(id, 0);
+        let random = [0, 1].map(|n| stray.signed(id, n) * inputs.randomness.to_radians());
+        let length = length.at(i, i, 0.0) * unit * shorter;
+        let points = grower.grow(root, length, lie.at(i, i, 0.0).to_radians(), random);
+        let mut b = TuftBuilder::new();
+        b.push_curve(&points);
+        b.set(ID, Domain::Curve, vec![id]);
+        b.set(RADIUS, Domain::Curve, vec![radius.at(i, i, 0.0) * unit]);
+        b.set(DENSITY, Domain::Curve, vec![DENSITY.default]);
+        b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
+        b.set(ROOT_TRIANGLE, Domain::Curve, vec![root.triangle as i32]);
+        b.set(ROOT_BARY, Domain::Curve, vec![root.bary]);
+        if scalp.uvs().is_some() {
+            b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
+        }
+        Ok([b.build()])
+    })?;
+    Ok(Outputs { curves })
+}
+
+/// Roots with their number in the list of even roots.
+fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, NodeError> {
+    let scalp = &*inputs.scalp;
+    let even = EvenRoots::new(scalp, cx.dice(inputs.seed, "roots"));
+    let wanted = match inputs.by {
+        By::Count => inputs.count as f64,
+        By::Density => (f64::from(inputs.density / (unit * unit)) * even.area()).min(1e5),
+    };
+    let wanted = wanted.round() as usize;
+    let keep = cx.dice(inputs.seed, "mask");
+    let mut apart = Apart::new(even.area() as f32, inputs.min_distance * unit);
+    let mut out: Vec<(u32, Root)> = vec![];
+    // Masks are read for many candidates at a time.
+    const BATCH: u32 = 1024;
+    let last = (wanted as u32).saturating_mul(TRIES).max(BATCH);
+    let (mut start, mut skipped) = (0, 0.0f32);
+    while (out.len() as f32 + skipped) < wanted as f32 && start < last && !apart.full() {
+        cx.check()?;
+        let batch: Vec<(u32, Root)> =
+            (start..start + BATCH).filter_map(|i| Some((i, even.root(i)?))).collect();
+        let tuft = bound(&batch, inputs.seed);
+        let mask = inputs.mask.on(&tuft, Some(scalp))?;
+        for (slot, (i, root)) in batch.into_iter().enumerate() {
+            if (out.len() as f32 + skipped) >= wanted as f32 {
+                break;
+            }
+            let share = mask.at(slot, slot, 0.0);
+            let chosen = keep.unit(u64::from(i), 0) < share;
+            if apart.take(root.point, 1.0) {
+                match chosen {
+                    true => out.push((i, root)),
+                    false => skipped += 1.0,
+                }
+            }
+        }
+        start += BATCH;
+    }
+    if (out.len() as f32 + skipped) < wanted as f32 {
+        let min = inputs.min_distance;
+        cx.warn(format!("only {} of {wanted} guides fit at {min} cm from each other", out.len()));
+    }
+    Ok(out)
+}
+
+/// The roots as curves of one point, for fields to read.
+fn bound(roots: &[(u32, Root)], seed: i64) -> Tuft {
+    let mut b = TuftBuilder::even(roots.iter().map(|(_, r)| r.point).collect(), 1);
+    let id = |i: u32| curve_id(0, seed as u64, u64::from(i));
+    b.set(ID, Domain::Curve, roots.iter().map(|(i, _)| id(*i)).collect());
+    b.set(ROOT_TRIANGLE, Domain::Curve, roots.iter().map(|(_, r)| r.triangle as i32).collect());
+    b.set(ROOT_BARY, Domain::Curve, roots.iter().map(|(_, r)| r.bary).collect());
+    b.build()
+}
+
+struct Grower<'a> {
+    scalp: &'a Scalp,
+    skin: Skin<'a>,
+    inputs: &'a Inputs,
+    unit: f32,
+}
+
+impl Grower<'_> {
+    /// A guide, step by step: along the flow at the lie's angle to the skin below, less and less as it bends, pulled down as it
+    /// gets free.
+    fn grow(&self, root: &Root, length: f32, lie: f32, [turn, tilt]: [f32; 2]) -> Vec<Vec3> {
+        let count = self.inputs.points as usize;
+        let steps = (count - 1) * SUBSTEPS;
+        let step = length / steps as f32;
+        let bend = self.inputs.bend.to_radians() / steps as f32;
+        let down = -self.scalp.frame().up;
+        let flow = turned(self.flow(root.point, root.normal), root.normal, turn);
+        let (sin, cos) = sin_cos((lie + tilt * cos_of(lie)).clamp(0.0, std::f32::consts::PI));
+        let mut direction = flow * cos + root.normal * sin;
+        let (mut p, mut normal) = (root.point, root.normal);
+        let mut grown = vec![p];
+        for _ in 0..steps {
+            let next = p + direction * step;
+            let (lifted, moved) = self.skin.lift(next, CLEARANCE);
+            // A step that was put back on the skin goes on as long along it.
+            let mut to = lifted;
+            if moved && let Some(along) = (lifted - p).try_normalize() {
+                to = self.skin.lift(p + along * step, CLEARANCE).0;
+            }
+            direction = (to - p).try_normalize().unwrap_or(direction);
+            p = to;
+            grown.push(p);
+            let Some(hit) = self.skin.closest(p) else { continue };
+            let below = self.scalp.surface().smooth_normal(hit.triangle, hit.bary);
+            // Hair near the skin turns with it, and with the flow; a few cm off it is free.
+            let near = exp(-hit.distance / (2.0 * self.unit));
+            let carried = carry(direction, normal, below);
+            direction = direction.lerp(carried, near).normalize_or(direction);
+            normal = below;
+            let flow = turned(self.flow(p, below), below, turn);
+            if let Some(flat) = across(direction, below) {
+                let high = direction.dot(below);
+                let flat = flat.lerp(flow, 0.3 * near).normalize_or(flat);
+                direction = (flat * (1.0 - high * high).max(0.0).sqrt() + below * high)
+                    .normalize_or(direction);
+            }
+            if let Some(axis) = direction.cross(-below).try_normalize() {
+                direction = turned(direction, axis, bend);
+            }
+            let pull = self.inputs.droop * 0.25 * step / self.unit;
+            direction = (direction + down * pull).normalize_or(direction);
+        }
+        let mut out = Vec::with_capacity(count);
+        match Spline::new(&grown) {
+            Ok(spline) => spline.resample(count, |p| out.push(p)),
+            Err(_) => out = grown,
+        }
+        // The spline may cut a corner of the skin that the steps kept out of.
+        for p in &mut out[1..] {
+            *p = self.skin.lift(*p, 0.5 * CLEARANCE).0;
+        }
+        out[0] = root.point;
+        out
+    }
+
+    /// The flow on the scalp at `p`. Unit, at right angles to `normal`.
+    fn flow(&self, p: Vec3, normal: Vec3) -> Vec3 {
+        let frame = self.scalp.frame();
+        let wanted = match self.inputs.flow {
+            Flow::Down => -frame.up,
+            Flow::Back => -frame.forward - frame.up * 0.3,
+            Flow::Direction => frame.vector_from_head(self.inputs.direction),
+            Flow::Crown => {
+                let crown = frame.point_from_head(self.inputs.crown);
+                let away = across(p - crown, normal).unwrap_or_else(|| any_normal(normal));
+                let reach = WHORL_REACH * self.unit;
+                let fade = exp(-(p - crown).length() / reach);
+                turned(away, normal, self.inputs.whorl.to_radians() * fade)
+            }
+        };
+        across(wanted, normal).unwrap_or_else(|| any_normal(normal))
+    }
+}
+
+fn cos_of(angle: f32) -> f32 {
+    sin_cos(angle).1
+}
+
+/// `v` turned about a unit axis.
+fn turned(v: Vec3, axis: Vec3, radians: f32) -> Vec3 {
+    let (sin, cos) = sin_cos(radians);
+    v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
+}

@@ -1,0 +1,361 @@
+//! Stroke input: pen strokes of the document as curves on a head.
+//!
+//! Strokes are stored in the head frame and in head units, so the same strokes fall into place on another
+//! head. Each stroke makes one tuft, told by the stroke's own key: drawing one more makes one more.
+//!
+//! Guarantees: every curve is bound to the scalp where it starts; projected curves keep their offset from the
+//! scalp at every CV; free ones never run under the skin. A stroke without length is left out and
+//! named.
+
+use crate::data::attributes::{Domain, ID, RADIUS, SCALP_NORMAL};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::scalp::{Root, Scalp, Skin};
+use crate::data::strokes::{Stroke, Strokes};
+use crate::define::{FieldInput, NodeError, choice, node};
+use crate::eval::{EvalCx, Piece};
+use crate::maths::hash::{KeyBuilder, curve_id};
+use crate::maths::spline::Spline;
+use crate::scalp::lay::{self, Polyline};
+use glam::Vec3;
+use std::sync::Arc;
+
+node! {
+    /// Curves drawn with the pen: rows for braids, partings, guides, control curves of clusters.
+    ///
+    /// Draw them on the head in the viewport. A stroke is pulled on to the scalp, or kept as drawn in space with its
+    /// root on the scalp.
+    "stroke_input", version 1, label "Stroke input", words "draw pen sketch curve guide row parting line tablet";
+    inputs {
+        /// The strokes, root first. Drawn in the viewport; stored in the head's own frame.
+        strokes: Arc<Strokes> = Strokes::default(), words("drawn pen");
+        /// The head that the strokes are drawn on.
+        scalp: Arc<Scalp>;
+        /// Whether strokes lie on the scalp or hang in space.
+        project: Project = Project::Scalp, words("surface snap stick");
+        /// How far over the scalp projected strokes lie. Negative is under the skin. A ramp runs from root to tip.
+        offset: FieldInput = 0.0, hard(-2.0, 20.0), soft(0.0, 2.0), unit(Length), handle(Handle::Length), words("height lift");
+        /// How far the drawn line is averaged along itself, to take out the tremble of the hand. 0 keeps every wiggle.
+        smoothing: f32 = 0.3, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), words("smooth stabilise jitter");
+        /// Distance between the points of the curves. Each curve gets the number that comes closest.
+        spacing: f32 = 0.5, hard(0.01, 100.0), soft(0.1, 2.0), unit(Length), words("resample resolution points cvs");
+        /// Radius of the cluster or braid that the curve stands for. A ramp runs from root to tip.
+        radius: FieldInput = 1.0, hard(0.001, 100.0), soft(0.05, 3.0), unit(Length), handle(Handle::Radius), words("width size thickness");
+        /// How much the pen's pressure makes the radius: 0 not at all, 100% from nothing at no pressure to the full radius
+        /// at full pressure.
+        pressure_radius: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("pen pressure width");
+        /// Whether every stroke is drawn on the other side of the head too.
+        mirror: Mirror = Mirror::None, words("symmetry symmetrise flip x");
+        /// Whether lengths here grow with the head. Strokes always do.
+        scale_with_head: bool = true, words("head units");
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
+    }
+    outputs {
+        /// One curve for each stroke and each mirrored twin, in drawing order, with radius, pressure, root and scalp normals.
+        curves: Curves;
+    }
+}
+
+choice! {
+    /// Whether strokes lie on the scalp or hang in space.
+    Project {
+        /// Every point is pulled to the closest point of the scalp.
+        Scalp = "scalp",
+        /// As drawn; the root goes to the closest point of the scalp, and what runs under the skin is pushed out.
+        Free = "free",
+    }
+}
+
+choice! {
+    /// Whether every stroke is drawn on the other side of the head too.
+    Mirror {
+        /// Each stroke once.
+        None = "none",
+        /// Each stroke and its mirror image, except strokes on the midline of the head.
+        Both = "both",
+    }
+}
+
+/// A stroke that stays within this of the midline (head units) is its own mirror image.
+const MIDLINE: f32 = 0.1;
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let skin = (inputs.project == Project::Free).then(|| cx.skin(&inputs.scalp));
+    let mut drawn: Vec<(&Stroke, bool)> = vec![];
+    for stroke in &inputs.strokes.0 {
+        drawn.push((stroke, false));
+        let off_midline = stroke.samples.iter().any(|s| s.position.x.abs() > MIDLINE);
+        if inputs.mirror == Mirror::Both && off_midline {
+            drawn.push((stroke, true));
+        }
+    }
+    let key = |i: usize| {
+        let (stroke, mirrored) = drawn[i];
+        KeyBuilder::new("drawn").key(stroke.key()).int(u64::from(mirrored)).finish()
+    };
+    let [curves] = cx.each_item(drawn.len(), key, |i, piece| {
+        let (stroke, mirrored) = drawn[i];
+        Ok([drawn_curve(&inputs, stroke, mirrored, skin.as_ref(), piece)?])
+    })?;
+    Ok(Outputs { curves })
+}
+
+/// The tuft of one stroke: one curve, or none when it has no length.
+fn drawn_curve(
+    inputs: &Inputs,
+    stroke: &Stroke,
+    mirrored: bool,
+    skin: Option<&Skin>,
+    piece: &mut Piece,
+) -> Result<Tuft, NodeError> {
+    piece.tick()?;
+    let (scalp, frame) = (&*inputs.scalp, inputs.scalp.frame());
+    let unit = if inputs.scale_with_head { frame.unit() } else { 1.0 };
+    let id = curve_id(stroke.id, inputs.seed as u64, u64::from(mirrored));
+    let side = if mirrored { Vec3::new(-1.0, 1.0, 1.0) } else { Vec3::ONE };
+    let (mut points, mut pressures): (Vec<Vec3>, Vec<f32>) = (vec![], vec![]);
+    for sample in &stroke.samples {
+        let p = frame.point_from_head(sample.position * side);
+        if p.is_finite() && points.last().is_none_or(|last| last.distance(p) > NEAR) {
+            points.push(p);
+            pressures.push(sample.pressure.clamp(0.0, 1.0));
+        }
+    }
+    if points.len() < 2 {
+        piece.trouble(stroke.id, "a stroke without length was left out");
+        return Ok(TuftBuilder::new().build());
+    }
+    let hand = Polyline::new(points);
+    let pressure_at = |part: f32| {
+        let (i, t) = hand.place(part * hand.length());
+        pressures[i] + (pressures[(i + 1).min(pressures.len() - 1)] - pressures[i]) * t
+    };
+    let smooth = hand.smoothed(inputs.smoothing * unit);
+    let spacing = inputs.spacing * unit;
+    let fine = ((smooth.length() / (0.25 * spacing)).ceil() as usize).clamp(8, lay::MOST);
+    let mut line = smooth.evenly(fine + 1);
+    match inputs.project {
+        Project::Scalp => line.iter_mut().for_each(|p| *p = lay::laid(scalp, *p, 0.0).0),
+        Project::Free => {
+            let start = lay::laid(scalp, line[0], 0.0).0;
+            if start.distance(line[0]) > NEAR {
+                line.insert(0, start);
+            } else {
+                line[0] = start;
+            }
+        }
+    }
+    line.dedup_by(|a, b| a.distance(*b) <= NEAR);
+    let Ok(spline) = Spline::new(&line) else {
+        piece.trouble(stroke.id, "a stroke that the scalp has no room for was left out");
+        return Ok(TuftBuilder::new().build());
+    };
+    let n = ((spline.length() / spacing).round() as usize).clamp(2, lay::MOST - 1) + 1;
+    let mut points = Vec::with_capacity(n);
+    spline.resample(n, |p| points.push(p));
+    let mut normals = vec![Vec3::ZERO; n];
+    for (k, (p, normal)) in points.iter_mut().zip(&mut normals).enumerate() {
+        match (inputs.project, skin) {
+            (Project::Free, Some(skin)) if k > 0 => {
+                *p = skin.push_out(*p, 0.0).0;
+                *normal = lay::laid(scalp, *p, 0.0).1;
+            }
+            _ => (*p, *normal) = lay::laid(scalp, *p, 0.0),
+        }
+    }
+    let root: Option<Root> = scalp.closest_root(points[0]);
+    let part = |k: usize| k as f32 / (n - 1) as f32;
+    let pressure: Vec<f32> = (0..n).map(|k| pressure_at(part(k))).collect();
+    let mut tuft = TuftBuilder::new();
+    tuft.push_curve(&points);
+    tuft.set(ID, Domain::Curve, vec![id]);
+    tuft.set(SCALP_NORMAL, Domain::Point, normals.clone());
+    tuft.set_named("pressure".into(), Domain::Point, pressure.clone());
+    lay::bind(&mut tuft, root.as_slice());
+    let bound = tuft.build();
+    let (radius, offset) =
+        (inputs.radius.on(&bound, Some(scalp))?, inputs.offset.on(&bound, Some(scalp))?);
+    let mut tuft = bound.edit();
+    let by_pressure = |k: usize| 1.0 + inputs.pressure_radius * (pressure[k] - 1.0);
+    let radii = (0..n).map(|k| radius.at(0, k, part(k)) * unit * by_pressure(k)).collect();
+    tuft.set(RADIUS, Domain::Point, radii);
+    if inputs.project == Project::Scalp {
+        for (k, p) in points.iter_mut().enumerate() {
+            *p += normals[k] * (offset.at(0, k, part(k)) * unit);
+        }
+        tuft.set_points(points);
+    }
+    Ok(tuft.build())
+}
+
+/// Points closer than this (cm) are one.
+const NEAR: f32 = 1e-4;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::attributes::{ROOT_BARY, ROOT_TRIANGLE};
+    use crate::data::ramp::Ramp;
+    use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION};
+    use crate::data::strokes::Sample;
+    use crate::define::Value;
+    use crate::eval::{Log, Quality};
+    use crate::maths::closest::tests::sphere;
+    use crate::testing::{Memory, curves_of, run, run_on};
+    use std::sync::atomic::Ordering;
+
+    fn ball(radius: f32) -> Arc<Scalp> {
+        let surface = sphere(radius, 64);
+        let region = vec![1.0; surface.points.len()];
+        let frame = HeadFrame { radius, ..HeadFrame::IDENTITY };
+        Arc::new(Scalp::new(surface, None, frame, [(REGION.to_owned(), region)].into()))
+    }
+
+    /// A line from the forehead backwards, `x` off the midline, 1 cm over a head of average size.
+    fn back(id: u64, x: f32) -> Stroke {
+        let samples = (0..=30)
+            .map(|k| {
+                let (s, c) =
+                    crate::maths::transcendental::sin_cos_turns(k as f32 / 30.0 * 0.4 - 0.1);
+                let position = Vec3::new(x, c * 9.9, -s * 9.9);
+                Sample { position, pressure: k as f32 / 30.0, time: k as f32 * 0.01 }
+            })
+            .collect();
+        Stroke { id, samples }
+    }
+
+    fn drawn(scalp: &Arc<Scalp>, strokes: Vec<Stroke>, set: &[(&str, Value)]) -> Curves {
+        let fixed = [("scalp", scalp.clone().into()), ("strokes", Strokes(strokes).into())];
+        let (out, said) = run(&NODE, &[&fixed, set].concat());
+        assert!(said.is_empty(), "{said:?}");
+        curves_of(&out[0]).clone()
+    }
+
+    #[test]
+    fn projected_strokes_lie_at_their_offset_on_any_head() {
+        for (radius, unit) in [(HEAD_RADIUS, 1.0), (2.0 * HEAD_RADIUS, 2.0)] {
+            let scalp = ball(radius);
+            let set = [("offset", Value::Float(0.4)), ("spacing", Value::Float(0.5))];
+            let curves = drawn(&scalp, vec![back(7, 2.0)], &set);
+            let tuft = &curves.tufts()[0];
+            let spline = Spline::new(tuft.curve(0)).unwrap();
+            for k in 0..=200 {
+                let p = spline.at(k as f32 / 200.0);
+                let hit = scalp.surface().closest(p).unwrap();
+                let d = scalp.surface().signed_distance(p, &hit);
+                assert!((d - 0.4 * unit).abs() < 0.01 * unit, "{k}: {d}");
+            }
+            for w in tuft.curve(0).windows(3) {
+                let ratio = w[0].distance(w[1]) / w[1].distance(w[2]);
+                assert!((0.84..1.19).contains(&ratio), "{ratio}");
+            }
+            let step = tuft.curve(0)[0].distance(tuft.curve(0)[1]);
+            assert!((step - 0.5 * unit).abs() < 0.05 * unit, "{step}");
+            // The binding is the scalp point under the first CV.
+            let triangle = tuft.view(ROOT_TRIANGLE).at(0, 0);
+            let root = scalp.root(triangle as u32, tuft.view(ROOT_BARY).at(0, 0));
+            assert!((root.point.distance(tuft.curve(0)[0]) - 0.4 * unit).abs() < 1e-3);
+            assert!((tuft.view(SCALP_NORMAL).at(0, 3).length() - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn free_strokes_stay_as_drawn_and_start_on_the_scalp() {
+        let scalp = ball(HEAD_RADIUS);
+        let set = [("project", "free".into()), ("smoothing", Value::Float(0.0))];
+        let curves = drawn(&scalp, vec![back(7, 2.0)], &set);
+        let points = curves.tufts()[0].curve(0);
+        assert!(scalp.surface().closest(points[0]).unwrap().distance < 1e-3);
+        let off = |p: &Vec3| (p.with_x(0.0).length() - 9.9).abs();
+        assert!(
+            points[4..].iter().all(|p| off(p) < 0.05 && (p.x - 2.0).abs() < 0.05),
+            "{points:?}"
+        );
+        // A stroke through the head comes out of it.
+        let through = |id| Stroke {
+            id,
+            samples: [-9.0, 0.0, 9.0]
+                .map(|x| Sample { position: Vec3::new(x, 3.0, 1.0), pressure: 1.0, time: 0.0 })
+                .to_vec(),
+        };
+        let curves = drawn(&scalp, vec![through(3)], &set);
+        for p in curves.tufts()[0].curve(0) {
+            let hit = scalp.surface().closest(*p).unwrap();
+            assert!(scalp.surface().signed_distance(*p, &hit) > -1e-3, "{p}");
+        }
+    }
+
+    #[test]
+    fn pressure_makes_the_radius_and_a_ramp_runs_along_it() {
+        let scalp = ball(HEAD_RADIUS);
+        let radius = |set: &[(&str, Value)]| {
+            let curves = drawn(&scalp, vec![back(7, 2.0)], set);
+            let tuft = curves.tufts()[0].clone();
+            let n = tuft.curve(0).len();
+            [0, n / 2, n - 1].map(|k| tuft.view(RADIUS).at(0, k))
+        };
+        assert_eq!(radius(&[]), [1.0; 3]);
+        let [a, b, c] = radius(&[("pressure_radius", Value::Float(1.0))]);
+        assert!(a < 0.01 && (b - 0.5).abs() < 0.03 && c > 0.99, "{a} {b} {c}");
+        let ramp = Value::Ramp(Arc::new(Ramp::linear(2.0, 1.0)));
+        let [a, b, c] = radius(&[("radius", ramp)]);
+        assert!(a == 2.0 && (b - 1.5).abs() < 0.03 && c == 1.0, "{a} {b} {c}");
+    }
+
+    #[test]
+    fn mirrored_twins_have_their_own_ids_and_the_midline_has_none() {
+        let scalp = ball(HEAD_RADIUS);
+        let curves = drawn(&scalp, vec![back(7, 2.0), back(8, 0.0)], &[("mirror", "both".into())]);
+        let ids: Vec<u64> = curves.each().map(|(tuft, i)| tuft.id(i)).collect();
+        assert_eq!(ids, [curve_id(7, 0, 0), curve_id(7, 0, 1), curve_id(8, 0, 0)]);
+        let (one, twin) = (&curves.tufts()[0], &curves.tufts()[1]);
+        for (a, b) in one.points().iter().zip(twin.points()) {
+            assert!(a.distance(*b * Vec3::new(-1.0, 1.0, 1.0)) < 1e-3, "{a} {b}");
+        }
+        assert_eq!(drawn(&scalp, vec![back(7, 2.0)], &[]).curve_count(), 1);
+    }
+
+    #[test]
+    fn smoothing_takes_the_tremble_out_and_keeps_the_ends() {
+        let scalp = ball(HEAD_RADIUS);
+        let mut wild = back(7, 2.0);
+        for (k, s) in wild.samples.iter_mut().enumerate() {
+            s.position.x += if k % 2 == 0 { 0.2 } else { -0.2 };
+        }
+        let rough = |smoothing: f32| {
+            let curves =
+                drawn(&scalp, vec![wild.clone()], &[("smoothing", Value::Float(smoothing))]);
+            let length = Spline::new(curves.tufts()[0].curve(0)).unwrap().length();
+            (length, curves.tufts()[0].curve(0)[0])
+        };
+        let ((l0, a), (l1, b)) = (rough(0.0), rough(1.0));
+        let straight = Spline::new(drawn(&scalp, vec![back(7, 2.0)], &[]).tufts()[0].curve(0));
+        assert!(l1 < l0 && l1 / straight.unwrap().length() < 1.03, "{l0} {l1}");
+        assert!(a.distance(b) < 1e-4);
+    }
+
+    #[test]
+    fn a_dot_is_named_and_the_rest_is_drawn() {
+        let scalp = ball(HEAD_RADIUS);
+        let dot = Stroke { id: 9, samples: back(9, 1.0).samples[..1].to_vec() };
+        let strokes = Strokes(vec![dot, back(7, 2.0)]);
+        let (out, said) = run(&NODE, &[("scalp", scalp.into()), ("strokes", strokes.into())]);
+        assert_eq!(curves_of(&out[0]).curve_count(), 1);
+        assert_eq!(said, ["a stroke without length was left out (curve 0000000000000009)"]);
+    }
+
+    #[test]
+    fn one_more_stroke_makes_one_more_tuft() {
+        let (scalp, host) = (ball(HEAD_RADIUS), Memory::default());
+        let ran = |strokes: Vec<Stroke>| {
+            let log = Log::default();
+            let set = [("scalp", scalp.clone().into()), ("strokes", Strokes(strokes).into())];
+            run_on(&NODE, &set, &host, &log, Quality::Final).unwrap();
+            log.tufts_run.load(Ordering::Relaxed)
+        };
+        assert_eq!(ran(vec![back(1, 1.0), back(2, 2.0)]), 2);
+        assert_eq!(ran(vec![back(1, 1.0), back(2, 2.0), back(3, 3.0)]), 1);
+        assert_eq!(ran(vec![back(1, 1.0), back(2, 2.5), back(3, 3.0)]), 1);
+        assert_eq!(ran(vec![back(2, 2.5), back(3, 3.0)]), 0);
+    }
+}

@@ -1,0 +1,111 @@
+//! Laying lines on the scalp: what drawn strokes, projected curves and parting hairs share.
+
+use crate::data::attributes::{Domain, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV};
+use crate::data::curves::TuftBuilder;
+use crate::data::scalp::{Root, Scalp};
+use glam::Vec3;
+
+/// Binds the curves of a tuft, in order, to their roots.
+pub(crate) fn bind(tuft: &mut TuftBuilder, roots: &[Root]) {
+    if roots.is_empty() {
+        return;
+    }
+    let triangles = roots.iter().map(|r| r.triangle as i32).collect();
+    tuft.set(ROOT_TRIANGLE, Domain::Curve, triangles);
+    tuft.set(ROOT_BARY, Domain::Curve, roots.iter().map(|r| r.bary).collect());
+    tuft.set(ROOT_UV, Domain::Curve, roots.iter().map(|r| r.uv).collect());
+}
+
+/// The point `height` (cm) over the scalp's closest point to `p`, and the smooth normal there; `p` itself
+/// where there is no scalp.
+pub(crate) fn laid(scalp: &Scalp, p: Vec3, height: f32) -> (Vec3, Vec3) {
+    match scalp.closest_root(p) {
+        Some(root) => (root.point + root.normal * height, root.normal),
+        None => (p, Vec3::ZERO),
+    }
+}
+
+/// The smooth normal of the scalp nearest to each point.
+pub(crate) fn scalp_normals(scalp: &Scalp, points: &[Vec3]) -> Vec<Vec3> {
+    points.iter().map(|p| laid(scalp, *p, 0.0).1).collect()
+}
+
+/// A line of straight pieces with its running length.
+#[derive(Clone, Debug)]
+pub(crate) struct Polyline {
+    pub(crate) points: Vec<Vec3>,
+    lengths: Vec<f32>,
+}
+
+impl Polyline {
+    /// The line through `points`, at least one.
+    pub(crate) fn new(points: Vec<Vec3>) -> Self {
+        let mut sum = 0.0f64;
+        let mut lengths = vec![0.0];
+        for w in points.windows(2) {
+            sum += f64::from(w[0].distance(w[1]));
+            lengths.push(sum as f32);
+        }
+        Self { points, lengths }
+    }
+    /// Length, cm.
+    pub(crate) fn length(&self) -> f32 {
+        self.lengths.last().copied().unwrap_or(0.0)
+    }
+    /// Number of the point before arc length `s`, and the fraction of the way to the next.
+    pub(crate) fn place(&self, s: f32) -> (usize, f32) {
+        let last = self.points.len().saturating_sub(2);
+        let i = self.lengths.partition_point(|l| *l <= s).saturating_sub(1).min(last);
+        let Some(after) = self.lengths.get(i + 1) else { return (0, 0.0) };
+        let step = after - self.lengths[i];
+        (i, if step > 0.0 { ((s - self.lengths[i]) / step).clamp(0.0, 1.0) } else { 0.0 })
+    }
+    /// The point at arc length `s`.
+    pub(crate) fn at(&self, s: f32) -> Vec3 {
+        let (i, t) = self.place(s);
+        let next = self.points[(i + 1).min(self.points.len() - 1)];
+        self.points[i] + (next - self.points[i]) * t
+    }
+    /// `n` points at even arc length, ends included.
+    pub(crate) fn evenly(&self, n: usize) -> Vec<Vec3> {
+        let step = self.length() / (n.max(2) - 1) as f32;
+        let mut points: Vec<Vec3> = (0..n).map(|k| self.at(k as f32 * step)).collect();
+        if let (Some(to), Some(from)) = (points.last_mut(), self.points.last()) {
+            *to = *from;
+        }
+        points
+    }
+    /// The line smoothed as by a Gaussian of standard deviation `sigma` (cm), ends kept.
+    pub(crate) fn smoothed(&self, sigma: f32) -> Self {
+        let length = self.length();
+        if sigma <= 0.0 || length <= 0.0 {
+            return self.clone();
+        }
+        // Three points a sigma; a sigma beyond a third of the line would only straighten it further.
+        let sigma = sigma.min(length / 3.0);
+        let n = ((length / sigma * 3.0).ceil() as usize).clamp(8, MOST) + 1;
+        let h = length / (n - 1) as f32;
+        let rounds = (2.0 * (sigma / h) * (sigma / h)).round().clamp(1.0, 64.0) as usize;
+        let mut points = self.evenly(n);
+        filter(&mut points, rounds);
+        Self::new(points)
+    }
+}
+
+/// The most points a line is cut into.
+pub(crate) const MOST: usize = 4096;
+
+/// Rounds of (1, 2, 1) / 4; each adds half a squared spacing to the variance. The ends stay.
+pub(crate) fn filter(points: &mut [Vec3], rounds: usize) {
+    for _ in 0..rounds {
+        let mut before = match points.first() {
+            Some(first) => *first,
+            None => return,
+        };
+        for i in 1..points.len().saturating_sub(1) {
+            let here = points[i];
+            points[i] = (before + here * 2.0 + points[i + 1]) * 0.25;
+            before = here;
+        }
+    }
+}

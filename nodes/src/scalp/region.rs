@@ -1,0 +1,177 @@
+//! Where on a head hair grows, as a mask with one value a vertex.
+//!
+//! methods.md 0.1: the default region is outer surface above a plane that rises towards the face, in a shell
+//! about the cranium; a drawn hairline is a closed line in the azimuthal projection about the up axis,
+//! and its inside, the crown's side, is the region.
+
+use crate::data::scalp::HeadFrame;
+use crate::data::strokes::Strokes;
+use crate::define::NodeError;
+use crate::maths::closest::Surface;
+use crate::maths::transcendental::{acos, atan2, cos, sin_cos};
+use glam::{Vec2, Vec3};
+
+/// The plane of the default region: this far below the centre (radii) ...
+const DROP: f32 = 0.30;
+/// ... rising to the front at this angle.
+const RISE: f32 = 40.0 / 180.0 * std::f32::consts::PI;
+/// The shell of the default region, in radii from the centre.
+const SHELL: (f32, f32) = (0.8, 1.2);
+
+/// The default region; `softness` (cm) is the width of its edge.
+pub(crate) fn default_region(
+    surface: &Surface,
+    frame: &HeadFrame,
+    softness: f32,
+    check: &dyn Fn() -> Result<(), NodeError>,
+) -> Result<Vec<f32>, NodeError> {
+    let (sin, cos) = sin_cos(RISE);
+    mask(surface, frame, check, |v| {
+        let p = frame.head_from_vector(v);
+        let r = frame.radius;
+        let over = (p.y + DROP * r) * cos - p.z * sin;
+        let within = (p.length() - SHELL.0 * r).min(SHELL.1 * r - p.length());
+        soft(over.min(within), softness)
+    })
+}
+
+/// The inside of hairlines, each stroke closed by itself; `softness` (cm) is the width of the edge.
+pub(crate) fn hairline_region(
+    surface: &Surface,
+    frame: &HeadFrame,
+    strokes: &Strokes,
+    softness: f32,
+    check: &dyn Fn() -> Result<(), NodeError>,
+) -> Result<Vec<f32>, NodeError> {
+    let lines: Vec<Vec<Vec2>> = strokes
+        .0
+        .iter()
+        .map(|s| s.samples.iter().map(|sample| spread(sample.position)).collect())
+        .filter(|line: &Vec<Vec2>| line.len() >= 3)
+        .collect();
+    mask(surface, frame, check, |v| {
+        let p = spread(frame.head_from_vector(v));
+        let inside = |line: &Vec<Vec2>| inside_by(p, line, frame.radius);
+        soft(lines.iter().map(inside).fold(f32::MIN, f32::max), softness)
+    })
+}
+
+/// Length of the straight line that closes a stroke, against the stroke's own length.
+pub(crate) fn gap(positions: &[Vec3]) -> f32 {
+    let length: f32 = positions.windows(2).map(|w| w[0].distance(w[1])).sum();
+    match positions {
+        [first, .., last] if length > 0.0 => first.distance(*last) / length,
+        _ => 0.0,
+    }
+}
+
+/// The value that `value` gives for the vertex at `v` from the centre, where the surface is outer surface.
+fn mask(
+    surface: &Surface,
+    frame: &HeadFrame,
+    check: &dyn Fn() -> Result<(), NodeError>,
+    value: impl Fn(Vec3) -> f32,
+) -> Result<Vec<f32>, NodeError> {
+    let mut out = Vec::with_capacity(surface.points.len());
+    for (i, p) in surface.points.iter().enumerate() {
+        if i % 256 == 0 {
+            check()?;
+        }
+        let x = value(*p - frame.origin);
+        out.push(if x > 0.0 && outer(surface, frame, i) { x } else { 0.0 });
+    }
+    Ok(out)
+}
+
+/// 0 to 1 across an edge `width` wide whose middle lies where `inside` (the distance from it, cm) is 0.
+fn soft(inside: f32, width: f32) -> f32 {
+    if width <= 0.0 {
+        return f32::from(inside > 0.0);
+    }
+    let x = (inside / width + 0.5).clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
+/// How far the rays of [`outer`] lean from the radial direction.
+const LEAN: f32 = 50.0 / 180.0 * std::f32::consts::PI;
+
+/// Whether the outside can be seen from a vertex: a straight line outwards, or one of six that lean by 50
+/// degrees, meets nothing. So skin behind an ear is outer surface, an eye's back or a tooth is not.
+fn outer(surface: &Surface, frame: &HeadFrame, vertex: usize) -> bool {
+    let p = surface.points[vertex];
+    let Some(out) = (p - frame.origin).try_normalize() else { return false };
+    let start = p + surface.normals[vertex] * (0.005 * frame.radius);
+    let side = frame.up.cross(out).try_normalize().unwrap_or(frame.right);
+    let other = out.cross(side);
+    let (sin, cos) = sin_cos(LEAN);
+    let leaning = (0..6).map(|k| {
+        let (s, c) = crate::maths::transcendental::sin_cos_turns(k as f32 / 6.0);
+        out * cos + (side * c + other * s) * sin
+    });
+    std::iter::once(out)
+        .chain(leaning)
+        .any(|way| surface.ray(start, way, 8.0 * frame.radius).is_none())
+}
+
+/// Azimuthal equidistant projection of a direction of the head frame about the up axis: radians from the
+/// crown, turned as seen from above.
+fn spread(p: Vec3) -> Vec2 {
+    let p = p.try_normalize().unwrap_or(Vec3::Y);
+    let (angle, around) = (acos(p.y), atan2(p.x, p.z));
+    let (sin, cos) = sin_cos(around);
+    Vec2::new(sin, cos) * angle
+}
+
+/// The direction that [`spread`] takes to `q`.
+fn gathered(q: Vec2) -> Vec3 {
+    let angle = q.length();
+    let (sin, up) = (sin_cos(angle).0, cos(angle));
+    let flat = q.try_normalize().unwrap_or(Vec2::Y) * sin;
+    Vec3::new(flat.x, up, flat.y)
+}
+
+/// Distance of `p` from a closed line on a sphere of `radius`, positive inside (both in [`spread`]'s
+/// plane).
+fn inside_by(p: Vec2, line: &[Vec2], radius: f32) -> f32 {
+    let mut inside = false;
+    let mut nearest = (f32::MAX, p);
+    for (i, a) in line.iter().enumerate() {
+        let b = line[(i + 1) % line.len()];
+        if (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y)) {
+            inside = !inside;
+        }
+        let along = b - *a;
+        let t = ((p - *a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
+        let q = *a + along * t;
+        let d = q.distance_squared(p);
+        if d < nearest.0 {
+            nearest = (d, q);
+        }
+    }
+    let distance = gathered(p).distance(gathered(nearest.1)) * radius;
+    if inside { distance } else { -distance }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_projection_comes_back() {
+        for p in [Vec3::new(1.0, 2.0, 3.0), Vec3::new(-1.0, -0.4, 0.2), Vec3::Y, Vec3::NEG_Z] {
+            assert!(gathered(spread(p)).distance(p.normalize()) < 1e-5, "{p}");
+        }
+    }
+
+    #[test]
+    fn a_ring_has_its_inside_on_the_side_of_the_crown() {
+        let ring: Vec<Vec2> = (0..64)
+            .map(|k| {
+                let (s, c) = crate::maths::transcendental::sin_cos_turns(k as f32 / 64.0);
+                Vec2::new(s, c)
+            })
+            .collect();
+        assert!((inside_by(Vec2::new(0.5, 0.0), &ring, 10.0) - 4.95).abs() < 0.03);
+        assert!((inside_by(Vec2::new(0.0, 1.5), &ring, 10.0) + 4.95).abs() < 0.03);
+    }
+}

@@ -1,0 +1,160 @@
+//! Set width: the thickness of hair from root to tip.
+//!
+//! Guarantees: nothing else changes and nothing else is copied; a width that is the same everywhere is stored once.
+
+use crate::data::attributes::{Domain, WIDTH};
+use crate::data::curves::{Curves, Tuft};
+use crate::data::ramp::Ramp;
+use crate::data::scalp::Scalp;
+use crate::define::{FieldInput, NodeError, node};
+use crate::eval::EvalCx;
+use glam::Vec3;
+use std::sync::Arc;
+
+node! {
+    /// Set how thick hairs are, from root to tip.
+    "set_width", version 1, label "Set width", words "thickness radius diameter taper profile tip";
+    inputs {
+        /// Hair to change.
+        curves: Curves;
+        /// The head; needed by masks only.
+        scalp: Option<Arc<Scalp>>;
+        /// Diameter at the root. Human hair has 0.005 to 0.012 cm; renders often look best a little above.
+        root: f32 = 0.008, hard(0.0, 10.0), soft(0.001, 0.05), unit(Length), words("thickness diameter");
+        /// Diameter at the tip.
+        tip: f32 = 0.003, hard(0.0, 10.0), soft(0.0, 0.05), unit(Length), words("thickness diameter");
+        /// How the width goes from that of the root (0) to that of the tip (1), root at the left.
+        profile: Arc<Ramp> = Ramp::linear(0.0, 1.0), words("taper shape falloff");
+        /// Multiplies the width: a mask, an attribute or a number.
+        scale: FieldInput = 1.0, hard(0.0, 1000.0), soft(0.0, 2.0), unit(None);
+        /// How much thinner or thicker a hair may be than others, drawn for each: 0.2 means by up to a fifth.
+        variation: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("random vary");
+        /// Seed tag; stored, mixed into randomness.
+        seed: i64 = 0;
+    }
+    outputs {
+        /// The same hair, as wide as asked.
+        curves: Curves;
+    }
+}
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = inputs.scalp.as_deref();
+    let dice = cx.dice(inputs.seed, "width");
+    let (root, tip) = (inputs.root, inputs.tip);
+    let stops = inputs.profile.stops();
+    let level = root == tip || stops.iter().all(|stop| stop.1 == stops[0].1);
+    let along = |u: f32| (root + (tip - root) * inputs.profile.at(u)).max(0.0);
+    let [curves] = cx.each_tuft(&inputs.curves, |tuft, piece| {
+        let scale = inputs.scale.on(tuft, scalp)?;
+        let vary = |i: usize| 1.0 + inputs.variation * dice.signed(tuft.id(i), 0);
+        let mut out = tuft.edit();
+        let uniform = inputs.variation == 0.0;
+        if level && let Some(scale) = inputs.scale.constant().filter(|_| uniform) {
+            out.set(WIDTH, Domain::Curve, vec![along(0.0) * scale]);
+        } else if level && scale.is_of_curves() {
+            let mut widths = Vec::with_capacity(tuft.len());
+            for i in 0..tuft.len() {
+                piece.tick()?;
+                let first = tuft.offsets()[i] as usize;
+                widths.push(along(0.0) * scale.at(i, first, 0.0) * vary(i));
+            }
+            out.set(WIDTH, Domain::Curve, widths);
+        } else {
+            let mut widths = Vec::with_capacity(tuft.points().len());
+            for i in 0..tuft.len() {
+                piece.tick()?;
+                let vary = if uniform { 1.0 } else { vary(i) };
+                let first = tuft.offsets()[i] as usize;
+                let start = widths.len();
+                fractions(tuft, i, |u| {
+                    let point = first + widths.len() - start;
+                    widths.push(along(u) * scale.at(i, point, u) * vary);
+                });
+            }
+            out.set(WIDTH, Domain::Point, widths);
+        }
+        Ok([out.build()])
+    })?;
+    Ok(Outputs { curves })
+}
+
+/// Calls `put` with the fraction of the length at which each point of a curve lies, measured along straight
+/// lines from point to point.
+#[inline]
+pub(super) fn fractions(tuft: &Tuft, curve: usize, mut put: impl FnMut(f32)) {
+    let points = tuft.curve(curve);
+    let span = |pair: &[Vec3]| pair[0].distance(pair[1]);
+    let length: f32 = points.windows(2).map(span).sum();
+    let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
+    let mut at = 0.0;
+    put(0.0);
+    for pair in points.windows(2) {
+        at += span(pair);
+        put((at * scale).min(1.0));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::attributes::ID;
+    use crate::data::curves::TuftBuilder;
+    use crate::data::field::Field;
+    use crate::define::Value;
+    use crate::testing::{curves_of, run};
+
+    fn hair() -> Curves {
+        let mut b = TuftBuilder::new();
+        b.push_curve(&[0.0, 1.0, 4.0].map(|y| Vec3::new(0.0, y, 0.0)));
+        b.push_curve(&[0.0, 2.0, 4.0].map(|y| Vec3::new(1.0, y, 0.0)));
+        b.set(ID, Domain::Curve, vec![5, 6]);
+        b.set_named("thin".into(), Domain::Curve, vec![1.0f32, 0.5]);
+        Curves::new(vec![b.build().into()])
+    }
+
+    #[track_caller]
+    fn check(set: &[(&str, Value)], want: &[f32]) {
+        let (out, _) = run(&NODE, &[&[("curves", hair().into())], set].concat());
+        let (before, after) = (&hair().tufts()[0].clone(), &curves_of(&out[0]).tufts()[0].clone());
+        assert_eq!(before.points(), after.points());
+        let width = after.attribute(WIDTH.name).unwrap();
+        let crate::data::attributes::Column::F32(values) = &width.values else { panic!() };
+        assert_eq!(values.len(), want.len(), "{values:?}");
+        for (a, b) in values.iter().zip(want) {
+            assert!((a - b).abs() < 1e-6, "{values:?} {want:?}");
+        }
+    }
+
+    #[test]
+    fn the_width_goes_from_root_to_tip_by_arc_length_and_is_stored_as_few_times_as_it_can() {
+        let (root, tip) = (("root", Value::Float(0.1)), |x| ("tip", Value::Float(x)));
+        check(&[root.clone(), tip(0.1)], &[0.1]);
+        check(&[root.clone(), tip(0.0)], &[0.1, 0.075, 0.0, 0.1, 0.05, 0.0]);
+        let thin = ("scale", Field::Attribute("thin".into()).into());
+        check(&[root.clone(), tip(0.1), thin.clone()], &[0.1, 0.05]);
+        check(&[root.clone(), tip(0.0), thin], &[0.1, 0.075, 0.0, 0.05, 0.025, 0.0]);
+        check(&[root, tip(7.0), ("profile", Ramp::constant(0.0).into())], &[0.1]);
+    }
+
+    #[test]
+    fn variation_is_each_hairs_own() {
+        let set = [("curves", hair().into()), ("variation", Value::Float(0.5))];
+        let (out, _) = run(&NODE, &set);
+        let tuft = &curves_of(&out[0]).tufts()[0];
+        let width = tuft.view(WIDTH);
+        assert_ne!(width.at(0, 0), width.at(1, 3));
+        assert!((width.at(0, 2) / width.at(0, 0) - 0.003 / 0.008).abs() < 1e-5);
+    }
+
+    #[test]
+    fn what_is_not_changed_is_shared() {
+        let (out, _) = run(&NODE, &[("curves", hair().into())]);
+        // One hair is left as it was in memory, too: points are not copied.
+        let input = hair();
+        let (again, _) = run(&NODE, &[("curves", input.clone().into())]);
+        let pointer = |curves: &Curves| curves.tufts()[0].points().as_ptr();
+        assert_eq!(pointer(&input), pointer(curves_of(&again[0])));
+        assert_eq!(curves_of(&out[0]).key(), curves_of(&again[0]).key());
+    }
+}

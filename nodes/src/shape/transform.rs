@@ -1,0 +1,244 @@
+//! Transform: curves moved, turned and scaled.
+//!
+//! Guarantees: ids stay; attributes that are directions turn, those that are lengths scale; at the identity the input is handed on as it
+//! is. Not promised: that roots still lie on the scalp; the binding keeps telling where the curve grew
+//! unless it is made anew.
+
+use crate::data::attributes::{
+    ALLOW_DEPTH, Domain, FIBRE, Item, NORMAL, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
+    SCALP_NORMAL, WIDTH,
+};
+use crate::data::curves::{Curves, TuftBuilder};
+use crate::data::scalp::{HeadFrame, Scalp};
+use crate::define::{NodeError, choice, node};
+use crate::eval::EvalCx;
+use crate::maths::transcendental::{exp, ln, sin_cos};
+use glam::{Mat3, Vec2, Vec3};
+use std::sync::Arc;
+
+node! {
+    /// Move, turn and scale curves as a whole.
+    "transform", version 1, label "Transform", words "move translate rotate scale place mirror position";
+    inputs {
+        /// Curves to move.
+        curves: Curves;
+        /// The head, whose frame is meant by the space "head", and to which roots may be bound again.
+        scalp: Option<Arc<Scalp>>;
+        /// Whose axes and whose centimetres the numbers below are in.
+        space: Space = Space::Head, words("local world coordinates");
+        /// How far to move, after turning and scaling.
+        translate: Vec3 = Vec3::ZERO, unit(Length), words("offset position move");
+        /// Degrees to turn about the x, then the y, then the z axis.
+        rotate: Vec3 = Vec3::ZERO, unit(Angle), words("orient turn");
+        /// Factor along each axis, before turning. -1 mirrors.
+        scale: Vec3 = Vec3::ONE, words("size mirror");
+        /// The point that stays where it is when turning and scaling.
+        pivot: Vec3 = Vec3::ZERO, unit(Length), words("origin centre center"), handle(Handle::Point);
+        /// What the root binding says afterwards.
+        roots: Roots = Roots::Keep, words("binding attach");
+    }
+    outputs {
+        /// The same curves elsewhere.
+        curves: Curves;
+    }
+}
+
+choice! {
+    /// Whose axes are meant.
+    Space {
+        /// The head's: x to its left, y up, z forward, from the centre of the cranium, in centimetres on a head of average size.
+        Head = "head",
+        /// The file's axes and true centimetres.
+        World = "world",
+    }
+}
+
+choice! {
+    /// What the root binding says afterwards.
+    Roots {
+        /// Where the curve grew, so that masks read the same as before.
+        Keep = "keep",
+        /// The point of the scalp nearest to the new root. Needs the scalp.
+        Bind = "bind",
+    }
+}
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let bind = inputs.roots == Roots::Bind;
+    let scalp = inputs.scalp.as_deref();
+    if scalp.is_none() && bind {
+        return Err(NodeError::failed("scalp is not connected: roots can only be bound to one"));
+    }
+    let identity = inputs.translate == Vec3::ZERO
+        && inputs.rotate == Vec3::ZERO
+        && inputs.scale == Vec3::ONE
+        && !bind;
+    if identity {
+        return Ok(Outputs { curves: inputs.curves });
+    }
+    if inputs.scale.min_element() == 0.0 && inputs.scale.max_element() == 0.0 {
+        let [x, y, z] = inputs.scale.to_array();
+        return Err(NodeError::BadValue {
+            input: "scale",
+            value: format!("({x}, {y}, {z})"),
+            reason: "leaves no length in any direction".to_owned(),
+        });
+    }
+    let frame = match (inputs.space, scalp) {
+        (Space::World, _) => HeadFrame::IDENTITY,
+        (Space::Head, Some(scalp)) => *scalp.frame(),
+        (Space::Head, None) => {
+            return Err(NodeError::failed(
+                "scalp is not connected: wire it, or choose the space \"world\"",
+            ));
+        }
+    };
+    let head = Mat3::from_cols(frame.right, frame.up, frame.forward);
+    let turn = head * rotation(inputs.rotate) * head.transpose();
+    let matrix = turn * head * Mat3::from_diagonal(inputs.scale) * head.transpose();
+    let pivot = frame.point_from_head(inputs.pivot);
+    let shift = frame.vector_from_head(inputs.translate) * frame.unit();
+    // Lengths across a curve grow with the cube root of the volume.
+    let volume = (inputs.scale.x * inputs.scale.y * inputs.scale.z).abs();
+    let grown = if volume > 0.0 { exp(ln(volume) / 3.0) } else { 1.0 };
+    let grown = if (grown - 1.0).abs() < 1e-6 { 1.0 } else { grown };
+    // Normals go by the inverse transpose, of which the cofactors are a multiple.
+    let [a, b, c] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    let flip = if a.dot(b.cross(c)) < 0.0 { -1.0 } else { 1.0 };
+    let cofactors = Mat3::from_cols(b.cross(c), c.cross(a), a.cross(b)) * flip;
+    let skin = scalp.filter(|_| bind).map(|scalp| (cx.skin(scalp), scalp));
+
+    let [curves] = cx.each_tuft(&inputs.curves, |tuft, piece| {
+        let mut out = tuft.edit();
+        let mut points = Vec::with_capacity(tuft.points().len());
+        for i in 0..tuft.len() {
+            piece.tick()?;
+            points.extend(tuft.curve(i).iter().map(|p| matrix * (*p - pivot) + pivot + shift));
+        }
+        for declared in [NORMAL, SCALP_NORMAL] {
+            each_value(&mut out, tuft, declared.name, |v: Vec3| {
+                (cofactors * v).normalize_or_zero()
+            });
+        }
+        if grown != 1.0 {
+            for declared in [RADIUS, WIDTH, ALLOW_DEPTH, FIBRE] {
+                each_value(&mut out, tuft, declared.name, |x: f32| x * grown);
+            }
+        }
+        if let Some((skin, scalp)) = &skin {
+            let first = |i: usize| points[tuft.offsets()[i] as usize];
+            let roots: Vec<_> = (0..tuft.len())
+                .map(|i| skin.closest(first(i)).map(|hit| scalp.root(hit.triangle, hit.bary)))
+                .collect();
+            let triangle =
+                |r: &Option<crate::data::scalp::Root>| r.map_or(-1, |r| r.triangle as i32);
+            out.set(ROOT_TRIANGLE, Domain::Curve, roots.iter().map(triangle).collect());
+            let bary = roots.iter().map(|r| r.map_or(Vec2::ZERO, |r| r.bary));
+            out.set(ROOT_BARY, Domain::Curve, bary.collect());
+            if scalp.uvs().is_some() {
+                let uv = roots.iter().map(|r| r.map_or(Vec2::ZERO, |r| r.uv));
+                out.set(ROOT_UV, Domain::Curve, uv.collect());
+            }
+        }
+        out.set_points(points);
+        Ok([out.build()])
+    })?;
+    Ok(Outputs { curves })
+}
+
+/// Puts every value of an attribute, where the tuft has it, through `f`.
+fn each_value<T: Item>(
+    out: &mut TuftBuilder,
+    tuft: &crate::data::curves::Tuft,
+    name: &str,
+    f: impl Fn(T) -> T,
+) {
+    if let Some(attribute) = tuft.attribute(name)
+        && let Some(values) = T::values(&attribute.values)
+    {
+        let values = T::column(values.iter().map(|v| f(*v)).collect());
+        out.set_column(crate::data::attributes::Attribute { values, ..attribute.clone() });
+    }
+}
+
+/// Turns about x, then y, then z, degrees.
+fn rotation(degrees: Vec3) -> Mat3 {
+    let [x, y, z] = degrees.to_array().map(|d| sin_cos((d % 360.0).to_radians()));
+    let about_x = Mat3::from_cols(Vec3::X, Vec3::new(0.0, x.1, x.0), Vec3::new(0.0, -x.0, x.1));
+    let about_y = Mat3::from_cols(Vec3::new(y.1, 0.0, -y.0), Vec3::Y, Vec3::new(y.0, 0.0, y.1));
+    let about_z = Mat3::from_cols(Vec3::new(z.1, z.0, 0.0), Vec3::new(-z.0, z.1, 0.0), Vec3::Z);
+    about_z * about_y * about_x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::scalp::tests::ball;
+    use crate::define::Value;
+    use crate::testing::{curves_of, fails, run};
+
+    fn source() -> Curves {
+        let mut b = TuftBuilder::new();
+        b.push_curve(&[Vec3::X, Vec3::X * 2.0]);
+        b.set(NORMAL, Domain::Point, vec![Vec3::Y]);
+        b.set(RADIUS, Domain::Curve, vec![0.5]);
+        Curves::new(vec![b.build().into()])
+    }
+
+    #[track_caller]
+    fn check(set: &[(&str, Value)], points: [Vec3; 2], normal: Vec3, radius: f32) {
+        let set = [&[("curves", source().into()), ("space", "world".into())], set].concat();
+        let (out, _) = run(&NODE, &set);
+        let tuft = &curves_of(&out[0]).tufts()[0];
+        for (got, want) in tuft.curve(0).iter().zip(points) {
+            assert!(got.distance(want) < 1e-5, "{got} {want}");
+        }
+        assert!(tuft.view(NORMAL).at(0, 0).distance(normal) < 1e-5);
+        assert!((tuft.view(RADIUS).at(0, 0) - radius).abs() < 1e-5);
+    }
+
+    #[test]
+    fn curves_move_and_what_belongs_to_them_turns_and_scales() {
+        let v = |x: f32, y: f32, z: f32| Value::Vec3(Vec3::new(x, y, z));
+        let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+        check(&[], [x, x * 2.0], y, 0.5);
+        check(&[("translate", v(0.0, 1.0, 0.0))], [x + y, x * 2.0 + y], y, 0.5);
+        check(&[("rotate", v(0.0, 0.0, 90.0))], [y, y * 2.0], -x, 0.5);
+        check(&[("rotate", v(0.0, 90.0, 0.0))], [-z, z * -2.0], y, 0.5);
+        check(&[("rotate", v(90.0, 0.0, 0.0))], [x, x * 2.0], z, 0.5);
+        check(&[("rotate", v(90.0, 0.0, 90.0))], [y, y * 2.0], z, 0.5);
+        check(&[("scale", v(2.0, 2.0, 2.0))], [x * 2.0, x * 4.0], y, 1.0);
+        check(&[("scale", v(-1.0, 1.0, 1.0))], [-x, x * -2.0], y, 0.5);
+        let about = [("scale", v(3.0, 3.0, 3.0)), ("pivot", v(1.0, 0.0, 0.0))];
+        check(&about, [x, x * 4.0], y, 1.5);
+    }
+
+    #[test]
+    fn the_identity_hands_its_input_on_as_it_is() {
+        let (input, scalp) = (source(), Value::from(ball()));
+        let (out, _) = run(&NODE, &[("curves", input.clone().into()), ("scalp", scalp)]);
+        assert!(Arc::ptr_eq(&input.tufts()[0], &curves_of(&out[0]).tufts()[0]));
+    }
+
+    #[test]
+    fn roots_are_bound_again_when_asked() {
+        let scalp = Value::from(ball());
+        let up = ("translate", Value::Vec3(Vec3::new(0.0, 9.5, 0.0)));
+        let set = [("curves", source().into()), ("scalp", scalp), ("roots", "bind".into()), up];
+        let (out, _) = run(&NODE, &set);
+        let tuft = &curves_of(&out[0]).tufts()[0];
+        assert!(tuft.view(ROOT_TRIANGLE).at(0, 0) >= 0);
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused() {
+        let check = |set: &[(&str, Value)], want: &str| {
+            let set = [&[("curves", source().into())], set].concat();
+            assert_eq!(fails(&NODE, &set), want);
+        };
+        let zero = [("space", "world".into()), ("scale", Value::Vec3(Vec3::ZERO))];
+        check(&zero, "scale: (0, 0, 0) leaves no length in any direction");
+        let head = [("translate", Value::Vec3(Vec3::X))];
+        check(&head, "scalp is not connected: wire it, or choose the space \"world\"");
+    }
+}

@@ -1,0 +1,72 @@
+#!/usr/bin/env bash
+# Everything tested: format, lints, documentation, and all tests, in dev and (the golden hashes) in release.
+#
+# Installs what the tests need where it may: Debian packages as root, and usd-core in a Python environment under target/.
+# Where it may not, it says what is missing; tests that need it are listed as skipped at the end.
+# Ends with the sum of the tests' own summary lines: "N passed, N failed, N skipped".
+set -uo pipefail
+cd "$(dirname "$0")/.."
+export CARGO_INCREMENTAL="${CARGO_INCREMENTAL:-0}" CARGO_TERM_COLOR=never RUST_BACKTRACE=0
+log=target/tests.log
+mkdir -p target
+: >"$log"
+failed=0
+
+say() { printf '== %s\n' "$*"; }
+missing() { printf 'missing: %s\n' "$*" | tee -a "$log"; }
+
+# --- what the tests need -----------------------------------------------------------------------
+usd_core="usd-core==26.11"
+python=target/venv/bin/python
+if ! "$python" -c 'import pxr' 2>/dev/null; then
+    say "Python environment with $usd_core under target/"
+    if ! command -v python3 >/dev/null || ! python3 -c 'import ensurepip, venv' 2>/dev/null; then
+        if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+            apt-get update -qq && apt-get install -y -qq python3 python3-venv >/dev/null
+        fi
+    fi
+    rm -rf target/venv
+    if python3 -m venv target/venv >/dev/null 2>&1 &&
+        "$python" -m pip install --quiet --disable-pip-version-check "$usd_core"; then
+        :
+    else
+        rm -rf target/venv
+        missing "Python 3 with venv and $usd_core (pip install $usd_core): files are not opened with OpenUSD"
+    fi
+fi
+[ -x "$python" ] && export COIF_USD_PYTHON="$PWD/$python"
+[ -e ../shared ] || missing "../shared (real heads and hostile files): tests that need it are skipped"
+
+# --- checks ------------------------------------------------------------------------------------
+check() {
+    say "$*"
+    if ! "$@"; then
+        printf 'FAILED: %s\n' "$*"
+        failed=$((failed + 1))
+    fi
+}
+check cargo fmt --all --check
+check cargo clippy --quiet --workspace --all-targets -- -D warnings
+RUSTDOCFLAGS="-D warnings" check cargo doc --quiet --workspace --no-deps
+
+tests() {
+    say "$*"
+    "$@" -- --show-output >>"$log" 2>&1
+    local code=$?
+    if [ $code -ne 0 ]; then
+        grep -E '^(error|test .* FAILED|thread .* panicked|---- .* stdout ----)' -A 12 "$log" | tail -n 200
+        # A run that did not even reach its tests counts as one failure.
+        tail -n 40 "$log" | grep -q '^test result' || failed=$((failed + 1))
+    fi
+}
+tests cargo test --workspace --no-fail-fast
+tests cargo test --release --no-fail-fast -p coif-tests --test golden
+
+# --- sum ---------------------------------------------------------------------------------------
+grep -E '^(skipped|missing): ' "$log" | sort -u
+sum() { grep -E '^test result:' "$log" | sed -E "s/.* ([0-9]+) $1.*/\1/" | awk '{ n += $1 } END { print n + 0 }'; }
+passed=$(sum passed)
+failed=$((failed + $(sum failed)))
+skipped=$(grep -E '^skipped: ' "$log" | awk '{ print $2 }' | sort -u | wc -l)
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]

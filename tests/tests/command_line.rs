@@ -1,0 +1,292 @@
+//! The command line's contract: exit codes, one clear line, and nothing touched when something is wrong.
+
+use coif_tests::{Folder, Ran, eval, repository, run, shared};
+use serde_json::Value as Json;
+use std::time::{Duration, Instant};
+
+/// A graph of `nodes`, `links` and a groom_output `out` fed by `hair.curves`.
+fn graph(nodes: &str, links: &str) -> String {
+    format!(
+        "(\n    format: 1,\n    title: \"Test\",\n    seed: 0,\n    nodes: {{\n{nodes}\n    }},\n    links: {{\n{links}\n    }},\n)\n"
+    )
+}
+
+const HEAD: &str = "        \"head\": (\n            kind: \"head\",\n        ),\n";
+const GUIDES: &str = "        \"hair\": (\n            kind: \"scatter_guides\",\n            inputs: {\n                \"count\": 50,\n            },\n        ),\n";
+const OUT: &str = "        \"out\": (\n            kind: \"groom_output\",\n        ),\n";
+const WIRES: &str =
+    "        \"hair.scalp\": \"head.scalp\",\n        \"out.curves\": \"hair.curves\",\n";
+
+/// Evaluates a graph's text with an existing output file beside it: the exit code, what was said; and that the file is untouched.
+#[track_caller]
+fn check(test: &str, text: &str, more: &[&str], code: i32, said: &[&str]) -> Ran {
+    let folder = Folder::new(test);
+    let path = folder.path("graph.ron");
+    std::fs::write(&path, text).unwrap();
+    let out = folder.path("hair.usda");
+    std::fs::write(&out, "what was there").unwrap();
+    let report = folder.path("report.json");
+    let mut args = vec!["eval".to_owned(), path.display().to_string()];
+    args.extend(["--out".to_owned(), out.display().to_string()]);
+    args.extend(["--report".to_owned(), report.display().to_string()]);
+    args.extend(more.iter().map(|s| (*s).to_owned()));
+    let ran = run(&args);
+    assert_eq!(ran.code, code, "{test}: {}", ran.err);
+    for words in said {
+        assert!(ran.err.contains(words), "{test}: {words:?} is not in\n{}", ran.err);
+    }
+    if code != 0 {
+        assert_eq!(std::fs::read_to_string(&out).unwrap(), "what was there", "{test}");
+        assert_eq!(folder.names(), ["graph.ron", "hair.usda", "report.json"], "{test}");
+        let report: Json =
+            serde_json::from_str(&std::fs::read_to_string(&report).unwrap()).unwrap();
+        assert!(!report["errors"].as_array().unwrap().is_empty(), "{test}: the report says why");
+    }
+    ran
+}
+
+#[test]
+fn what_is_wrong_with_a_graph_is_said_with_its_node_before_anything_runs() {
+    let good = graph(&[HEAD, GUIDES, OUT].concat(), WIRES);
+    check("good", &good, &[], 0, &[]);
+    let two = "        \"a\": (\n            kind: \"resample\",\n        ),\n        \"b\": (\n            kind: \"resample\",\n        ),\n";
+    let circle = "        \"a.curves\": \"b.curves\",\n        \"b.curves\": \"a.curves\",\n        \"out.curves\": \"a.curves\",\n";
+    check("cycle", &graph(&[two, OUT].concat(), circle), &[], 2, &["circle", "a"]);
+    let crossed =
+        "        \"hair.scalp\": \"head.scalp\",\n        \"out.curves\": \"head.scalp\",\n";
+    check(
+        "wire",
+        &graph(&[HEAD, GUIDES, OUT].concat(), crossed),
+        &[],
+        2,
+        &["out", "curves", "scalp"],
+    );
+    let missing = good.replace("kind: \"head\",", "kind: \"head\",\n            inputs: {\n                \"mesh\": \"none.obj\",\n            },");
+    check("mesh", &missing, &[], 2, &["head", "none.obj", "no such file"]);
+    check(
+        "nan",
+        &good.replace("\"count\": 50", "\"length\": NaN"),
+        &[],
+        2,
+        &["hair", "length", "finite"],
+    );
+    check(
+        "kind",
+        &good.replace("scatter_guides", "scatter_gides"),
+        &[],
+        2,
+        &["hair", "scatter_gides", "scatter_guides"],
+    );
+    check("input", &good.replace("\"count\"", "\"cuont\""), &[], 2, &["hair", "cuont", "count"]);
+    check("socket", &good.replace("hair.curves", "hair.hairs"), &[], 2, &["hair", "hairs"]);
+    check("syntax", &good.replace("links: {", "links: ["), &[], 2, &["graph.ron:"]);
+    check("newer", &good.replace("format: 1", "format: 99"), &[], 2, &["99"]);
+    check(
+        "unwired",
+        &good.replace("        \"hair.scalp\": \"head.scalp\",\n", ""),
+        &[],
+        2,
+        &["hair", "scalp"],
+    );
+    check("output", &good, &["--output", "hair.nothing"], 2, &["hair.nothing", "curves"]);
+    check("set", &good, &["--set", "hair.count=many"], 2, &["hair.count", "many"]);
+    check("no node", &good, &["--set", "hare.count=5"], 2, &["hare"]);
+    check("format", &good, &["--out", "/tmp/hair.docx"], 2, &["docx", ".usda"]);
+    check(
+        "folder",
+        &good,
+        &["--out", "/nowhere/at/all/hair.usda"],
+        1,
+        &["/nowhere/at/all/hair.usda", "folder"],
+    );
+}
+
+#[test]
+fn an_output_without_curves_is_a_failure_and_says_so() {
+    let text = graph(&[HEAD, GUIDES, OUT].concat(), WIRES).replace("\"count\": 50", "\"count\": 0");
+    check("empty", &text, &[], 1, &["out.curves", "no curves"]);
+}
+
+#[test]
+fn usage_errors_are_exit_2() {
+    for args in [
+        &["eval"][..],
+        &["eval", "x.ron", "--nope"],
+        &["fly"],
+        &["eval", "not-there.ron"],
+        &["nodes", "not_a_node"],
+        &["measure", "not-there.usdc"],
+        &["check", "not-there.ron"],
+    ] {
+        assert_eq!(run(args).code, 2, "{args:?}");
+    }
+    assert_eq!(run(["--version"]).code, 0);
+}
+
+#[test]
+fn the_report_has_the_fields_of_the_contract() {
+    let report = eval("start", &[]);
+    for field in [
+        "coif",
+        "graph",
+        "seed",
+        "total_ms",
+        "peak_rss_mib",
+        "head",
+        "outputs",
+        "nodes",
+        "errors",
+        "warnings",
+    ] {
+        assert!(report.get(field).is_some(), "{field}");
+    }
+    for field in ["scale", "radius_cm"] {
+        assert!(report["head"][field].is_number(), "head.{field}");
+    }
+    for field in ["node", "socket", "curves", "points", "bounds", "hash"] {
+        assert!(report["outputs"][0].get(field).is_some(), "outputs.{field}");
+    }
+    for field in [
+        "name",
+        "kind",
+        "ms",
+        "cached",
+        "tufts_run",
+        "tufts_reused",
+        "curves",
+        "points",
+        "messages",
+    ] {
+        assert!(report["nodes"][0].get(field).is_some(), "nodes.{field}");
+    }
+}
+
+#[test]
+fn the_seed_the_quality_and_set_values_reach_the_hair() {
+    let hash =
+        |more: &[&str]| eval("start", more)["outputs"][0]["hash"].as_str().unwrap().to_owned();
+    let plain = hash(&[]);
+    assert_eq!(plain, hash(&["--threads", "1"]));
+    assert_ne!(plain, hash(&["--seed", "5"]));
+    assert_ne!(plain, hash(&["--quality", "preview"]));
+}
+
+#[test]
+fn without_arguments_the_start_up_groom_is_written_here() {
+    let folder = Folder::new("start");
+    let out = coif_tests::coif().current_dir(folder.path("")).output().unwrap();
+    assert!(out.status.success());
+    assert_eq!(folder.names(), ["start.usdc"]);
+    let said = String::from_utf8_lossy(&out.stdout);
+    assert!(said.contains("curves") && said.contains("start.usdc"), "{said}");
+}
+
+#[test]
+fn ctrl_c_leaves_what_was_there() {
+    let folder = Folder::new("interrupt");
+    let out = folder.path("hair.usda");
+    std::fs::write(&out, "what was there").unwrap();
+    // Much more hair than can be made before the signal comes.
+    let mut child = coif_tests::coif()
+        .args(["eval", "start", "--set", "hair.count=3000000", "--out"])
+        .arg(&out)
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(700));
+    let killed =
+        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(killed.unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(folder.names(), ["hair.usda"]);
+    assert_eq!(std::fs::read_to_string(&out).unwrap(), "what was there");
+}
+
+#[test]
+fn every_hostile_mesh_is_refused_in_one_line_or_loads() {
+    let Some(bad) = shared("every_hostile_mesh_is_refused_in_one_line_or_loads", "data/bad") else {
+        return;
+    };
+    let mut files = vec![];
+    let mut folders = vec![bad];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap().flatten() {
+            let path = entry.path();
+            let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+            if path.is_dir() {
+                folders.push(path);
+            } else if ["obj", "glb", "gltf"].contains(&extension.as_str()) {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    // Every third: a process each is slow, and the readers' own tests read all of them.
+    for path in files.iter().step_by(3) {
+        let began = Instant::now();
+        let ran = run([
+            "eval".as_ref(),
+            "start".as_ref(),
+            "--scalp".as_ref(),
+            path.as_os_str(),
+            "--set".as_ref(),
+            "hair.count=100".as_ref(),
+        ]);
+        let shown = path.display();
+        assert!([0, 1, 2].contains(&ran.code), "{shown}: {} {}", ran.code, ran.err);
+        assert!(
+            !ran.err.contains("panicked") && !ran.err.contains("mistake in coif"),
+            "{shown}: {}",
+            ran.err
+        );
+        if ran.code == 2 {
+            let name = path.file_name().unwrap().to_string_lossy();
+            let lines: Vec<&str> = ran.err.lines().filter(|l| !l.contains("warning")).collect();
+            assert_eq!(lines.len(), 1, "{shown}: {}", ran.err);
+            assert!(lines[0].contains(&*name), "{shown}: {}", ran.err);
+        }
+        assert!(began.elapsed() < Duration::from_secs(10), "{shown} took {:?}", began.elapsed());
+    }
+}
+
+#[test]
+fn hostile_documents_are_refused_in_one_line() {
+    let folder = Folder::new("documents");
+    let deep = "(".repeat(100_000);
+    let cases: [(&str, &[u8]); 6] = [
+        ("empty", b""),
+        ("binary", &[0, 159, 146, 150, 255]),
+        ("deep", deep.as_bytes()),
+        ("json", b"{\"format\": 1}"),
+        ("cut", b"(\n    format: 1,\n    nodes: {\n        \"a\": ("),
+        ("twice", b"(format: 1, format: 1)"),
+    ];
+    for (name, bytes) in cases {
+        let path = folder.path(&format!("{name}.ron"));
+        std::fs::write(&path, bytes).unwrap();
+        for command in ["eval", "check"] {
+            let ran = run([command.as_ref(), path.as_os_str()]);
+            assert_eq!(
+                (ran.code, ran.err.lines().count()),
+                (2, 1),
+                "{command} {name}: {}",
+                ran.err
+            );
+            assert!(ran.err.contains(&format!("{name}.ron")), "{}", ran.err);
+        }
+    }
+}
+
+#[test]
+fn the_manual_names_every_input_of_every_node() {
+    let text = run(["nodes"]).out;
+    let json: Json = serde_json::from_str(&run(["nodes", "--json"]).out).unwrap();
+    assert!(json.as_array().unwrap().len() >= 16);
+    for node in coif_nodes::all() {
+        assert!(text.contains(&format!("(`{}`)", node.id)), "{}", node.id);
+        for input in node.inputs {
+            assert!(text.contains(&format!("| `{}` |", input.name)), "{}.{}", node.id, input.name);
+        }
+    }
+    let kept = std::fs::read_to_string(repository().join("docs/nodes.md")).unwrap();
+    assert_eq!(kept, text, "docs/nodes.md is `coif nodes`: write it anew");
+}

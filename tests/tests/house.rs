@@ -1,0 +1,120 @@
+//! The house's own rules, asserted on what Cargo resolves: who may depend on whom, which features keep the same bits, which
+//! licences come in.
+
+use coif_tests::repository;
+use serde_json::Value as Json;
+use std::collections::BTreeSet;
+use std::process::Command;
+
+fn cargo(args: &[&str]) -> String {
+    let out = Command::new(env!("CARGO")).args(args).current_dir(repository()).output().unwrap();
+    assert!(out.status.success(), "cargo {args:?}: {}", String::from_utf8_lossy(&out.stderr));
+    String::from_utf8(out.stdout).unwrap()
+}
+
+fn tree(package: &str, more: &[&str]) -> BTreeSet<String> {
+    let args =
+        [&["tree", "-q", "-p", package, "-e", "normal", "--prefix", "none", "-f", "{p}"], more]
+            .concat();
+    cargo(&args).lines().filter_map(|l| l.split(' ').next()).map(str::to_owned).collect()
+}
+
+#[test]
+fn evaluation_knows_no_window_and_no_gpu() {
+    for package in ["coif-nodes", "coif-graphs"] {
+        for banned in ["egui", "eframe", "wgpu", "winit", "coif", "coif-shaders"] {
+            assert!(!tree(package, &[]).contains(banned), "{package} pulls in {banned}");
+        }
+    }
+    assert!(!tree("coif-nodes", &[]).contains("rayon"), "nodes own no threads");
+    for banned in ["egui", "wgpu", "winit"] {
+        assert!(
+            !tree("coif", &["--no-default-features"]).contains(banned),
+            "the farm build: {banned}"
+        );
+    }
+}
+
+#[test]
+fn vector_maths_is_built_for_the_same_bits_everywhere() {
+    let features = |package: &str| {
+        let args = [
+            "tree",
+            "-q",
+            "-p",
+            "coif",
+            "-e",
+            "normal,features",
+            "-i",
+            package,
+            "--prefix",
+            "none",
+        ];
+        cargo(&args)
+    };
+    let glam = features("glam");
+    for needed in ["glam feature \"libm\"", "glam feature \"scalar-math\""] {
+        assert!(glam.contains(needed), "{needed} is not on:\n{glam}");
+    }
+    assert!(!glam.contains("fast-math"), "{glam}");
+    let parry = features("parry3d");
+    assert!(parry.contains("parry3d feature \"enhanced-determinism\""), "{parry}");
+    for banned in ["\"parallel\"", "\"simd"] {
+        assert!(!parry.contains(&format!("parry3d feature {banned}")), "{parry}");
+    }
+}
+
+#[test]
+fn every_dependency_is_licensed_as_deny_toml_allows() {
+    let deny = std::fs::read_to_string(repository().join("deny.toml")).unwrap();
+    let list = deny.split("allow = [").nth(1).and_then(|rest| rest.split(']').next()).unwrap();
+    let allowed: Vec<&str> = list.split('"').skip(1).step_by(2).collect();
+    let metadata: Json =
+        serde_json::from_str(&cargo(&["metadata", "-q", "--format-version", "1"])).unwrap();
+    for package in metadata["packages"].as_array().unwrap() {
+        let name = package["name"].as_str().unwrap();
+        let license = package["license"].as_str().unwrap_or("");
+        assert!(satisfied(license, &allowed), "{name}: {license:?} is not allowed by deny.toml");
+    }
+}
+
+/// Whether an SPDX expression (without nested parentheses beyond one level) can be met.
+fn satisfied(expression: &str, allowed: &[&str]) -> bool {
+    let flat = expression.replace('/', " OR ");
+    let all_of = |part: &str| {
+        let part = part.trim().trim_start_matches('(').trim_end_matches(')');
+        part.split(" AND ").all(|one| {
+            one.split(" OR ").any(|l| allowed.contains(&l.trim().trim_matches(['(', ')'])))
+        })
+    };
+    // "(A OR B) AND C" needs each factor; "A OR B" needs one.
+    if flat.contains(") AND") || flat.contains("AND (") {
+        return flat.split(" AND ").all(|factor| {
+            factor
+                .trim()
+                .trim_matches(['(', ')'])
+                .split(" OR ")
+                .any(|l| allowed.contains(&l.trim()))
+        });
+    }
+    flat.split(" OR ").any(all_of)
+}
+
+#[test]
+fn every_source_file_says_what_it_is() {
+    let mut folders = vec!["app", "nodes", "graphs", "shaders", "tests"]
+        .into_iter()
+        .map(|f| repository().join(f))
+        .collect::<Vec<_>>();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap().flatten() {
+            let path = entry.path();
+            if path.is_dir() && path.file_name().is_some_and(|n| n != "target") {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                assert!(text.starts_with("//!"), "{} does not open with //!", path.display());
+            }
+        }
+    }
+}
