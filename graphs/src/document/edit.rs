@@ -1,8 +1,9 @@
 //! Everything that can be done to a document, each with its inverse.
 //!
-//! An edit either happens whole and gives the edit that takes it back, or the document is as before. Edits that
-//! would make a groom that cannot run (an unknown input, a value of another type, a circle of wires) are refused with
-//! the reason; [`Edit::SetWires`] alone takes anything, because undo must also restore a broken file.
+//! An edit either happens whole and gives the edit that takes it back, or the document is as
+//! before. Edits that would make a groom that cannot run (an unknown input, a value of another
+//! type, a circle of wires) are refused with the reason; [`Edit::SetWires`] alone takes anything,
+//! because undo must also restore a broken file.
 
 use super::{Document, Node, NodeId, Place, Point, Setting, Socket, graph, values};
 use coif_nodes::data::strokes::{Stroke, Strokes};
@@ -189,7 +190,7 @@ pub enum EditError {
     #[error("{0}")]
     BadWire(Box<graph::Problem>),
     /// A wire's number is too high.
-    #[error("{to} has {count} wires, there is no wire {at}")]
+    #[error("{to} has no wire {at}: its wires are numbered from 0, there are {count}")]
     NoWire {
         /// Input.
         to: Socket,
@@ -220,7 +221,8 @@ pub enum EditError {
 }
 
 impl Edit {
-    /// Makes the change and gives the edit that takes it back exactly. On an error the document is as before.
+    /// Makes the change and gives the edit that takes it back exactly. On an error the document is
+    /// as before.
     pub fn apply(&self, document: &mut Document) -> Result<Edit, EditError> {
         let inverse = self.change(document)?;
         // Comments go with what they stood before, and come back with it.
@@ -401,8 +403,9 @@ impl Edit {
         }
     }
 
-    /// Whether taking back `self` also takes back `newer`, the inverse of a later edit: both restore the same
-    /// one thing whole. A drag of a slider is so one entry, however many values it passed.
+    /// Whether taking back `self` also takes back `newer`, the inverse of a later edit: both
+    /// restore the same one thing whole. A drag of a slider is so one entry, however many values it
+    /// passed.
     pub(super) fn covers(&self, newer: &Edit) -> bool {
         use Edit::{Move, SetDisplay, SetInput, SetLabel, SetNodeNote, SetNote, SetSeed, SetTitle};
         match (self, newer) {
@@ -554,7 +557,8 @@ fn find(strokes: &[Stroke], id: u64) -> Result<usize, String> {
     strokes.iter().position(|s| s.id == id).ok_or_else(|| format!("there is no stroke {id}"))
 }
 
-/// Changes the strokes of an input. The list is copied, because snapshots hold the old one: 20 bytes a sample.
+/// Changes the strokes of an input. The list is copied, because snapshots hold the old one: 20
+/// bytes a sample.
 fn on_strokes<T>(
     document: &mut Document,
     node: &NodeId,
@@ -609,7 +613,8 @@ mod tests {
         document
     }
 
-    /// Applies an edit that must go through; its inverse must restore exactly, and the inverse of that redo.
+    /// Applies an edit that must go through; its inverse must restore exactly, and the inverse of
+    /// that redo.
     #[track_caller]
     fn there_and_back(document: &Document, edit: &Edit) -> Document {
         let mut after = document.clone();
@@ -710,7 +715,7 @@ mod tests {
         );
         check(
             connect("a.curves", "c.count"),
-            "c.count: a.curves gives curves, whole number is taken; wire an output that gives whole number",
+            "c.count: a.curves gives curves, whole number is taken; remove the wire and set a value",
         );
         check(
             connect("nix.curves", "c.curves"),
@@ -718,7 +723,7 @@ mod tests {
         );
         check(
             Edit::Disconnect { to: socket("b.curves"), at: 1 },
-            "b.curves has 1 wires, there is no wire 1",
+            "b.curves has no wire 1: its wires are numbered from 0, there are 1",
         );
         let point = Some(Point(f32::NAN, 0.0));
         check(

@@ -1,4 +1,5 @@
-//! What can be asked of a document's graph: order, circles, what hangs from what, and what is wrong.
+//! What can be asked of a document's graph: order, circles, what hangs from what, and what is
+//! wrong.
 //!
 //! Nothing here recurses: a chain of a hundred thousand nodes is as good as one of three.
 
@@ -82,8 +83,8 @@ fn circle(nodes: &[NodeId]) -> String {
     names.join(" -> ")
 }
 
-/// The nodes that feed a node directly, in the order of its inputs' names and wires. Nodes that are not there are left
-/// out.
+/// The nodes that feed a node directly, in the order of its inputs' names and wires. Nodes that are
+/// not there are left out.
 pub fn feeders<'a>(document: &'a Document, id: &NodeId) -> impl Iterator<Item = &'a NodeId> {
     inputs_of(document, id)
         .flat_map(|(_, from)| from)
@@ -123,7 +124,8 @@ pub fn order(document: &Document) -> Result<Vec<NodeId>, Cycle> {
     }
 }
 
-/// Kahn's order of what can be ordered without `left_out`, and the nodes that lie in or behind a circle.
+/// Kahn's order of what can be ordered without `left_out`, and the nodes that lie in or behind a
+/// circle.
 fn sorted(document: &Document, left_out: &BTreeSet<NodeId>) -> (Vec<NodeId>, BTreeSet<NodeId>) {
     let fed = fed(document);
     let mut waits: BTreeMap<&NodeId, usize> =
@@ -218,8 +220,8 @@ fn reached<'a>(
     found
 }
 
-/// What a document is evaluated for: the displayed node and the nodes of the output stage; when there is none of
-/// these, every node that feeds no other.
+/// What a document is evaluated for: the displayed node and the nodes of the output stage; when
+/// there is none of these, every node that feeds no other.
 pub fn targets(document: &Document) -> BTreeSet<NodeId> {
     let outputs: Vec<&str> = coif_nodes::STAGES
         .iter()
@@ -246,8 +248,8 @@ pub fn check(document: &Document) -> Vec<Problem> {
 
 /// Everything wrong with a document that is evaluated for `targets`; errors first, then by node.
 ///
-/// An input that nothing is wired to is an error only where a target needs it; elsewhere it is work in progress,
-/// and a warning.
+/// An input that nothing is wired to is an error only where a target needs it; elsewhere it is work
+/// in progress, and a warning.
 pub fn check_for(document: &Document, targets: &BTreeSet<NodeId>) -> Vec<Problem> {
     let needed = upstream(document, targets);
     let mut problems = vec![];
@@ -297,7 +299,8 @@ pub fn wire_problem(document: &Document, from: &Socket, to: &Socket) -> Option<P
     problems.into_iter().find(|problem| problem.severity == Severity::Error)
 }
 
-/// "; did you mean ...?" for the input of `def` that is nearest to `name`, else the inputs there are.
+/// "; did you mean ...?" for the input of `def` that is nearest to `name`, else the inputs there
+/// are.
 pub(super) fn near_input(def: &NodeDef, name: &str) -> String {
     let known = || def.inputs.iter().map(|input| input.name);
     match nearest(name, known()) {
@@ -368,7 +371,8 @@ fn check_node(
     }
 }
 
-/// An output that could be wired, for advice: the first by id that gives `ty` and does not hang from `id`.
+/// An output that could be wired, for advice: the first by id that gives `ty` and does not hang
+/// from `id`.
 fn fitting(document: &Document, id: &NodeId, ty: Type) -> Option<Socket> {
     let below = downstream(document, [id]);
     document.nodes.iter().filter(|(other, _)| !below.contains(*other)).find_map(|(other, node)| {
@@ -386,13 +390,16 @@ fn check_value(
 ) {
     let fit = match setting {
         Setting::Known(value) => values::fit(input.ty, value.clone()),
-        Setting::Raw(text) => crate::file::read_value(input.ty, text),
+        Setting::Raw(text) => crate::file::proven_value(input.ty, text),
     };
     let value = match fit {
         Ok(value) => value,
         Err(reason) => {
             let text = format!("{} cannot be used: {reason}", shown(setting));
-            let remedy = format!("set it to {}", example(input));
+            let remedy = match input.ty {
+                Type::Curves | Type::Scalp => "remove the value".to_owned(),
+                _ => format!("set it to {}", example(input)),
+            };
             problems.push(problem(Fault::BadValue, id, Some(input.name), text, &remedy));
             return;
         }
@@ -517,7 +524,10 @@ fn check_wire(
         let other = def.outputs.iter().find(|output| output.ty.fits(input.ty));
         let remedy = match other {
             Some(other) => format!("wire {}.{}", from.node, other.name),
-            None => format!("wire an output that gives {}", input.ty.name()),
+            None if matches!(input.ty, Type::Curves | Type::Scalp) => {
+                format!("wire an output that gives {}", input.ty.name())
+            }
+            None => "remove the wire and set a value".to_owned(),
         };
         problems.push(problem(Fault::WrongType, &to.node, Some(&to.name), text, &remedy));
     }
@@ -633,15 +643,15 @@ mod tests {
             expect![[r#"
                 Error: a: this version has no node of kind "resmple"; did you mean resample?
                 Error: b.by: "cuont" cannot be used: "cuont" is none of count, spacing; did you mean "count"?; set it to one of count, spacing
-                Error: b.spacing: "wide" cannot be used: "wide" is no number: expected float; write it like 1.5; set it to a number from 0.001 to 1000 cm, such as 0.5
+                Error: b.spacing: "wide" cannot be used: expected a number; set it to a number from 0.001 to 1000 cm, such as 0.5
                 Error: b.cuont: resample has no input of this name (it is set to 3); did you mean count?
-                Error: b.count: c.curves gives curves, whole number is taken; wire an output that gives whole number
+                Error: b.count: c.curves gives curves, whole number is taken; remove the wire and set a value
                 Error: b.curve: resample has no input of this name, but a wire ends there; did you mean curves?
                 Error: b.curves: 2 wires end there, it takes one; remove the others, or merge them before
                 Error: c.curves: nothing is wired to it, curves is needed; add a node that gives curves and wire it
                 Error: d: this version has no node of kind "of_tomorrow"; open it with the version of coif that made it, or remove the node
-                Error (not needed): e.curves: 3 cannot be used: 3 is no curves: it comes by wire; write it like a wire; set it to a curves
-                Error (not needed): e.count: 2.5 cannot be used: 2.5 is no whole number: non-whitespace trailing characters; write it like 3; set it to a whole number from 2 to 4096, such as 16
+                Error (not needed): e.curves: 3 cannot be used: curves come by wire: connect a node; remove the value
+                Error (not needed): e.count: 2.5 cannot be used: it has decimals; set it to a whole number from 2 to 4096, such as 16
                 Error (not needed): e.colour: resample has no input of this name (it is set to 1); remove it, or open the groom with the version of coif that made it
                 Error (not needed): e.curves: c.crves is no output: resample gives curves; did you mean c.curves?
                 Error (not needed): nix.in: there is no node nix to wire; remove the wire or add the node

@@ -1,8 +1,8 @@
 //! Undo and redo without end, in steps that people recognise.
 //!
-//! A step is one gesture: everything between [`History::begin`] and [`History::end`], or one edit outside of it. Within
-//! a step, edits that pass over the same thing (a slider being dragged) are one entry. Changes that are no
-//! steps (what is displayed) are applied to the document directly.
+//! A step is one gesture: everything between [`History::begin`] and [`History::end`], or one edit
+//! outside of it. Within a step, edits that pass over the same thing (a slider being dragged) are
+//! one entry. Changes that are no steps (what is displayed) are applied to the document directly.
 
 use super::edit::{Edit, EditError};
 use super::graph::short;
@@ -15,7 +15,8 @@ pub struct History {
     done: Vec<Step>,
     undone: Vec<Step>,
     open: Option<Step>,
-    /// How many steps were done when the document was saved; none when that state cannot be reached any more.
+    /// How many steps were done when the document was saved; none when that state cannot be reached
+    /// any more.
     saved: Option<usize>,
 }
 
@@ -75,7 +76,8 @@ impl History {
         Self { saved: Some(0), ..Self::default() }
     }
 
-    /// Makes a change: part of the open gesture, else a step of its own. On an error nothing has changed.
+    /// Makes a change: part of the open gesture, else a step of its own. On an error nothing has
+    /// changed.
     pub fn edit(&mut self, document: &mut Document, edit: &Edit) -> Result<(), EditError> {
         let inverse = edit.apply(document)?;
         match &mut self.open {
@@ -85,8 +87,8 @@ impl History {
         Ok(())
     }
 
-    /// Makes a change as part of the last step when that changed the very same thing, else as a step of its own. For nudges
-    /// that follow each other quickly; the caller has the clock.
+    /// Makes a change as part of the last step when that changed the very same thing, else as a
+    /// step of its own. For nudges that follow each other quickly; the caller has the clock.
     pub fn nudge(&mut self, document: &mut Document, edit: &Edit) -> Result<(), EditError> {
         if self.open.is_some() || self.saved == Some(self.done.len()) {
             return self.edit(document, edit);
@@ -104,8 +106,8 @@ impl History {
         Ok(())
     }
 
-    /// Begins a gesture: what follows is one step called `words`, or what it did when these are empty. Ends a gesture
-    /// that is still open.
+    /// Begins a gesture: what follows is one step called `words`, or what it did when these are
+    /// empty. Ends a gesture that is still open.
     pub fn begin(&mut self, document: &Document, words: &str) {
         self.end(document);
         self.open = Some(Step { words: words.to_owned(), back: vec![] });
@@ -126,7 +128,8 @@ impl History {
         }
     }
 
-    /// Takes the last step back (with the open gesture, if any); gives its words, none when there is none.
+    /// Takes the last step back (with the open gesture, if any); gives its words, none when there
+    /// is none.
     pub fn undo(&mut self, document: &mut Document) -> Result<Option<&str>, EditError> {
         self.end(document);
         let Some(step) = self.done.last().cloned() else { return Ok(None) };
@@ -158,7 +161,8 @@ impl History {
         Ok(())
     }
 
-    /// Every step in the order of doing; the first [`History::done`] of them are done, the others taken back.
+    /// Every step in the order of doing; the first [`History::done`] of them are done, the others
+    /// taken back.
     pub fn steps(&self) -> impl Iterator<Item = &Step> {
         self.done.iter().chain(self.undone.iter().rev())
     }
@@ -199,7 +203,8 @@ fn push(step: &mut Step, inverse: Edit) {
     }
 }
 
-/// Goes to the other side of a step; gives the step that leads back. On an error the document is as before.
+/// Goes to the other side of a step; gives the step that leads back. On an error the document is as
+/// before.
 fn turn(document: &mut Document, step: Step) -> Result<Step, EditError> {
     let edits: Vec<Edit> = step.back.into_iter().rev().collect();
     let back = match Edit::Several(edits).apply(document)? {

@@ -1,10 +1,11 @@
 //! A groom as it is edited: nodes, the wires between them, and where they stand on the canvas.
 //!
-//! A [`Document`] is plain data. It is changed through [`edit::Edit`]s, each of which has an inverse; it is
-//! snapshot by cloning, which copies a pointer for each node. What it says is not proven here: a document may name
-//! nodes that do not exist or hold wires in a circle, as files do after a merge. [`graph::check`] says so.
+//! A [`Document`] is plain data. It is changed through [`edit::Edit`]s, each of which has an
+//! inverse; it is snapshot by cloning, which copies a pointer for each node. What it says is not
+//! proven here: a document may name nodes that do not exist or hold wires in a circle, as files do
+//! after a merge. [`graph::check`] says so.
 //!
-//! Documents know nothing of evaluation, files or windows.
+//! Documents know nothing of evaluation or windows, and open no files.
 
 use coif_nodes::define::Value;
 use std::borrow::Borrow;
@@ -38,11 +39,13 @@ pub struct Document {
     pub links: BTreeMap<Socket, Vec<Socket>>,
     /// Where nodes stand on the canvas, in its own units. Means nothing to evaluation.
     pub layout: BTreeMap<NodeId, Point>,
-    /// Comment lines of a hand-edited file, each with its `//`, by the entry that they stand before.
+    /// Comment lines of a hand-edited file, each with its `//`, by the entry that they stand
+    /// before.
     pub comments: BTreeMap<Place, Vec<String>>,
 }
 
-/// A place on the canvas: right, down. Compared by its bits, so that equality holds for every value.
+/// A place on the canvas: right, down. Compared by its bits, so that equality holds for every
+/// value.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Point(pub f32, pub f32);
 
@@ -73,8 +76,8 @@ pub struct Node {
 pub enum Setting {
     /// A value that the node's declaration explains.
     Known(Value),
-    /// RON text that it does not: the node's kind, the input or the form of the value is unknown. Kept byte for
-    /// byte, so that a groom passes unharmed through a version that knows less.
+    /// RON text that it does not: the node's kind, the input or the form of the value is unknown.
+    /// Kept byte for byte, so that a groom passes unharmed through a version that knows less.
     Raw(Arc<str>),
 }
 
@@ -91,7 +94,8 @@ impl PartialEq for Setting {
 }
 impl Eq for Setting {}
 
-/// The name of a node within its document: a short word made once, never changed, never shown where a label can be.
+/// The name of a node within its document: a short word made once, never changed, never shown where
+/// a label can be.
 ///
 /// **Invariant:** `[a-z][a-z0-9_]*`, at most 64 bytes.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -215,6 +219,11 @@ impl Document {
         self.nodes.get(id).map(|node| &**node)
     }
 
+    /// The outputs wired to an input of a node, in order.
+    pub fn wires(&self, id: &NodeId, input: &str) -> &[Socket] {
+        self.links.get(&Socket::new(id.clone(), input)).map_or(&[], Vec::as_slice)
+    }
+
     /// What people call a node: its label, else the label of its kind, else its id.
     pub fn name_of<'a>(&'a self, id: &'a NodeId) -> &'a str {
         let Some(node) = self.node(id.as_str()) else { return id.as_str() };
@@ -229,7 +238,8 @@ impl Document {
         }
     }
 
-    /// An id that no node has yet, made of `stem`: itself, else with the first free number behind it.
+    /// An id that no node has yet, made of `stem`: itself, else with the first free number behind
+    /// it.
     pub fn free_id(&self, stem: &str) -> NodeId {
         let letters = stem.chars().map(|c| c.to_ascii_lowercase());
         let mut stem: String = letters
@@ -249,9 +259,9 @@ impl Document {
         NodeId(id.into())
     }
 
-    /// A fresh node of a kind, every input at its default; where the kind has a seed tag (`seed`), one that no
-    /// node of the document has. The tag hangs from `id` and the tags there are, so replaying edits gives the same
-    /// document.
+    /// A fresh node of a kind, every input at its default; where the kind has a seed tag (`seed`),
+    /// one that no node of the document has. The tag hangs from `id` and the tags there are, so
+    /// replaying edits gives the same document.
     pub fn fresh_node(&self, kind: &str, id: &NodeId) -> Node {
         use coif_nodes::define::Type;
         use coif_nodes::maths::hash::KeyBuilder;
@@ -272,7 +282,8 @@ impl Document {
             for n in 0.. {
                 let drawn = KeyBuilder::new("seed tag").text(id.as_str()).int(n).finish().0;
                 tag = (drawn % 99_999) as i64 + 1;
-                // With tens of thousands of nodes a repeat does no harm: ids also hang from the parent.
+                // With tens of thousands of nodes a repeat does no harm: ids also hang from the
+                // parent.
                 if !taken.contains(&tag) || n > 1000 {
                     break;
                 }
@@ -282,7 +293,8 @@ impl Document {
         node
     }
 
-    /// Whether a file of this document has an entry at `place`. Comments elsewhere have nothing to stand before.
+    /// Whether a file of this document has an entry at `place`. Comments elsewhere have nothing to
+    /// stand before.
     pub fn has(&self, place: &Place) -> bool {
         match place {
             Place::Top => true,

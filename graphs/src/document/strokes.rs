@@ -1,20 +1,21 @@
-//! Pen strokes as documents keep them: simplified and on a grid, so that live and replay have the same bits.
+//! Pen strokes as documents keep them: simplified and on a grid, so that live and replay have the
+//! same bits.
 //!
-//! A stroke is simplified once, at pen-up, before it is first evaluated; from then on it is on the grid of
-//! [`on_the_grid`], in which files hold it exactly.
+//! A stroke is simplified once, at pen-up, before it is first evaluated; from then on it is on the
+//! grid of [`on_the_grid`], in which files hold it exactly.
 
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use coif_nodes::maths::hash::KeyBuilder;
 use glam::Vec3;
 use std::sync::Arc;
 
-/// How far the kept stroke may lie from the pen's samples, absolute, in head units (cm): a fifth of a millimetre is a
-/// few hair widths and under the tremor of a hand. Larger shows as corners in cornrows; smaller keeps
-/// tremor and costs bytes.
+/// How far the kept stroke may lie from the pen's samples, absolute, in head units (cm): a fifth of
+/// a millimetre is a few hair widths and under the tremor of a hand. Larger shows as corners in
+/// cornrows; smaller keeps tremor and costs bytes.
 pub const TOLERANCE: f32 = 0.02;
 
-/// Steps of a position on the grid in one cm. With 0.01 cm the rounding of three coordinates moves a sample by at most
-/// 0.0087 cm, which is taken out of [`TOLERANCE`].
+/// Steps of a position on the grid in one cm. With 0.01 cm the rounding of three coordinates moves
+/// a sample by at most 0.0087 cm, which is taken out of [`TOLERANCE`].
 const STEPS_PER_CM: f64 = 100.0;
 /// Steps of pressure: as many as the cheapest pens report.
 const PRESSURE_STEPS: f64 = 256.0;
@@ -22,14 +23,15 @@ const PRESSURE_STEPS: f64 = 256.0;
 const STEPS_PER_SECOND: f64 = 1000.0;
 /// What simplifying may use of [`TOLERANCE`] once rounding has had its share.
 const SHARE: f32 = 0.011;
-/// How far pressure may be from the pen's, absolute: 4 of 256 steps. One step would keep the noise of the
-/// sensor, a tenth would show where pressure is width.
+/// How far pressure may be from the pen's, absolute: 4 of 256 steps. One step would keep the noise
+/// of the sensor, a tenth would show where pressure is width.
 const PRESSURE_TOLERANCE: f32 = 4.0 / 256.0;
 /// Farther from the head's centre than anything drawn, near enough for exact sums (cm).
 const FARTHEST: f64 = 1e5;
 /// Longer than anybody draws one stroke (seconds).
 const LONGEST: f64 = 1e5;
-/// Samples that are simplified at once. Its worst case is quadratic; a stroke of 2 s has 400 samples.
+/// Samples that are simplified at once. Its worst case is quadratic; a stroke of 2 s has 400
+/// samples.
 const WINDOW: usize = 2048;
 
 /// A sample in whole steps of the grid.
@@ -61,8 +63,8 @@ impl Steps {
     }
 }
 
-/// The strokes with every sample on the grid: the same `Arc` when they are already. Samples that are not finite are left
-/// as they are, to be refused as such.
+/// The strokes with every sample on the grid: the same `Arc` when they are already. Samples that
+/// are not finite are left as they are, to be refused as such.
 pub fn on_the_grid(strokes: Arc<Strokes>) -> Arc<Strokes> {
     let on_grid = |s: &Sample| !is_finite(s) || Steps::of(s).sample() == *s;
     if strokes.0.iter().all(|stroke| stroke.samples.iter().all(on_grid)) {
@@ -81,10 +83,11 @@ fn is_finite(s: &Sample) -> bool {
     s.position.is_finite() && s.pressure.is_finite() && s.time.is_finite()
 }
 
-/// A finished stroke from what the pen gave: simplified, on the grid, with an id of its own among `others`.
+/// A finished stroke from what the pen gave: simplified, on the grid, with an id of its own among
+/// `others`.
 ///
-/// Every sample given lies within [`TOLERANCE`] of the stroke; first and last samples stay. Samples that
-/// are not finite are left out; none is made when nothing remains.
+/// Every sample given lies within [`TOLERANCE`] of the stroke; first and last samples stay. Samples
+/// that are not finite are left out; none is made when nothing remains.
 pub fn finish(samples: &[Sample], others: &Strokes) -> Option<Stroke> {
     let samples: Vec<Sample> = samples.iter().copied().filter(is_finite).collect();
     let kept = simplify(&samples);
@@ -92,8 +95,8 @@ pub fn finish(samples: &[Sample], others: &Strokes) -> Option<Stroke> {
     (!samples.is_empty()).then(|| Stroke { id: free_id(&samples, others), samples })
 }
 
-/// An id that no stroke of `others` has, of 32 bits, drawn from what was drawn: strokes that two people add to the same
-/// node differ when they are merged, and a replay gives the same ids.
+/// An id that no stroke of `others` has, of 32 bits, drawn from what was drawn: strokes that two
+/// people add to the same node differ when they are merged, and a replay gives the same ids.
 fn free_id(samples: &[Sample], others: &Strokes) -> u64 {
     for n in 0.. {
         let key = KeyBuilder::new("stroke id").int(n).column(samples).finish();
@@ -105,8 +108,8 @@ fn free_id(samples: &[Sample], others: &Strokes) -> u64 {
     0
 }
 
-/// The numbers of the samples to keep: Douglas and Peucker's method (1973), on position and on pressure, in windows
-/// whose ends stay.
+/// The numbers of the samples to keep: Douglas and Peucker's method (1973), on position and on
+/// pressure, in windows whose ends stay.
 fn simplify(samples: &[Sample]) -> Vec<usize> {
     let n = samples.len();
     let mut keep = vec![false; n];

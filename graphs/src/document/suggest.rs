@@ -1,7 +1,7 @@
 //! "Did you mean": the known word that is nearest to what was written.
 
-/// The word of `known` that needs the fewest single-letter changes (insert, delete, replace, swap of
-/// neighbours), when that is few enough to be a slip: one, or a third of the word's letters.
+/// The word of `known` that needs the fewest single-letter changes (insert, delete, replace, swap
+/// of neighbours), when that is few enough to be a slip: one, or a third of the word's letters.
 pub(super) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let few = (word.chars().count() / 3).max(1);
     known

@@ -10,11 +10,11 @@ use std::sync::Arc;
 /// The deepest product of products of fields. Deeper is a mistake or an attack: readers recurse.
 pub const DEEPEST_FIELD: usize = 16;
 
-/// `value` in the form in which documents hold what an input of type `ty` takes; else why it cannot be
-/// held.
+/// `value` in the form in which documents hold what an input of type `ty` takes; else why it cannot
+/// be held.
 ///
-/// Whole numbers become numbers where the input takes numbers, constant fields and constant ramps have one form,
-/// files are their path, strokes are brought to the grid in which files keep them.
+/// Whole numbers become numbers where the input takes numbers, constant fields and constant ramps
+/// have one form, files are their path, strokes are brought to the grid in which files keep them.
 pub fn fit(ty: Type, value: Value) -> Result<Value, String> {
     let found = value.type_name();
     let value = match (ty, value) {

@@ -1,11 +1,12 @@
 //! Documents as text: RON made for people and for git.
 //!
-//! One fact a line, in an order that does not change, with the shortest numbers that read back the same, layout apart
-//! from meaning. What this version does not know of nodes and values is kept byte for byte; what it does not know of the
-//! document itself is refused, with line and column. `read(write(d)) == d`, and `write(read(f))` is a fixed point.
+//! One fact a line, in an order that does not change, with the shortest numbers that read back the
+//! same, layout apart from meaning. What this version does not know of nodes and values is kept
+//! byte for byte; what it does not know of the document itself is refused, with line and column.
+//! `read(write(d)) == d`, and `write(read(f))` is a fixed point.
 //!
-//! The structs of files are their own ([`read`]), converted by hand, so that a document can change its shape without
-//! changing its files. Nothing here opens a file except [`save`].
+//! The structs of files are their own ([`read`]), converted by hand, so that a document can change
+//! its shape without changing its files. Nothing here opens a file except [`save`].
 
 use crate::document::Document;
 use std::fmt;
@@ -14,10 +15,13 @@ use std::path::Path;
 
 mod read;
 mod scan;
+#[cfg(test)]
+mod tests;
 mod upgrade;
 mod values;
 mod write;
 
+pub(crate) use values::proven_value;
 pub use values::{parse_value, read_value, write_value};
 
 /// The format that this version writes. It goes up when an older version would misread a file.
@@ -30,7 +34,8 @@ pub struct Loaded {
     pub document: Document,
     /// What this version does not know or cannot use; it is kept unless the message says otherwise.
     pub warnings: Vec<FileError>,
-    /// Comments that stand where they cannot be kept: saving drops them. Each message is the comment.
+    /// Comments that stand where they cannot be kept: saving drops them. Each message is the
+    /// comment.
     pub dropped_comments: Vec<FileError>,
 }
 
@@ -75,7 +80,8 @@ pub fn write(document: &Document) -> String {
     write::write(document)
 }
 
-/// Saves a document so that a crash leaves the old file or the new one: written beside it, synced, renamed.
+/// Saves a document so that a crash leaves the old file or the new one: written beside it, synced,
+/// renamed.
 pub fn save(document: &Document, path: &Path) -> io::Result<()> {
     let mut name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_owned();
     name.push(format!(".{}.tmp", std::process::id()));

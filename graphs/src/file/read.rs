@@ -1,18 +1,21 @@
 //! Text to documents: the structs of format 1, and their conversion.
 
-use super::scan::{Scan, error_at, scan, trimmed};
+use super::scan::{Scan, error_at, errors_at, scan, trimmed};
 use super::{FORMAT, FileError, Loaded, read_value, upgrade};
 use crate::document::{Document, Node, NodeId, Place, Point, Setting, Socket};
 use coif_nodes::define::NodeDef;
 use ron::value::RawValue;
 use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use std::collections::BTreeSet;
+use std::collections::btree_map::Entry;
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Range;
+use std::str::FromStr;
 use std::sync::Arc;
 
-/// The deepest nesting of brackets in a file: ours has 8; what is deeper is an attack on a recursive reader.
+/// The deepest nesting of brackets in a file: ours has 8; what is deeper is an attack on a
+/// recursive reader.
 const DEEPEST: usize = 64;
 
 #[derive(serde::Deserialize)]
@@ -28,11 +31,11 @@ struct FileGroom<'a> {
     #[serde(default)]
     display: String,
     #[serde(borrow, default)]
-    nodes: Entries<FileNode<'a>>,
+    nodes: Entries<NodeId, FileNode<'a>>,
     #[serde(default)]
-    links: Entries<FileWires>,
+    links: Entries<Socket, FileWires>,
     #[serde(default)]
-    layout: Entries<(f32, f32)>,
+    layout: Entries<NodeId, (f32, f32)>,
 }
 
 #[derive(serde::Deserialize)]
@@ -46,34 +49,45 @@ struct FileNode<'a> {
     #[serde(default)]
     bypass: bool,
     #[serde(borrow, default)]
-    inputs: Entries<&'a RawValue>,
+    inputs: Entries<String, &'a RawValue>,
 }
 
-/// A map in the order of the file. Two entries of one name are refused: a merge made them, and one would be lost.
-struct Entries<T>(Vec<(String, T)>);
+/// A map in the order of the file. Two entries of one name are refused: a merge made them, and one
+/// would be lost. Names are read here, where the reader knows the line.
+struct Entries<K, T>(Vec<(K, T)>);
 
-impl<T> Default for Entries<T> {
+impl<K, T> Default for Entries<K, T> {
     fn default() -> Self {
         Self(vec![])
     }
 }
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Entries<T> {
+impl<'de, K, T> Deserialize<'de> for Entries<K, T>
+where
+    K: FromStr<Err: fmt::Display>,
+    T: Deserialize<'de>,
+{
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct EntriesVisitor<T>(PhantomData<T>);
-        impl<'de, T: Deserialize<'de>> Visitor<'de> for EntriesVisitor<T> {
-            type Value = Entries<T>;
+        struct EntriesVisitor<K, T>(PhantomData<(K, T)>);
+        impl<'de, K, T> Visitor<'de> for EntriesVisitor<K, T>
+        where
+            K: FromStr<Err: fmt::Display>,
+            T: Deserialize<'de>,
+        {
+            type Value = Entries<K, T>;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("entries in curly brackets")
             }
-            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Entries<T>, M::Error> {
+            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Self::Value, M::Error> {
                 let (mut entries, mut seen) = (vec![], BTreeSet::new());
-                while let Some(key) = map.next_key::<String>()? {
-                    if !seen.insert(key.clone()) {
+                while let Some(name) = map.next_key::<String>()? {
+                    let key = name.parse().map_err(de::Error::custom)?;
+                    if seen.contains(&name) {
                         return Err(de::Error::custom(format!(
-                            "{key:?} stands here twice: keep one of them"
+                            "{name:?} stands here twice: keep one of them"
                         )));
                     }
+                    seen.insert(name);
                     entries.push((key, map.next_value()?));
                 }
                 Ok(Entries(entries))
@@ -84,7 +98,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Entries<T> {
 }
 
 /// The outputs wired to an input: one, or a list.
-struct FileWires(Vec<String>);
+struct FileWires(Vec<Socket>);
 
 impl<'de> Deserialize<'de> for FileWires {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -95,12 +109,12 @@ impl<'de> Deserialize<'de> for FileWires {
                 f.write_str("\"node.output\" or a list of these")
             }
             fn visit_str<E: de::Error>(self, text: &str) -> Result<FileWires, E> {
-                Ok(FileWires(vec![text.to_owned()]))
+                Ok(FileWires(vec![text.parse().map_err(de::Error::custom)?]))
             }
             fn visit_seq<S: SeqAccess<'de>>(self, mut seq: S) -> Result<FileWires, S::Error> {
                 let mut wires = vec![];
-                while let Some(wire) = seq.next_element()? {
-                    wires.push(wire);
+                while let Some(wire) = seq.next_element::<String>()? {
+                    wires.push(wire.parse().map_err(de::Error::custom)?);
                 }
                 Ok(FileWires(wires))
             }
@@ -111,7 +125,23 @@ impl<'de> Deserialize<'de> for FileWires {
 
 /// An error of the RON reader as one line of ours.
 pub(super) fn in_words(err: &ron::Error) -> String {
-    let text = err.to_string();
+    let text = match err {
+        ron::Error::TrailingCharacters => "something stands behind its end".to_owned(),
+        ron::Error::ExpectedNamedStructLike("Groom")
+        | ron::Error::ExpectedDifferentStructName { expected: "Groom", .. } => {
+            "not a groom: a groom begins with `(`".to_owned()
+        }
+        ron::Error::MissingStructField { field, .. } => format!("the field `{field}` is missing"),
+        ron::Error::DuplicateStructField { field, .. } => {
+            format!("the field `{field}` stands here twice: keep one of them")
+        }
+        ron::Error::ExpectedFloat => "expected a number".to_owned(),
+        ron::Error::ExpectedInteger => "expected a whole number".to_owned(),
+        ron::Error::IntegerOutOfBounds => "the number is out of range".to_owned(),
+        ron::Error::Eof => "the text ends too early".to_owned(),
+        ron::Error::ExceededRecursionLimit => format!("brackets are nested deeper than {DEEPEST}"),
+        err => err.to_string(),
+    };
     let mut chars = text.chars();
     let lower = chars.next().map(|c| c.to_lowercase().chain(chars).collect());
     let text: String = lower.unwrap_or_default();
@@ -122,7 +152,7 @@ pub(super) fn read(text: &str) -> Result<Loaded, FileError> {
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
     refuse_conflicts(text)?;
     match parse(text) {
-        Ok(groom) if groom.format == FORMAT => convert(text, groom),
+        Ok(groom) if groom.format == FORMAT => Ok(convert(text, groom)),
         parsed => match upgrade::format_of(text) {
             Some((format, at)) if format > FORMAT => Err(error_at(
                 text,
@@ -148,7 +178,7 @@ pub(super) fn read(text: &str) -> Result<Loaded, FileError> {
 fn read_upgraded(old: &str, new: &str, format: u32, at: usize) -> Result<Loaded, FileError> {
     let here = |message: String| error_at(old, at, format!("read as format {format}: {message}"));
     let groom = parse(new).map_err(|err| here(err.message))?;
-    let mut loaded = convert(new, groom).map_err(|err| here(err.message))?;
+    let mut loaded = convert(new, groom);
     for said in &mut loaded.warnings {
         *said = here(std::mem::take(&mut said.message));
     }
@@ -214,63 +244,48 @@ impl Reader<'_> {
         let at = self.at(place);
         self.warnings.push((at, message));
     }
-    fn error(&self, message: String) -> FileError {
-        // The place of a name that is no id is not known to the scan: find the name.
-        let named = message.split('"').nth(1).unwrap_or_default();
-        let at = self.text.find(&format!("\"{named}")).unwrap_or_default();
-        error_at(self.text, at, message)
-    }
 }
 
-fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
+fn convert(text: &str, groom: FileGroom) -> Loaded {
     let mut reader = Reader { text, scan: scan(text), warnings: vec![], raw: vec![] };
     let mut document =
         Document { title: groom.title, note: groom.note, seed: groom.seed, ..Document::default() };
     for (id, node) in groom.nodes.0 {
-        let id = NodeId::new(&id).map_err(|err| reader.error(err.to_string()))?;
         let node = reader.node(&id, node);
         document.nodes.insert(id, Arc::new(node));
     }
-    for (to, from) in groom.links.0 {
-        let socket =
-            |text: &str| text.parse::<Socket>().map_err(|err| reader.error(err.to_string()));
-        let written = socket(&to)?;
-        let from = from.0.iter().map(|from| socket(from)).collect::<Result<Vec<_>, _>>()?;
+    for (written, FileWires(from)) in groom.links.0 {
         let to = reader.present_input(&document, &written);
-        if from.is_empty() {
-            reader.warn(&Place::Link(written), format!("{to} has an empty list of wires: dropped"));
-        } else if document.links.contains_key(&to) {
-            let message = format!("{to} is wired under an old name too: these wires are dropped");
-            reader.warn(&Place::Link(written), message);
-        } else {
-            document.links.insert(to, from);
-        }
+        let why = match document.links.entry(to) {
+            _ if from.is_empty() => "an empty list of wires",
+            Entry::Occupied(_) => "the input is wired under its new name too",
+            Entry::Vacant(entry) => {
+                entry.insert(from);
+                continue;
+            }
+        };
+        reader.warn(&Place::Link(written.clone()), format!("{written}: {why}: dropped"));
     }
-    let here = |id: &str| NodeId::new(id).ok().filter(|id| document.nodes.contains_key(id));
     if !groom.display.is_empty() {
-        document.display = here(&groom.display);
+        let id = NodeId::new(&groom.display).ok();
+        document.display = id.filter(|id| document.nodes.contains_key(id));
         if document.display.is_none() {
             let message = format!("display: there is no node {:?}: dropped", groom.display);
             reader.warn(&Place::Field("display".to_owned()), message);
         }
     }
-    let mut layout = vec![];
     for (id, (x, y)) in groom.layout.0 {
-        match here(&id) {
-            Some(id) if x.is_finite() && y.is_finite() => layout.push((id, Point(x, y))),
-            found => {
-                let id = NodeId::new(&id).map_err(|err| reader.error(err.to_string()))?;
-                let why = if found.is_some() {
-                    "its place is no number"
-                } else {
-                    "there is no such node"
-                };
-                reader.warn(&Place::Layout(id.clone()), format!("layout of {id}: {why}: dropped"));
-            }
-        }
+        let why = if !document.nodes.contains_key(&id) {
+            "there is no such node"
+        } else if !(x.is_finite() && y.is_finite()) {
+            "its place is not a finite number"
+        } else {
+            document.layout.insert(id, Point(x, y));
+            continue;
+        };
+        reader.warn(&Place::Layout(id.clone()), format!("layout of {id}: {why}: dropped"));
     }
-    document.layout.extend(layout);
-    Ok(reader.finish(document))
+    reader.finish(document)
 }
 
 impl Reader<'_> {
@@ -357,14 +372,18 @@ impl Reader<'_> {
                 dropped.extend(lines);
             }
         }
-        dropped.retain(|comment| !self.raw.iter().any(|raw| raw.contains(&comment.at)));
-        dropped.sort_by_key(|comment| comment.at);
-        self.warnings.sort_by_key(|(at, _)| *at);
-        let text = self.text;
+        // Comments within kept text are kept. The ranges do not overlap.
+        self.raw.sort_by_key(|raw| raw.start);
+        let raw = self.raw;
+        dropped.retain(|comment| {
+            let after = raw.partition_point(|raw| raw.start <= comment.at);
+            after == 0 || !raw[after - 1].contains(&comment.at)
+        });
+        let dropped = dropped.into_iter().map(|comment| (comment.at, comment.text)).collect();
         Loaded {
             document,
-            warnings: self.warnings.into_iter().map(|(at, m)| error_at(text, at, m)).collect(),
-            dropped_comments: dropped.into_iter().map(|c| error_at(text, c.at, c.text)).collect(),
+            warnings: errors_at(self.text, self.warnings),
+            dropped_comments: errors_at(self.text, dropped),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Where things stand in a file: entries and comments, which a deserialiser does not tell.
 //!
-//! Runs on text that was already read, so it may assume valid RON of our own structs; on anything else its answer means
-//! nothing, but comes, without a panic and in linear time.
+//! Runs on text that was already read, so it may assume valid RON of our own structs; on anything
+//! else its answer means nothing, but comes, without a panic and in linear time.
 
 use super::FileError;
 use crate::document::{NodeId, Place, Socket};
@@ -66,6 +66,20 @@ pub(super) fn error_at(text: &str, at: usize, message: String) -> FileError {
     }
 }
 
+/// The messages at bytes of a text, in its order, in one pass: a file can earn thousands.
+pub(super) fn errors_at(text: &str, mut said: Vec<(usize, String)>) -> Vec<FileError> {
+    said.sort_by_key(|(at, _)| *at);
+    let (mut lines, mut line_start, mut errors) = (0, 0, vec![]);
+    for (at, message) in said {
+        let passed = &text[line_start..at];
+        lines += passed.matches('\n').count();
+        line_start += passed.rfind('\n').map_or(0, |i| i + 1);
+        let column = text[line_start..at].chars().count() + 1;
+        errors.push(FileError { line: lines + 1, column, message });
+    }
+    errors
+}
+
 /// RON text without white space and comments around it.
 pub(super) fn trimmed(text: &str) -> &str {
     let mut scanner = Scanner { text, at: 0, found: Scan::default(), pending: vec![] };
@@ -117,9 +131,8 @@ impl<'a> Scanner<'a> {
                 return;
             }
             let text = self.text[start..self.at].trim_end().to_owned();
-            let line_start = self.text[..start].rfind('\n').map_or(0, |i| i + 1);
-            let alone =
-                self.text[line_start..start].trim_matches(['\u{FEFF}', ' ', '\t']).is_empty();
+            let before = self.text[..start].trim_end_matches(['\u{FEFF}', ' ', '\t']);
+            let alone = before.is_empty() || before.ends_with('\n');
             let comment = Comment { at: start, text };
             if is_line && alone && before_entry {
                 self.pending.push(comment);
@@ -178,12 +191,12 @@ impl<'a> Scanner<'a> {
             self.skip(rest.find(&end).map_or(rest.len(), |i| i + end.len()));
         } else if first == '"' || rest.starts_with("b\"") {
             self.skip(rest.find('"').map_or(1, |i| i + 1));
-            self.to_quote('"');
+            self.skip_quoted('"');
         } else if first == '\'' || rest.starts_with("b'") {
             self.skip(rest.find('\'').map_or(1, |i| i + 1));
             // The character itself may be the quote.
             self.skip(if self.rest().starts_with("'") { 1 } else { 0 });
-            self.to_quote('\'');
+            self.skip_quoted('\'');
         } else if first.is_alphanumeric() || first == '_' {
             self.word();
         } else {
@@ -191,7 +204,7 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    fn to_quote(&mut self, quote: char) {
+    fn skip_quoted(&mut self, quote: char) {
         let mut escaped = false;
         for (i, c) in self.rest().char_indices() {
             match c {
@@ -266,6 +279,10 @@ impl<'a> Scanner<'a> {
     fn value(&mut self) {
         let mut depth = 0usize;
         loop {
+            if depth > 0 {
+                // Strokes are long lists of numbers.
+                self.skip_to(|c| !matches!(c, '0'..='9' | '-' | ',' | '.' | ' ' | '\n'));
+            }
             self.trivia(false);
             match self.rest().chars().next() {
                 None => return,

@@ -29,12 +29,20 @@ pub fn parse_value(ty: Type, text: &str) -> Result<Value, String> {
     if bare { fit(ty, Value::Text(text.into())) } else { read_value(ty, text) }
 }
 
-/// Reads RON text as an input of type `ty` would have it.
+/// Reads RON text as an input of type `ty` would have it. The error names the text and says how it
+/// is written.
 pub fn read_value(ty: Type, text: &str) -> Result<Value, String> {
-    let value = value_of(ty, text).map_err(|err| {
-        format!("{} is no {}: {err}; write it like {}", short(text), ty.name(), like(ty))
-    })?;
-    fit(ty, value)
+    fit(
+        ty,
+        value_of(ty, text).map_err(|err| {
+            format!("{} is no {}: {err}; write it like {}", short(text), ty.name(), like(ty))
+        })?,
+    )
+}
+
+/// The same, with an error that says only what is wrong.
+pub(crate) fn proven_value(ty: Type, text: &str) -> Result<Value, String> {
+    fit(ty, value_of(ty, text)?)
 }
 
 /// How a value of the type is written.
@@ -56,7 +64,11 @@ fn like(ty: Type) -> &'static str {
 fn value_of(ty: Type, text: &str) -> Result<Value, String> {
     Ok(match ty {
         Type::Bool => Value::Bool(parse(text)?),
-        Type::Int => Value::Int(parse(text)?),
+        Type::Int => Value::Int(parse(text).map_err(|err| match number(text) {
+            Ok(x) if x.trunc() != x => "it has decimals".to_owned(),
+            Ok(_) if !err.contains("range") => "write it without a point".to_owned(),
+            _ => err,
+        })?),
         Type::Float => Value::Float(number(text)?),
         Type::Field => field(text, 1)?,
         Type::Vec3 | Type::Colour => {
@@ -76,7 +88,9 @@ fn value_of(ty: Type, text: &str) -> Result<Value, String> {
             let strokes: Result<_, String> = strokes.into_iter().map(FileStroke::stroke).collect();
             Value::from(Strokes(strokes?))
         }
-        Type::Curves | Type::Scalp => return Err("it comes by wire".to_owned()),
+        Type::Curves | Type::Scalp => {
+            return Err(format!("{} come by wire: connect a node", ty.name()));
+        }
     })
 }
 
@@ -101,6 +115,7 @@ fn is_number(text: &str) -> bool {
 }
 
 #[derive(Deserialize)]
+#[serde(rename = "ramp")]
 enum FileRamp {
     Linear(Vec<(f32, f32)>),
     Smooth(Vec<(f32, f32)>),
@@ -119,6 +134,7 @@ impl FileRamp {
 }
 
 #[derive(Deserialize)]
+#[serde(rename = "field")]
 enum FileField<'a> {
     Linear(Vec<(f32, f32)>),
     Smooth(Vec<(f32, f32)>),
@@ -155,6 +171,7 @@ fn field(text: &str, depth: usize) -> Result<Value, String> {
 }
 
 #[derive(Deserialize)]
+#[serde(rename = "tier")]
 enum FileTier {
     A,
     B,
@@ -172,7 +189,7 @@ impl FileTier {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "shape", deny_unknown_fields)]
 enum FileSection {
     Circle,
     Ellipse(f32),
@@ -197,10 +214,11 @@ impl FileSection {
     }
 }
 
-/// A stroke in columns of whole steps of the grid (0.01 cm, 1/256 of pressure, 1 ms): the first sample, then each
-/// sample's distance from the one before. Small numbers are short, and a moved sample changes two.
+/// A stroke in columns of whole steps of the grid (0.01 cm, 1/256 of pressure, 1 ms): the first
+/// sample, then each sample's distance from the one before. Small numbers are short, and a moved
+/// sample changes two.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "stroke", deny_unknown_fields)]
 struct FileStroke {
     id: u64,
     x: Vec<i64>,
@@ -244,7 +262,8 @@ pub fn write_value(value: &Value) -> String {
     out
 }
 
-/// Writes a value; lists of shapes and strokes take a line each, led by `indent`, where there is one.
+/// Writes a value; lists of shapes and strokes take a line each, led by `indent`, where there is
+/// one.
 pub(super) fn write_to(out: &mut String, value: &Value, indent: Option<usize>) {
     // Writing to a String cannot fail.
     let _ = match value {
@@ -363,7 +382,8 @@ fn write_section(out: &mut String, section: &Section) {
     };
 }
 
-/// The columns of a stroke. Its numbers begin their lines: indentation would be a fifth of the file.
+/// The columns of a stroke. Its numbers begin their lines: indentation would be a fifth of the
+/// file.
 fn write_stroke(out: &mut String, stroke: &Stroke, indent: Option<usize>) {
     let _ = write!(out, "(id: {}", stroke.id);
     let steps: Vec<Steps> = stroke.samples.iter().map(Steps::of).collect();
@@ -511,21 +531,21 @@ mod tests {
             Type::Int,
             &["2.5", "three", "", "99999999999999999999", "3 4"],
             expect![[r#"
-                2.5 is no whole number: non-whitespace trailing characters; write it like 3
-                three is no whole number: expected integer; write it like 3
-                 is no whole number: unexpected end of RON; write it like 3
-                99999999999999999999 is no whole number: integer is out of bounds; write it like 3
-                3 4 is no whole number: non-whitespace trailing characters; write it like 3"#]],
+                2.5 is no whole number: it has decimals; write it like 3
+                three is no whole number: expected a whole number; write it like 3
+                 is no whole number: the text ends too early; write it like 3
+                99999999999999999999 is no whole number: the number is out of range; write it like 3
+                3 4 is no whole number: something stands behind its end; write it like 3"#]],
         );
         check(
             Type::Float,
             &["NaN", "-inf", "1e400", "\"1\"", "1.2.3"],
             expect![[r#"
-            NaN is no number: not a finite number; write it like 1.5
-            -inf is no number: not a finite number; write it like 1.5
-            1e400 is no number: not a finite number; write it like 1.5
-            "1" is no number: expected float; write it like 1.5
-            1.2.3 is no number: expected float; write it like 1.5"#]],
+                NaN is no number: not a finite number; write it like 1.5
+                -inf is no number: not a finite number; write it like 1.5
+                1e400 is no number: not a finite number; write it like 1.5
+                "1" is no number: expected a number; write it like 1.5
+                1.2.3 is no number: expected a number; write it like 1.5"#]],
         );
         check(
             Type::Field,
@@ -538,10 +558,10 @@ mod tests {
             ],
             expect![[r#"
                 NaN is no field (number, ramp, attribute or mask): not a finite number; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])
-                Lineer([]) is no field (number, ramp, attribute or mask): unexpected variant named `Lineer` in enum `FileField`, expected one of `Linear`, `Smooth`, `Step`, `Attribute`, `Mask`, or `Product` instead; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])
+                Lineer([]) is no field (number, ramp, attribute or mask): unexpected variant named `Lineer` in enum `field`, expected one of `Linear`, `Smooth`, `Step`, `Attribute`, `Mask`, or `Product` instead; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])
                 Linear([]) is no field (number, ramp, attribute or mask): a ramp needs at least one stop, finite numbers, and positions from 0 to 1 that do not fall; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])
                 Linear([(1.0, 1.0), (0.0, 1.0)]) is no field (number, ramp, attribute or mask): a ramp needs at least one stop, finite numbers, and positions from 0 to 1 that do not fall; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])
-                Product([true]) is no field (number, ramp, attribute or mask): unexpected variant named `true` in enum `FileField`, expected one of `Linear`, `Smooth`, `Step`, `Attribute`, `Mask`, or `Product` instead; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])"#]],
+                Product([true]) is no field (number, ramp, attribute or mask): unexpected variant named `true` in enum `field`, expected one of `Linear`, `Smooth`, `Step`, `Attribute`, `Mask`, or `Product` instead; write it like 1.5 or Smooth([(0.0, 1.0), (1.0, 0.3)])"#]],
         );
         check(
             WORDS,
@@ -585,7 +605,7 @@ mod tests {
         check(
             Type::Curves,
             &["3"],
-            expect!["3 is no curves: it comes by wire; write it like a wire"],
+            expect!["3 is no curves: curves come by wire: connect a node; write it like a wire"],
         );
     }
 
@@ -613,10 +633,5 @@ mod tests {
             assert!(text.lines().all(|line| line.len() < 100));
         }
         assert!(bytes <= 20 * samples, "{} bytes a sample", bytes as f32 / samples as f32);
-        eprintln!(
-            "{} bytes a sample, {} samples a stroke",
-            bytes as f32 / samples as f32,
-            samples / 40
-        );
     }
 }

@@ -1,9 +1,9 @@
 //! Older formats to ours: one function for each step, on raw values.
 //!
-//! A step sees fields and entries as text that it moves, renames and rewrites; it does not know the structs of any
-//! format, so these need not live on. A step `v1_to_v2` is a file of this folder, an entry of [`STEPS`], and a sample of
-//! the old format in `samples/` that a test reads. Old *values* need no step: inputs have old names and nodes have
-//! versions.
+//! A step sees fields and entries as text that it moves, renames and rewrites; it does not know the
+//! structs of any format, so these need not live on. A step `v1_to_v2` is a file of this folder, an
+//! entry of [`STEPS`], and a sample of the old format in `samples/` that a test reads. Old *values*
+//! need no step: inputs have old names and nodes have versions.
 
 use super::FORMAT;
 use super::scan::{scan, trimmed};
@@ -109,7 +109,8 @@ impl Raw {
     }
 }
 
-/// The format that a file says it has, and where it says so; none when it says none that is a number.
+/// The format that a file says it has, and where it says so; none when it says none that is a
+/// number.
 pub(super) fn format_of(text: &str) -> Option<(u32, usize)> {
     let mut raw = Raw::read(text).ok()?;
     let format = raw.get_mut("format")?.parse().ok()?;

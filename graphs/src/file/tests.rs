@@ -1,0 +1,546 @@
+//! Reading and writing whole files.
+
+use super::*;
+use crate::document::edit::Edit;
+use crate::document::testing::Random;
+use crate::document::{NodeId, Point, Setting, Socket};
+use coif_nodes::define::Value;
+use expect_test::{Expect, expect};
+
+/// A file as people write it: every field, comments where they can be kept.
+const FULL: &str = r#"// Cornrows for the wedding scene.
+// Ask before touching the crown.
+(
+    format: 1,
+    // for the shelf
+    title: "Cornrows \"wedding\"",
+    note: "two\nlines",
+    seed: 7,
+    display: "rows",
+    nodes: {
+        "all": (
+            kind: "of_tomorrow",
+            bypass: true,
+        ),
+        // as many as fit
+        "rows": (
+            kind: "resample",
+            label: "front rows",
+            note: "tighter at the temple",
+            inputs: {
+                // not more than 12
+                "count": 9,
+                "spacing": 0.1,
+                "twist": Twist(3, [1, 2]),
+            },
+        ),
+    },
+    // merged by length
+    links: {
+        "all.in": ["rows.curves", "rows.curves"],
+        // from tomorrow
+        "rows.curves": "all.out",
+    },
+    layout: {
+        "all": (640.5, -20.0),
+        "rows": (320.0, 0.0),
+    },
+)
+"#;
+
+fn id(text: &str) -> NodeId {
+    NodeId::new(text).unwrap()
+}
+#[track_caller]
+fn ok(text: &str) -> Loaded {
+    read(text).unwrap_or_else(|err| panic!("{err}\n{text}"))
+}
+/// What is said about a file: its error, or warnings and lost comments.
+#[track_caller]
+fn said(text: &str, want: Expect) {
+    want.assert_eq(&match read(text) {
+        Ok(loaded) => {
+            let lost = loaded.dropped_comments.iter().map(|c| format!("lost {c}\n"));
+            loaded.warnings.iter().map(|w| format!("{w}\n")).chain(lost).collect::<String>()
+        }
+        Err(err) => err.of_file("x.ron"),
+    });
+}
+/// A file of one node with these fields.
+fn node(fields: &str) -> String {
+    format!("(\n    format: 1,\n    nodes: {{\n        \"a\": ({fields}),\n    }},\n)\n")
+}
+/// How two texts differ: lines only in the first, lines only in the second.
+fn diff(before: &str, after: &str) -> (Vec<String>, Vec<String>) {
+    let only = |these: &str, those: &str| {
+        let mut rest: Vec<&str> = those.lines().collect();
+        let mut only = vec![];
+        for line in these.lines() {
+            match rest.iter().position(|other| *other == line) {
+                Some(at) => drop(rest.remove(at)),
+                None => only.push(line.trim().to_owned()),
+            }
+        }
+        only
+    };
+    (only(before, after), only(after, before))
+}
+
+#[test]
+fn a_file_is_written_as_it_was_with_its_comments() {
+    let loaded = ok(FULL);
+    assert_eq!(write(&loaded.document), FULL);
+    assert_eq!(loaded.dropped_comments, []);
+    assert_eq!(loaded.document.node("rows").unwrap().label.as_deref(), Some("front rows"));
+}
+
+#[test]
+fn the_smallest_file_is_a_format() {
+    expect![[r#"
+        (
+            format: 1,
+            title: "",
+            seed: 0,
+            nodes: {
+            },
+        )
+    "#]]
+    .assert_eq(&write(&ok("(format:1)").document));
+}
+
+#[test]
+fn values_are_written_each_on_its_line() {
+    let mut document = ok(&node("kind: \"of_tomorrow\"")).document;
+    let mut random = Random::new(8);
+    let strokes = crate::document::strokes::finish(&random.pen(200), &Default::default());
+    let shapes = "[(A, Circle), (B, Ellipse(0.7))]";
+    let shapes = read_value(coif_nodes::define::Type::Shapes, shapes).unwrap();
+    let strokes = coif_nodes::data::strokes::Strokes(strokes.into_iter().collect());
+    let node = std::sync::Arc::make_mut(document.nodes.get_mut("a").unwrap());
+    node.inputs.insert("shapes".into(), Setting::Known(shapes));
+    node.inputs.insert("strokes".into(), Setting::Known(strokes.into()));
+    expect![[r#"
+        (
+            format: 1,
+            title: "",
+            seed: 0,
+            nodes: {
+                "a": (
+                    kind: "of_tomorrow",
+                    inputs: {
+                        "shapes": [
+                            (A, Circle),
+                            (B, Ellipse(0.7)),
+                        ],
+                        "strokes": [
+                            (id: 2274773992, x: [
+        0,76,79,71,19,24,6,37,82,83,68,20,
+        78,59,5,17,25,17,12,47,19,25,41,23,
+        9,3,27,5
+        ], y: [
+        800,-3,-11,-15,-5,-7,-2,-11,-31,-37,-33,-10,
+        -41,-32,-2,-9,-13,-8,-6,-21,-8,-9,-11,-3,
+        -1,0,0,1
+        ], z: [
+        0,20,20,19,4,7,2,9,21,22,18,5,
+        20,15,2,4,7,4,4,11,6,6,11,5,
+        3,0,8,1
+        ], pressure: [
+        53,17,18,20,-1,4,7,5,16,13,11,-2,
+        12,-1,6,-5,6,-5,5,-5,3,-4,-3,-8,
+        3,-6,0,-6
+        ], time: [
+        0,55,60,55,15,20,5,30,70,75,65,20,
+        80,65,5,20,30,20,15,60,25,35,60,35,
+        15,5,45,10
+        ]),
+                        ],
+                    },
+                ),
+            },
+        )
+    "#]]
+    .assert_eq(&write(&document));
+}
+
+#[test]
+fn random_documents_come_back() {
+    for seed in 0..300 {
+        let document = Random::new(seed).document();
+        let text = write(&document);
+        let loaded = ok(&text);
+        assert_eq!(loaded.document, document, "seed {seed}\n{text}");
+        assert_eq!(write(&loaded.document), text, "seed {seed}");
+        assert_eq!(loaded.dropped_comments, [], "seed {seed}\n{text}");
+    }
+}
+
+#[test]
+fn comments_that_stand_before_nothing_are_named() {
+    said(
+        "// top\n(\n  format: 1, // kept is the line above only\n  /* block */\n  title: \"x\" // behind\n  ,\n  // no note\n  note: \"\",\n  nodes: {\n    \"a\": ( // opens\n      kind: \"of_tomorrow\",\n      inputs: {\n        \"x\": ( // part of what is kept\n          1),\n        // last\n      },\n    ),\n  },\n  // end\n)\n// after\n",
+        expect![[r#"
+            11:13: a: unknown node kind "of_tomorrow": kept as it is
+            lost 3:14: // kept is the line above only
+            lost 4:3: /* block */
+            lost 5:14: // behind
+            lost 7:3: // no note
+            lost 10:12: // opens
+            lost 15:9: // last
+            lost 19:3: // end
+            lost 21:1: // after
+        "#]],
+    );
+    let text = "(\r\n    // windows\r\n    format: 1,\r\n)\r\n";
+    assert!(write(&ok(text).document).contains("\n    // windows\n    format: 1,\n"));
+    assert!(
+        ok(&format!("\u{FEFF}// bom\n{}", &FULL[FULL.find('(').unwrap()..]))
+            .dropped_comments
+            .is_empty()
+    );
+}
+
+#[test]
+fn what_this_version_does_not_know_is_kept_byte_for_byte_and_said() {
+    let text = node(
+        "kind: \"of_tomorrow\", inputs: {\"deep\": Knot {\n   \"x\": ( /* in */ a: r#\"\"\"#, ), // in\n}, \"word\": Yes,}",
+    );
+    // `Knot { ... }` is no RON.
+    assert!(read(&text).is_err());
+    let value = "Knot({\n   \"x\": ( /* in */ a: r#\"\"\"#, ), // in\n})";
+    let text =
+        node(&format!("kind: \"of_tomorrow\", inputs: {{\"deep\": {value}, \"word\": Yes}}"));
+    let document = ok(&text).document;
+    assert_eq!(document.node("a").unwrap().inputs["deep"], Setting::Raw(value.into()));
+    assert!(write(&document).contains(&format!("\"deep\": {value},\n")));
+    said(
+        &node(
+            "kind: \"resample\", inputs: {\n    \"count\": \"nine\",\n    \"twist\": 3,\n    \"spacing\": 1}",
+        ),
+        expect![[r#"
+            5:14: a.count: "nine" is no whole number: expected a whole number; write it like 3
+            6:14: a.twist: resample has no such input: kept as it is
+        "#]],
+    );
+    said(
+        &node("kind: \"resmple\""),
+        expect![[r#"
+        4:21: a: unknown node kind "resmple": kept as it is
+    "#]],
+    );
+}
+
+#[test]
+fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
+    said("", expect!["x.ron:1:1: not a groom: a groom begins with `(`"]);
+    said("hello", expect!["x.ron:1:6: not a groom: a groom begins with `(`"]);
+    said("(title: \"x\")", expect!["x.ron:1:12: the field `format` is missing"]);
+    said(
+        "(format: 1, colour: 3)",
+        expect![
+            "x.ron:1:13: unexpected field named `colour` in `Groom`, expected one of `format`, `title`, `note`, `seed`, `display`, `nodes`, `links`, or `layout` instead"
+        ],
+    );
+    said("(format: 1, seed: -1)", expect!["x.ron:1:21: the number is out of range"]);
+    said("(format: 1) (", expect!["x.ron:1:13: something stands behind its end"]);
+    said("(format: 1, title: \"x\ny", expect!["x.ron:1:21: expected end of string"]);
+    said(
+        "(format: 1, format: 1)",
+        expect!["x.ron:1:13: the field `format` stands here twice: keep one of them"],
+    );
+    said(
+        &node("kind: \"resample\", knid: 3"),
+        expect![
+            "x.ron:4:33: unexpected field named `knid` in `Node`, expected one of `kind`, `label`, `note`, `bypass`, or `inputs` instead"
+        ],
+    );
+    said(&node("label: \"x\""), expect!["x.ron:4:25: the field `kind` is missing"]);
+    said(
+        &node("kind: \"resample\", inputs: {\"count\": 3 \"by\": 4}"),
+        expect!["x.ron:4:53: expected comma"],
+    );
+    said(
+        &node("kind: \"resample\", inputs: {\"count\": 3, \"count\": 4}"),
+        expect![[r#"x.ron:4:55: "count" stands here twice: keep one of them"#]],
+    );
+    said(
+        &node("kind: \"resample\"),\n        \"a\": (kind: \"resample\""),
+        expect![[r#"x.ron:5:10: "a" stands here twice: keep one of them"#]],
+    );
+    said(
+        &node("kind: \"resample\"),\n        \"A b\": (kind: \"resample\""),
+        expect![[
+            r#"x.ron:5:10: "A b" is no node id: use a lower case letter, then letters, digits and underscores, at most 64"#
+        ]],
+    );
+    said(
+        "(format: 1, links: {\n  \"a\": \"b.c\"})",
+        expect![[r#"x.ron:2:4: "a" is no socket: write it as "node.name""#]],
+    );
+    said(
+        "(format: 1, links: {\n  \"a.b\": [\n    \"b\"]})",
+        expect![[r#"x.ron:3:8: "b" is no socket: write it as "node.name""#]],
+    );
+    said(
+        "(format: 1, links: {\n  \"a.b\": 3})",
+        expect![[
+            r#"x.ron:2:11: expected "node.output" or a list of these but found the unsigned integer `3` instead"#
+        ]],
+    );
+    said(
+        "(format: 1, layout: {\"a\": (1, inf)}, display: \"a\", links: {\"a.b\": []})",
+        expect![[r#"
+            1:27: layout of a: there is no such node: dropped
+            1:47: display: there is no node "a": dropped
+            1:67: a.b: an empty list of wires: dropped
+        "#]],
+    );
+    said(
+        "(format: 1,\n<<<<<<< ours\n  seed: 1,\n=======\n",
+        expect!["x.ron:2:1: a merge conflict is left in the file: resolve it first"],
+    );
+    said(
+        "// x\n#![enable(implicit_some)]\n(format: 1)",
+        expect!["x.ron:2:1: a groom has no #![...] attributes: remove this line"],
+    );
+    said(
+        "(format: 2, frames: [1, 2])",
+        expect![
+            "x.ron:1:10: the file has format 2, this version reads up to 1: open it with a newer coif"
+        ],
+    );
+    said(
+        "(\n    frames: {},\n    format: 2000000,\n)",
+        expect![
+            "x.ron:3:13: the file has format 2000000, this version reads up to 1: open it with a newer coif"
+        ],
+    );
+    said("(format: 99999999999)", expect!["x.ron:1:21: the number is out of range"]);
+    let err = read_bytes(b"(\n  \xff\xfe").unwrap_err();
+    assert_eq!(err.to_string(), "2:3: not a groom: this is no UTF-8 text");
+}
+
+#[test]
+fn moving_a_node_changes_its_line_of_the_layout_only() {
+    let mut document = ok(FULL).document;
+    let to = Some(Point(1.5, 2.0));
+    Edit::Move { id: id("rows"), to }.apply(&mut document).unwrap();
+    let changed = diff(FULL, &write(&document));
+    assert_eq!(
+        changed,
+        (vec!["\"rows\": (320.0, 0.0),".into()], vec!["\"rows\": (1.5, 2.0),".into()])
+    );
+}
+
+#[test]
+fn changing_a_value_changes_one_line() {
+    let mut document = ok(FULL).document;
+    let setting = Setting::Known(Value::Int(12));
+    Edit::SetInput { node: id("rows"), input: "count".into(), setting }
+        .apply(&mut document)
+        .unwrap();
+    let changed = diff(FULL, &write(&document));
+    assert_eq!(changed, (vec!["\"count\": 9,".into()], vec!["\"count\": 12,".into()]));
+}
+
+#[test]
+fn adding_a_node_adds_one_block() {
+    let mut document = ok(FULL).document;
+    let node = crate::document::Node { kind: "resample".into(), ..Default::default() };
+    Edit::AddNode { id: id("mid"), node: node.into(), at: None }.apply(&mut document).unwrap();
+    let (gone, new) = diff(FULL, &write(&document));
+    assert_eq!((gone, new.len()), (vec![], 3));
+    assert_eq!(new[..2], ["\"mid\": (", "kind: \"resample\","]);
+    let wire = Edit::Connect {
+        from: Socket::new(id("mid"), "curves"),
+        to: Socket::new(id("all"), "in"),
+        at: None,
+    };
+    let before = write(&document);
+    wire.apply(&mut document).unwrap();
+    let (gone, new) = diff(&before, &write(&document));
+    assert_eq!((gone.len(), new.len()), (1, 1));
+}
+
+#[test]
+fn two_branches_merge_line_by_line() {
+    // Two people change different values of one node; taking both changed lines gives both changes.
+    let set = |input: &str, value: Value| {
+        let mut document = ok(FULL).document;
+        let setting = Setting::Known(value);
+        Edit::SetInput { node: id("rows"), input: input.into(), setting }
+            .apply(&mut document)
+            .unwrap();
+        write(&document)
+    };
+    let (ours, theirs) = (set("count", Value::Int(3)), set("spacing", Value::Float(0.7)));
+    let base = FULL.lines();
+    let merged: Vec<&str> = base
+        .zip(ours.lines().zip(theirs.lines()))
+        .map(|(base, (ours, theirs))| if ours == base { theirs } else { ours })
+        .collect();
+    let document = ok(&merged.join("\n")).document;
+    let inputs = &document.node("rows").unwrap().inputs;
+    assert_eq!(inputs["count"], Setting::Known(Value::Int(3)));
+    assert_eq!(inputs["spacing"], Setting::Known(Value::Float(0.7)));
+}
+
+#[test]
+fn old_names_of_inputs_become_the_new_ones() {
+    for def in coif_nodes::all() {
+        for input in def.inputs {
+            for old in input.old_names {
+                let text = format!(
+                    "(format: 1, nodes: {{\"a\": (kind: {:?}, inputs: {{\n// why\n{old:?}: ()}})}}, links: {{\n// who\n\"a.{old}\": \"b.x\"}})",
+                    def.id
+                );
+                let written = write(&ok(&text).document);
+                assert!(
+                    written.contains(&format!("// why\n                {:?}: (),", input.name)),
+                    "{written}"
+                );
+                assert!(
+                    written.contains(&format!("// who\n        \"a.{}\": \"b.x\",", input.name)),
+                    "{written}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn broken_files_give_an_error_or_a_document_that_comes_back() {
+    let mut random = Random::new(2024);
+    let seeds =
+        [FULL.to_owned(), write(&Random::new(1).document()), write(&Random::new(2).document())];
+    let pieces = [
+        "(",
+        ")",
+        "[",
+        "]",
+        "{",
+        "}",
+        "\"",
+        "'",
+        ",",
+        ":",
+        "//",
+        "/*",
+        "*/",
+        "r#\"",
+        "\\",
+        "\0",
+        "\u{FEFF}",
+        "-",
+        "1e999",
+        "NaN",
+        "0x",
+        "..",
+        "Some(",
+        "b'",
+        "\u{202E}",
+        "r#",
+        "#![enable(unwrap_newtypes)]",
+        "\n",
+        " ",
+        "99999999999999999999999",
+        "_",
+        "()",
+    ];
+    let (mut refused, mut read_well) = (0, 0);
+    for round in 0..1500 {
+        let mut text = random.pick(&seeds);
+        for _ in 0..1 + random.below(2) {
+            let mut at = random.below(text.len() + 1);
+            while !text.is_char_boundary(at) {
+                at -= 1;
+            }
+            let mut to = (at + random.below(12)).min(text.len());
+            while !text.is_char_boundary(to) {
+                to += 1;
+            }
+            match random.below(9) {
+                0 => text.truncate(at),
+                1 => text.replace_range(at..to, ""),
+                2 => text.replace_range(at..to, random.pick(&pieces)),
+                3 => {
+                    let copy = text[at..].chars().take(random.below(200)).collect::<String>();
+                    text.insert_str(at, &copy);
+                }
+                4 => text.insert_str(at, random.pick(&pieces)),
+                _ => {
+                    // A slip of the finger: another letter or digit.
+                    let is_word = |c: char| c.is_ascii_alphanumeric();
+                    if let Some(i) = text[at..].find(is_word) {
+                        let typed = random.pick(&["a", "e", "7", "0", "_", "E", ".", " "]);
+                        text.replace_range(at + i..=at + i, typed);
+                    }
+                }
+            }
+        }
+        match read(&text) {
+            Ok(loaded) => {
+                read_well += 1;
+                let written = write(&loaded.document);
+                let again = ok(&written);
+                assert_eq!(again.document, loaded.document, "round {round}\n{text}\n{written}");
+                assert_eq!(write(&again.document), written, "round {round}\n{text}");
+            }
+            Err(err) => {
+                refused += 1;
+                let lines = text.lines().count() + 1;
+                assert!((1..=lines).contains(&err.line) && err.column > 0, "{err}\n{text}");
+                assert!(!err.message.is_empty() && !err.message.contains('\n'), "{err}");
+            }
+        }
+        // What has no structure at all.
+        let noise: Vec<u8> = (0..random.below(64)).map(|_| random.bits() as u8).collect();
+        assert!(read_bytes(&noise).is_err());
+    }
+    assert!(refused > 300 && read_well > 300, "{refused} {read_well}");
+}
+
+#[test]
+fn attacks_are_refused_quickly() {
+    let deep = |open: &str, n: usize| open.repeat(n);
+    let value = |value: &str| node(&format!("kind: \"of_tomorrow\", inputs: {{\"x\": {value}}}"));
+    let begin = std::time::Instant::now();
+    for n in [100, 100_000] {
+        for open in ["(", "[", "{", "Some(", "X(", "(a: ", "/*", "r#", "'", "\"\\", "[[],", "{1: "]
+        {
+            assert!(read(&deep(open, n)).is_err(), "{open} {n}");
+            assert!(read(&value(&deep(open, n))).is_err(), "{open} {n}");
+            assert!(read_value(coif_nodes::define::Type::Shapes, &deep(open, n)).is_err());
+            assert!(read_value(coif_nodes::define::Type::Field, &deep(open, n)).is_err());
+        }
+    }
+    let digits = format!("1{}", "0".repeat(1_000_000));
+    assert!(read(&format!("(format: {digits})")).is_err());
+    for number in
+        [digits.as_str(), "1e999999999", "-1e-999999999", "0.0000000000000000000000000001"]
+    {
+        let text = node(&format!("kind: \"resample\", inputs: {{\"spacing\": {number}}}"));
+        assert!(read(&text).is_ok_and(|loaded| write(&loaded.document).len() < 2_000_000));
+    }
+    // Far below what a hang would take, far above what a slow machine does.
+    assert!(begin.elapsed().as_secs() < 60, "{:?}", begin.elapsed());
+}
+
+#[test]
+fn saving_replaces_the_file_and_leaves_nothing_beside_it() {
+    let folder = std::env::temp_dir().join(format!("coif-save-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("a.ron");
+    let document = ok(FULL).document;
+    for _ in 0..2 {
+        save(&document, &path).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), FULL);
+    }
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
+    // A folder is in the way: the error is told and nothing is left.
+    assert!(save(&document, &folder).is_err());
+    let beside = std::fs::read_dir(std::env::temp_dir()).unwrap().flatten();
+    let left = beside.filter(|f| f.file_name().to_string_lossy().starts_with("coif-save-")).count();
+    assert_eq!(left, 1);
+    std::fs::remove_dir_all(&folder).unwrap();
+}
