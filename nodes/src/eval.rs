@@ -27,6 +27,9 @@ pub enum Quality {
     Final,
 }
 
+/// Runs `f(0)..f(n)` in any order, maybe at once.
+pub type ForEach<'a> = &'a dyn Fn(usize, &(dyn Fn(usize) + Sync));
+
 /// A result as the cache keeps it.
 pub type Kept = Arc<dyn Any + Send + Sync>;
 
@@ -158,9 +161,9 @@ impl EvalCx<'_> {
             Quality::Preview => n.min(16.max(n / 10)),
         }
     }
-    /// The skin of a head, ready for inside tests. Call it before running over tufts, never within.
+    /// The skin of a head, for inside tests.
     pub fn skin<'s>(&self, scalp: &'s Scalp) -> Skin<'s> {
-        scalp.skin(&|n, f| self.host.for_each(n, f))
+        scalp.skin()
     }
     /// Centimetres that a typed centimetre stands for: the head's unit where lengths grow with it, which is remarked.
     pub fn head_unit(&self, scalp: Option<&Scalp>, scale_with_head: bool) -> f32 {

@@ -298,7 +298,7 @@ fn on_scalp(prim: &ReadCurves, offsets: &[usize], scalp: &Scalp) -> OnScalp {
     let n = offsets.len() - 1;
     let surface = scalp.surface();
     let allowed = numbers(prim, "allow_depth", offsets);
-    let skin = scalp.skin(&|n, f| (0..n).for_each(f));
+    let skin = scalp.skin();
     let mut distances: Vec<f32> = (0..n)
         .filter(|i| offsets[i + 1] > offsets[*i])
         .filter_map(|i| surface.closest(prim.points[offsets[i]]).map(|hit| hit.distance))

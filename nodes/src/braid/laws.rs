@@ -538,7 +538,7 @@ fn what_is_no_curve_is_left_out_and_named() {
 #[track_caller]
 fn check_cornrow(scalp: &Arc<Scalp>, source: &[Vec3], sets: &[Set], what: &str) -> f32 {
     let (strands, ..) = braid(source, &[vec![("scalp", scalp.clone().into())], sets.concat()]);
-    let skin = scalp.skin(&|n, f| (0..n).for_each(f));
+    let skin = scalp.skin();
     let mut deepest = f32::MAX;
     for (tuft, i) in strands.each() {
         for (k, p) in tuft.range(i).zip(tuft.curve(i)) {

@@ -5,7 +5,7 @@
 //! parts and non-manifold edges are allowed.
 
 use crate::maths::closest::{Hit, Surface};
-use crate::maths::distance_field::{Depth, DistanceField, ForEach};
+use crate::maths::distance_field::{Depth, DistanceField};
 use crate::maths::hash::{Key, KeyBuilder};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -192,12 +192,9 @@ impl Scalp {
         let Hit { triangle, bary, .. } = self.surface.closest(p)?;
         Some(self.root(triangle, bary))
     }
-    /// The skin, ready for inside tests. Builds the distance field at the first call.
-    ///
-    /// Never call this inside a kernel that already runs on the pool (`EvalCx::skin` does it before): building waits
-    /// for the pool.
-    pub fn skin(&self, for_each: ForEach) -> Skin<'_> {
-        let field = self.field.get_or_init(|| DistanceField::new(&self.surface, for_each));
+    /// The skin, ready for inside tests. What it needs of the distance field is made as it is asked.
+    pub fn skin(&self) -> Skin<'_> {
+        let field = self.field.get_or_init(|| DistanceField::new(&self.surface));
         Skin { surface: &self.surface, field }
     }
     /// Bytes held.
@@ -233,7 +230,7 @@ impl Skin<'_> {
     /// Signed distance of `p` from the skin, cm, negative inside; exact within [`DOUBT`] of it, from the field
     /// beyond, and +-1 cm or more beyond the field's band.
     pub fn distance(&self, p: Vec3) -> f32 {
-        match self.field.depth(p) {
+        match self.field.depth(self.surface, p) {
             Depth::Outside => 1.0,
             Depth::Near(d, _) if d.abs() > DOUBT => d,
             _ => self.exact(p).map_or(1.0, |(d, _)| d),
@@ -243,7 +240,7 @@ impl Skin<'_> {
     /// The scalp point closest to `p`: [`Surface::closest`], told by the field where to look.
     #[inline]
     pub fn closest(&self, p: Vec3) -> Option<Hit> {
-        if let Depth::Near(d, _) = self.field.depth(p)
+        if let Depth::Near(d, _) = self.field.depth(self.surface, p)
             && let Some(hit) = self.surface.closest_within(p, d.abs() + self.field.error())
         {
             return Some(hit);
@@ -260,7 +257,7 @@ impl Skin<'_> {
     /// The second value tells whether it was moved.
     #[inline]
     pub fn push_out(&self, p: Vec3, allow_depth: f32) -> (Vec3, bool) {
-        match self.field.depth(p) {
+        match self.field.depth(self.surface, p) {
             Depth::Outside => return (p, false),
             Depth::Near(d, _) if d > DOUBT - allow_depth => return (p, false),
             _ => {}
@@ -271,7 +268,7 @@ impl Skin<'_> {
     /// [`Self::push_out`] to a height (cm) over the skin instead of a depth under it.
     #[inline]
     pub fn lift(&self, p: Vec3, height: f32) -> (Vec3, bool) {
-        match self.field.depth(p) {
+        match self.field.depth(self.surface, p) {
             Depth::Outside => return (p, false),
             Depth::Near(d, _) if d > DOUBT + height => return (p, false),
             _ => {}
@@ -332,7 +329,7 @@ pub(crate) mod tests {
     #[test]
     fn nothing_stays_deeper_than_allowed_and_nothing_else_moves() {
         let scalp = ball();
-        let skin = scalp.skin(&in_order);
+        let skin = scalp.skin();
         let dice = Dice::new(1, 0, "query");
         for id in 0..3000 {
             let p = Vec3::new(dice.signed(id, 0), dice.signed(id, 1), dice.signed(id, 2)) * 11.0;

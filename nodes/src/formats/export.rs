@@ -314,7 +314,7 @@ pub const AGREE: f32 = 1e-3;
 const EVEN: f32 = 1.2;
 
 /// Resamples the curves whose uneven CVs would be read as another curve elsewhere.
-pub fn conform(curves: &Curves, for_each: crate::maths::distance_field::ForEach) -> Conformed {
+pub fn conform(curves: &Curves, for_each: crate::eval::ForEach) -> Conformed {
     let cells: Vec<std::sync::OnceLock<(Arc<Tuft>, usize, f32, usize)>> =
         curves.tufts().iter().map(|_| std::sync::OnceLock::new()).collect();
     for_each(cells.len(), &|i| {

@@ -95,13 +95,25 @@ impl Surface {
 
     /// The closest point not farther than `reach`.
     pub fn closest_within(&self, p: Vec3, reach: f32) -> Option<Hit> {
+        let limit = if reach < 1e18 { (reach * reach).next_up() } else { f32::MAX };
+        self.search(p, limit, (f32::MAX, u32::MAX, Vec2::ZERO, Vec3::ZERO))
+    }
+
+    /// The closest point, as [`Self::closest`] finds it, found sooner when triangle `near` is close to it: the answer for a
+    /// neighbour of `p`.
+    pub fn closest_from(&self, p: Vec3, near: u32) -> Option<Hit> {
+        let (bary, point) = closest_on_triangle(p, self.corners(near));
+        let d2 = point.distance_squared(p);
+        self.search(p, d2.next_up(), (d2, near, bary, point))
+    }
+
+    /// The best of `best` and what lies within `limit` (squared).
+    fn search(&self, p: Vec3, limit: f32, best: (f32, u32, Vec2, Vec3)) -> Option<Hit> {
         if !p.is_finite() {
             return None;
         }
-        let best = Cell::new((f32::MAX, u32::MAX, Vec2::ZERO, Vec3::ZERO));
-        let limit = if reach < 1e18 { (reach * reach).next_up() } else { f32::MAX };
-        // A box as far as the best so far is still opened: it may hold a lower triangle at the same
-        // distance.
+        let best = Cell::new(best);
+        // A box as far as the best so far is still opened: it may hold a lower triangle at the same distance.
         self.tree.find_best(
             limit,
             |node, _| {
@@ -319,6 +331,9 @@ pub(crate) mod tests {
                 .unwrap();
             assert_eq!((hit.distance, hit.triangle), (brute.0.sqrt(), brute.1), "{p}");
             assert!(surface.at(hit.triangle, hit.bary).distance(hit.point) < 1e-5);
+            for near in [hit.triangle, 0, id as u32] {
+                assert_eq!(surface.closest_from(p, near), Some(hit), "{p} from {near}");
+            }
         }
     }
 

@@ -231,9 +231,8 @@ impl Map {
                 PICKED => {
                     let nearest = |p: Vec3| {
                         let far = |row: &Row| row.nearest(p).1;
-                        let by = |a: &&(usize, Row), b: &&(usize, Row)| {
-                            far(&a.1).total_cmp(&far(&b.1))
-                        };
+                        let by =
+                            |a: &&(usize, Row), b: &&(usize, Row)| far(&a.1).total_cmp(&far(&b.1));
                         sources.iter().min_by(by).map(|(i, _)| *i)
                     };
                     let points = (0..tuft.len()).map(|i| tuft.curve(i)[0]);
@@ -479,9 +478,7 @@ fn row_hairs(
                 let spread = [3, 4, 5].map(|i| dice.signed(id, i));
                 middle.end.within(rules, Vec3::from_array(spread))
             }
-            None => {
-                pulled::end(rules, row, &start.root, end_u, (side, wish.round), radius).point
-            }
+            None => pulled::end(rules, row, &start.root, end_u, (side, wish.round), radius).point,
         };
         let direction = row.spline.tangent_at(end_u);
         let (root, lift) = (&start.root, wish.lift);
@@ -499,7 +496,10 @@ fn row_hairs(
         made.roots.push(start.root);
     }
     if count > 0 && made.ids.len() == before {
-        piece.trouble(row.id, "no ground for hairs beside a row: it meets nobody, or no hair grows there");
+        piece.trouble(
+            row.id,
+            "no ground for hairs beside a row: it meets nobody, or no hair grows there",
+        );
     }
     Ok(())
 }
@@ -527,7 +527,11 @@ fn gather(inputs: &Inputs, ground: &Ground, a_side: usize, read: &[&Tuft]) -> Op
                 let (along, side) = (tuft.view(ALONG), tuft.view(SIDE));
                 for i in (0..tuft.len()).filter(|i| braided(tuft, *i) == row.id) {
                     for (k, p) in tuft.range(i).enumerate() {
-                        places.push((along.at(i, p).clamp(0.0, 1.0), side.at(i, p).signum(), k as i32));
+                        places.push((
+                            along.at(i, p).clamp(0.0, 1.0),
+                            side.at(i, p).signum(),
+                            k as i32,
+                        ));
                     }
                 }
             }
@@ -660,7 +664,7 @@ mod tests {
     }
 
     fn worst(scalp: &Arc<Scalp>, rows: &[Arc<Tuft>], curves: &Curves) -> Worst {
-        let skin = scalp.skin(&|n, f| (0..n).for_each(f));
+        let skin = scalp.skin();
         let lines: Vec<Row> = rows.iter().flat_map(|t| rows_of(t).collect::<Vec<_>>()).collect();
         let mut w = Worst { margin: f32::MAX, ..Worst::default() };
         for (tuft, i) in curves.each() {
@@ -674,8 +678,7 @@ mod tests {
             w.bound = w.bound.max(bound.distance(points[0]));
             let source = rows.iter().find(|t| t.id(0) == own.id).unwrap();
             let end = points[points.len() - 1];
-            w.out_of_braid =
-                w.out_of_braid.max(own.nearest(end).1 - source.view(RADIUS).at(0, 0));
+            w.out_of_braid = w.out_of_braid.max(own.nearest(end).1 - source.view(RADIUS).at(0, 0));
             let spline = Spline::new(points).unwrap();
             for k in 1..60 {
                 w.depth = w.depth.max(-skin.distance(spline.at(k as f32 / 60.0)));
@@ -731,7 +734,11 @@ mod tests {
         let scalp = if what.contains("ball") { ball(HEAD_RADIUS) } else { bust() };
         let rows = rows(&scalp, 7);
         let set: Vec<(&str, Value)> = match what.as_str() {
-            w if w.contains("every") => vec![("grouping", "every_k".into()), ("every", Value::Int(45)), ("per_cm", Value::Float(60.0))],
+            w if w.contains("every") => vec![
+                ("grouping", "every_k".into()),
+                ("every", Value::Int(45)),
+                ("per_cm", Value::Float(60.0)),
+            ],
             _ => vec![("per_cm", Value::Float(60.0))],
         };
         let t = std::time::Instant::now();

@@ -171,11 +171,8 @@ impl End {
         let across = self.along.cross(self.out);
         let p = self.point + self.along * ball.x + self.out * -ball.y.abs() + across * ball.z;
         let flat = (p - self.axis).reject_from_normalized(self.along);
-        let p = if flat.length() > 0.98 * self.radius {
-            self.point + self.along * ball.x
-        } else {
-            p
-        };
+        let p =
+            if flat.length() > 0.98 * self.radius { self.point + self.along * ball.x } else { p };
         let (lifted, _) = rules.skin.lift(p, rules.clear);
         if lifted.distance(self.point) <= rules.group_radius { lifted } else { self.point }
     }
@@ -189,12 +186,7 @@ pub(crate) struct Middle {
 }
 
 /// The hair without chance that ends at the fraction `wish.u` of the row; `radius` is the braid's there.
-pub(crate) fn middle(
-    rules: &Rules,
-    ground: &Ground,
-    wish: &Wish,
-    radius: f32,
-) -> Option<Middle> {
+pub(crate) fn middle(rules: &Rules, ground: &Ground, wish: &Wish, radius: f32) -> Option<Middle> {
     let beside = start(rules, ground, wish)?;
     let before = Wish { u: (wish.u - beside.pulled).max(0.0), ..*wish };
     let root = start(rules, ground, &before).unwrap_or(beside).root;
@@ -294,4 +286,3 @@ fn kept_out(rules: &Rules, points: &mut [Vec3]) {
         }
     }
 }
-

@@ -141,7 +141,8 @@ mod tests {
 
     #[test]
     fn the_neighbour_is_the_nearest_row_on_that_side() {
-        let line = |x: f32| Row::new(1, &[Vec3::new(x, 0.0, 0.0), Vec3::new(x, 0.0, -9.0)]).unwrap();
+        let line =
+            |x: f32| Row::new(1, &[Vec3::new(x, 0.0, 0.0), Vec3::new(x, 0.0, -9.0)]).unwrap();
         let rows = [line(1.0), line(-2.0), line(3.0)];
         let station =
             Station { point: Vec3::new(0.0, 0.0, -4.0), along: Vec3::NEG_Z, normal: Vec3::Y };
