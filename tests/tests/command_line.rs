@@ -188,7 +188,7 @@ fn ctrl_c_leaves_what_was_there() {
     std::fs::write(&out, "what was there").unwrap();
     // Much more hair than can be made before the signal comes.
     let mut child = coif_tests::coif()
-        .args(["eval", "start", "--set", "hair.count=3000000", "--out"])
+        .args(["eval", "start", "--set", "hair.count=2000000", "--out"])
         .arg(&out)
         .spawn()
         .unwrap();

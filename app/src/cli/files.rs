@@ -23,7 +23,7 @@ pub(crate) struct Stoppable<W> {
 impl<W: Write> Write for Stoppable<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if self.cancel.is_cancelled() {
-            return Err(io::Error::new(io::ErrorKind::Other, "interrupted"));
+            return Err(io::Error::other("interrupted"));
         }
         self.inner.write(bytes)
     }

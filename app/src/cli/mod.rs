@@ -13,7 +13,6 @@ mod report;
 mod unreal;
 
 use clap::{Parser, Subcommand};
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Groom editor made of nodes: braids, partitions, curls and puffs.
@@ -78,6 +77,6 @@ fn extension_of(path: &std::path::Path) -> String {
 }
 
 /// A path for messages.
-fn shown(path: &PathBuf) -> std::path::Display<'_> {
+fn shown(path: &std::path::Path) -> std::path::Display<'_> {
     path.display()
 }

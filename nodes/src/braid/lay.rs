@@ -176,6 +176,9 @@ const GATHERED: f32 = 0.3;
 const REST: (f64, f64) = (0.15, 0.65);
 /// The most a source may turn between two stations, radians (about 9 degrees).
 const TURN: f32 = 0.15;
+/// Stitches closer than the amplitude wind strands up, and need as many more points; but not more than so
+/// many times, for what lies beyond has no thickness to be seen.
+const TIGHT: f32 = 3.0;
 /// The most stations that the turns of a source alone can ask for.
 const MOST_FOR_TURNS: f32 = 4096.0;
 /// The most stations in a tuft.
@@ -193,20 +196,29 @@ impl Shape<'_> {
         let mut strands: Vec<Vec<Vec3>> = (0..self.weave.strands)
             .map(|i| stations.iter().map(|station| self.point(station, i)).collect())
             .collect();
+        // Tubes stay within the braid's height; what the skin presses is judged as it was before.
+        let room = |(station, p): (&Station, &Vec3)| {
+            let y = (*p - station.centre).dot(station.frame.normal);
+            station.b * (1.0 + self.size.top / self.size.b) - y.abs()
+        };
+        let rooms: Vec<Vec<f32>> =
+            strands.iter().map(|points| stations.iter().zip(points).map(room).collect()).collect();
         if let Some(below) = &self.below {
             self.meet_skin(below, &mut stations, &mut strands);
         }
         let raw =
             strands.iter().map(|points| Spline::new(points)).collect::<Result<Vec<_>, _>>()?;
         let mut laid = Laid { lines: vec![], normals: vec![], stations, raw, braided };
-        for spline in &laid.raw {
+        for (i, spline) in laid.raw.iter().enumerate() {
             let n = laid.stations.len();
-            let (mut points, mut s, mut ups) = (vec![], vec![], vec![]);
+            let (mut points, mut s, mut ups, mut room) = (vec![], vec![], vec![], vec![]);
             for k in 0..n {
                 let place = spline.locate(k as f32 / (n - 1) as f32);
                 points.push(spline.point(place));
                 s.push(laid.along(place));
                 ups.push(laid.frame(place).normal);
+                let (a, b) = (rooms[i][place.span], rooms[i][place.span + 1]);
+                room.push(a + (b - a) * place.t);
             }
             let even = Spline::new(&points)?;
             let normals = ups.iter().enumerate().map(|(k, up)| {
@@ -214,7 +226,7 @@ impl Shape<'_> {
                 frame::across(*up, tangent).unwrap_or_else(|| frame::any_normal(tangent))
             });
             laid.normals.push(normals.collect());
-            laid.lines.push(Line { spline: even, s });
+            laid.lines.push(Line { spline: even, s, room });
         }
         Ok(laid)
     }
@@ -222,7 +234,8 @@ impl Shape<'_> {
     /// Stations from root to tip, and how many spans of them are braided.
     fn stations(&self, source: &Spline) -> (Vec<Station>, usize) {
         let length = source.length();
-        let cvs = (self.stitches * self.cvs_per_stitch as f64).ceil();
+        let tight = (self.size.a / self.size.pitch).clamp(1.0, TIGHT);
+        let cvs = (self.stitches * self.cvs_per_stitch as f64 * f64::from(tight)).ceil();
         let turns = (total_turn(source) / TURN).min(MOST_FOR_TURNS);
         let braided = cvs.max(f64::from(turns)).max(8.0) as usize;
         let mut places: Vec<(f32, f64)> = (0..=braided)
@@ -480,9 +493,9 @@ impl Shape<'_> {
             if q > 1.0 - 1e-9 {
                 q = 0.0;
             }
-            while q <= self.stitches + 1e-9 {
+            while q < self.stitches - 1e-9 {
                 let strand = (first - q).round().rem_euclid(n) as u32;
-                all.push(Stitch { q: q.min(self.stitches), side, strand });
+                all.push(Stitch { q, side, strand });
                 q += 1.0;
             }
         }

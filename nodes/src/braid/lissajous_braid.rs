@@ -59,7 +59,8 @@ node! {
         stitch_spacing: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 4.0), unit(Length), words("knots frequency");
         /// Width of the whole braid over its tubes. A ramp or mask may vary it.
         width: FieldInput = 1.0f32, hard(0.01, 100.0), soft(0.2, 5.0), unit(Length), handle(Handle::Radius);
-        /// Height of the whole braid over its tubes, front to back. 0 takes half the width.
+        /// Height of the whole braid over its tubes, front to back. 0 takes half the width, or the whole
+        /// width for a rope.
         height: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("depth thickness");
         /// Width and height at the root, as a fraction of the full size. 0 starts the braid in a point.
         root_amplitude: f32 = 1.0, hard(0.0, 4.0), soft(0.0, 1.0), unit(Ratio);
@@ -332,11 +333,13 @@ fn braid(
     .map(|field| field.on(tuft, scalp));
     let (width, height, roll, fullness) = (width?, height?, roll?, fullness?);
 
+    // A rope is as high as it is wide.
+    let flat = if plan.weave.waves() == 1 { 1.0 } else { 0.5 };
     // The full size is that of the widest place; elsewhere it is scaled.
     let outer = |u: f32| {
         let w = width.along(tuft, curve, u) * unit;
         let h = height.along(tuft, curve, u) * unit;
-        (w, if h > 0.0 { h } else { 0.5 * w })
+        (w, if h > 0.0 { h } else { flat * w })
     };
     let (mut full_w, mut full_h) = (0.0f32, 0.0f32);
     for k in 0..=16 {
@@ -429,17 +432,20 @@ fn braid(
     let window = 1.5 * size.pitch.max(1.2 * size.a);
     let fill = |u: f32| fullness.along(tuft, curve, u);
     let stitch = laid.cvs_per_stitch(stitches);
-    let near = Near { window, stitch };
+    let wave = stitch * strands as f32 / plan.weave.waves() as f32;
+    let near = Near { window, stitch, wave };
     let mut radii = touching_radii(&laid.lines, near, piece)?;
     let mut depths: Vec<Vec<f32>> = vec![];
     for (line, radii) in laid.lines.iter().zip(&mut radii) {
         let mut depth = vec![];
         for (k, radius) in radii.iter_mut().enumerate() {
+            let p = line.spline.point(line.spline.place_of_cv(k));
             *radius *= fill((line.s[k] / length).min(1.0));
-            depth.push(plan.below.as_ref().map_or(0.0, |below| {
-                let p = line.spline.point(line.spline.place_of_cv(k));
-                rest(below, p, laid.grip(line.s[k]), radius)
-            }));
+            depth.push(
+                plan.below
+                    .as_ref()
+                    .map_or(0.0, |below| rest(below, p, laid.grip(line.s[k]), radius)),
+            );
         }
         depths.push(depth);
     }
@@ -520,7 +526,10 @@ fn lerp(a: f32, b: f32, t: f32) -> f32 {
 
 /// How stitches follow one another up to the tie, and how many there are.
 fn advance(plan: &Plan, braid_id: u64, pitch: f32, tied_at: f32) -> (Advance, f64) {
-    let even = f64::from(tied_at) / f64::from(pitch);
+    let mut even = f64::from(tied_at) / f64::from(pitch);
+    if plan.inputs.stitches_by == StitchesBy::Count {
+        even = even.round().max(1.0);
+    }
     if plan.inputs.uneven_stitches <= 0.0 {
         return (Advance::even(pitch), even);
     }
@@ -530,7 +539,7 @@ fn advance(plan: &Plan, braid_id: u64, pitch: f32, tied_at: f32) -> (Advance, f6
     match plan.inputs.stitches_by {
         // As many as asked for share the length.
         StitchesBy::Count => {
-            let n = even.round().max(1.0) as u64;
+            let n = even as u64;
             let fit = tied_at / (0..n).map(draw).sum::<f32>();
             (Advance::uneven(pitch, (0..n).map(|k| draw(k) * fit)), n as f64)
         }

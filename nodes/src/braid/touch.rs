@@ -14,29 +14,37 @@ use crate::eval::Piece;
 use crate::maths::spline::{Place, Spline};
 use glam::Vec3;
 
-/// A strand's centre line: its spline, and for each CV the arc length along the braid's source.
+/// A strand's centre line: its spline, and for each CV the arc length along the braid's source and the most that
+/// the braid's outline lets its radius be.
 pub(crate) struct Line {
     pub(crate) spline: Spline,
     pub(crate) s: Vec<f32>,
+    pub(crate) room: Vec<f32>,
 }
 
 /// The most of its own radius of curvature that a tube may take: at 1 its inner side would crease.
 const OF_CURVATURE: f32 = 0.9;
 
-/// Points of a strand at its CVs and half way between, as columns.
+/// Part of the room between two strands that their tubes fill: the rest covers what lies between samples,
+/// which with many strands is up to 2 % nearer.
+const FILLED: f32 = 0.99;
+
+/// Points of a strand at its CVs and at places between, as columns.
 struct Fine {
     at: [Vec<f32>; 3],
     s: Vec<f32>,
 }
 
 impl Fine {
-    fn new(line: &Line) -> Self {
+    fn new(line: &Line, per_span: usize) -> Self {
         let n = line.spline.span_count();
         let mut fine = Self { at: [vec![], vec![], vec![]], s: vec![] };
         for span in 0..n {
-            fine.push(line.spline.point(Place { span, t: 0.0 }), line.s[span]);
-            let half = 0.5 * (line.s[span] + line.s[span + 1]);
-            fine.push(line.spline.point(Place { span, t: 0.5 }), half);
+            for sub in 0..per_span {
+                let t = sub as f32 / per_span as f32;
+                let s = line.s[span] + (line.s[span + 1] - line.s[span]) * t;
+                fine.push(line.spline.point(Place { span, t }), s);
+            }
         }
         fine.push(line.spline.point(Place { span: n - 1, t: 1.0 }), line.s[n]);
         fine
@@ -62,20 +70,25 @@ impl Fine {
             x * x + y * y + z * z
         }));
         let least = least(buffer);
-        let Some(k) = buffer.iter().position(|d| *d == least) else { return least };
-        // The square of the distance is a parabola near its minimum, exactly so for straight strands.
-        if k == 0 || k + 1 == buffer.len() {
-            return least;
-        }
-        let (before, after) = (buffer[k - 1], buffer[k + 1]);
-        let bend = before + after - 2.0 * least;
-        if bend <= 0.0 {
-            return least;
-        }
-        let slope = after - before;
-        // Never below half the sampled square: where the samples are too coarse the parabola lies.
-        (least - slope * slope / (8.0 * bend)).max(0.5 * least)
+        buffer.iter().position(|d| *d == least).map_or(least, |k| at_its_least(buffer, k))
     }
+}
+
+/// Squares of distances along a strand have the shape of a parabola near a minimum, exactly so for straight strands: what
+/// it is at its lowest, when sample `k` is not higher than its neighbours, and else the sample.
+fn at_its_least(squares: &[f32], k: usize) -> f32 {
+    let here = squares[k];
+    if k == 0 || k + 1 == squares.len() {
+        return here;
+    }
+    let (before, after) = (squares[k - 1], squares[k + 1]);
+    let bend = before + after - 2.0 * here;
+    if before < here || after < here || bend <= 0.0 {
+        return here;
+    }
+    let slope = after - before;
+    // Never below half the sampled square: where samples are too coarse the parabola lies.
+    (here - slope * slope / (8.0 * bend)).max(0.5 * here)
 }
 
 /// The least of the values, eight lanes at a time.
@@ -98,22 +111,25 @@ pub(crate) struct Near {
     pub(crate) window: f32,
     /// CVs of a stitch.
     pub(crate) stitch: f32,
+    /// CVs of one time up and down.
+    pub(crate) wave: f32,
 }
 
 /// Radii at which the tubes touch, one for each CV of each line.
 pub(crate) fn touching_radii(
     lines: &[Line],
-    Near { window, stitch }: Near,
+    Near { window, stitch, wave }: Near,
     piece: &mut Piece,
 ) -> Result<Vec<Vec<f32>>, NodeError> {
-    let fine: Vec<Fine> = lines.iter().map(Fine::new).collect();
-    let round = (2.0 * ROUND * stitch).round().max(1.0) as usize;
+    let per_span = (SAMPLES / wave).ceil().clamp(2.0, 4.0) as usize;
+    let fine: Vec<Fine> = lines.iter().map(|line| Fine::new(line, per_span)).collect();
+    let round = (per_span as f32 * ROUND * stitch).round().max(1.0) as usize;
     let mut buffer = vec![];
     let mut out = vec![];
     for (i, own) in fine.iter().enumerate() {
         // For each strand the range of its samples that lie within the window.
         let mut ranges = vec![(0, 1); fine.len()];
-        let mut raw = Vec::with_capacity(own.len());
+        let mut nearest2 = Vec::with_capacity(own.len());
         for (k, s) in own.s.iter().enumerate() {
             piece.tick()?;
             let p = own.point(k);
@@ -129,9 +145,20 @@ pub(crate) fn touching_radii(
                 *to = (*to).max(*from + 1);
                 nearest = nearest.min(other.nearest2(p, *from, *to, &mut buffer));
             }
-            raw.push((0.5 * nearest.sqrt()).min(OF_CURVATURE * turn_radius(own, k)));
+            nearest2.push(nearest);
         }
-        out.push(smooth_below(&raw, round));
+        let raw: Vec<f32> = (0..own.len())
+            .map(|k| {
+                let gap = at_its_least(&nearest2, k).sqrt();
+                (0.5 * FILLED * gap).min(OF_CURVATURE * turn_radius(own, k))
+            })
+            .collect();
+        let mut radii = smooth_below(&raw, round, per_span);
+        keep_below_between(&mut radii, &raw, per_span);
+        for (radius, room) in radii.iter_mut().zip(&lines[i].room) {
+            *radius = radius.min(*room);
+        }
+        out.push(radii);
     }
     Ok(out)
 }
@@ -147,13 +174,32 @@ fn turn_radius(fine: &Fine, k: usize) -> f32 {
     if twice_area <= 1e-5 * ca.length_squared() { f32::MAX } else { 0.5 * product / twice_area }
 }
 
+/// Samples in one time up and down: with fewer the radius between CVs can be several per cent too large
+/// where tubes are shaped like beads.
+const SAMPLES: f32 = 32.0;
+
 /// Kinks are rounded over this part of a stitch to either side: half of it leaves visible creases on the
 /// tubes, twice of it takes a tenth of their volume.
 const ROUND: f32 = 1.0 / 12.0;
 
-/// Every other value of a function that is smooth and nowhere above `raw`: the least of each neighbourhood, averaged
+/// Lowers radii at CVs so that straight lines between them are below `raw` at every sample.
+fn keep_below_between(radii: &mut [f32], raw: &[f32], per_span: usize) {
+    let mut factors = vec![1.0f32; radii.len()];
+    for span in 0..radii.len() - 1 {
+        for sub in 1..per_span {
+            let t = sub as f32 / per_span as f32;
+            let between = radii[span] * (1.0 - t) + radii[span + 1] * t;
+            let factor = raw[span * per_span + sub] / between.max(f32::MIN_POSITIVE);
+            factors[span] = factors[span].min(factor);
+            factors[span + 1] = factors[span + 1].min(factor);
+        }
+    }
+    radii.iter_mut().zip(factors).for_each(|(radius, factor)| *radius *= factor);
+}
+
+/// The values at CVs of a function that is smooth and nowhere above `raw`: the least of each neighbourhood, averaged
 /// over neighbourhoods of the same size (an opening, so valleys keep their depth).
-fn smooth_below(raw: &[f32], round: usize) -> Vec<f32> {
+fn smooth_below(raw: &[f32], round: usize, per_span: usize) -> Vec<f32> {
     let n = raw.len();
     let low: Vec<f32> = (0..n)
         .map(|k| {
@@ -162,7 +208,7 @@ fn smooth_below(raw: &[f32], round: usize) -> Vec<f32> {
         })
         .collect();
     (0..n)
-        .step_by(2)
+        .step_by(per_span)
         .map(|k| {
             // A triangle: the average of averages. Weights of what lies past an end go to the end.
             let (mut sum, mut weights) = (0.0, 0.0);
@@ -184,7 +230,7 @@ mod tests {
     fn a_smoothed_radius_stays_below_and_keeps_its_valleys() {
         let raw: Vec<f32> =
             (0..=200).map(|k| 1.0 + ((k % 40) as f32 - 20.0).abs() * 0.05).collect();
-        let smooth = smooth_below(&raw, 4);
+        let smooth = smooth_below(&raw, 4, 2);
         for (k, r) in smooth.iter().enumerate() {
             assert!(*r <= raw[2 * k] + 1e-6, "{k}");
         }

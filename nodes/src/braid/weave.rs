@@ -73,6 +73,10 @@ impl Weave {
     pub(crate) fn first_side(&self) -> i32 {
         if self.across > 0.0 { 1 } else { -1 }
     }
+    /// How often a strand goes up and down in one cycle.
+    pub(crate) fn waves(&self) -> u32 {
+        self.m
+    }
     /// Cycles at which the first strand is highest.
     fn tops(&self) -> impl Iterator<Item = f64> {
         let (m, quarter) = if self.lightyear {
@@ -112,9 +116,16 @@ pub(crate) struct Size {
 /// The neighbourhoods that decide a braid's outer size: what other strands do around the outermost
 /// and the highest places of one. Independent of size, so made once.
 pub(crate) struct Neighbours {
-    side: Vec<[f32; 3]>,
-    tops: Vec<Vec<[f32; 3]>>,
+    side: Around,
+    tops: Vec<Around>,
 }
+
+/// Where other strands are around a place of one and around its two flanks: across, deep (amplitudes), along (stitches).
+type Around = [Vec<[f32; 3]>; 3];
+
+/// Stitches from a place to its flanks. Radii are smoothed below their peaks (`touch.rs`), which takes a peak
+/// down to the value it has about so far away.
+const FLANK: f64 = 0.15;
 
 /// Samples of a stitch in which the nearest place of another strand is looked for: finer moves the
 /// size of the braid by less than a thousandth.
@@ -125,7 +136,7 @@ const REACH: i32 = 2;
 
 impl Neighbours {
     pub(crate) fn new(weave: &Weave) -> Self {
-        let around = |cycle: f64| {
+        let near = |cycle: f64| {
             let (x0, y0) = weave.at(0, cycle);
             let mut near = vec![];
             for i in 1..weave.strands {
@@ -137,6 +148,8 @@ impl Neighbours {
             }
             near
         };
+        let flank = FLANK / f64::from(weave.strands);
+        let around = |cycle: f64| [cycle - flank, cycle, cycle + flank].map(near);
         Self { side: around(0.25), tops: weave.tops().map(around).collect() }
     }
 
@@ -153,14 +166,15 @@ impl Neighbours {
                 Pitch::Cm(h) => h,
                 Pitch::Amplitudes(times) => times * a,
             };
-            let radius = |near: &[[f32; 3]]| {
-                let nearest = near.iter().fold(f32::MAX, |least, [x, y, z]| {
+            let radius = |around: &Around| {
+                let nearest = around.iter().flatten().fold(f32::MAX, |least, [x, y, z]| {
                     let (x, y, z) = (x * a, y * b, z * pitch);
                     least.min(x * x + y * y + z * z)
                 });
                 0.5 * fullness * nearest.sqrt()
             };
-            let side = radius(&self.side);
+            // A flat braid is flat at its sides, too.
+            let side = radius(&self.side).min(half_h);
             let top = self.tops.iter().fold(0.0, |most: f32, near| most.max(radius(near)));
             size = Size { a, b, pitch, side, top };
             a = (0.5 * (a + half_w - side)).max(0.05 * half_w);

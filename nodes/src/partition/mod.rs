@@ -2,4 +2,8 @@
 
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[];
+mod edge_partition;
+mod pulled;
+mod territory;
+
+pub(crate) const NODES: &[&NodeDef] = &[&edge_partition::NODE];

@@ -1,0 +1,760 @@
+//! Edge partition: the hairs between rows of braids, pulled from the parting into the braid.
+//!
+//! methods.md 3, after section 2.2 of the braids-and-curls talk ("Lightyear"). Rows and their ground are in `territory.rs`,
+//! the single hair in `pulled.rs`.
+//!
+//! Guarantees: roots lie on the scalp and are bound to it; ends lie within the braid's radius about its row;
+//! hairs stay out of the skin; ends of a group lie within the group's radius; without `cross_partings` every
+//! root keeps half a parting's width from the parting and no hair crosses it. A row's hairs depend on that row and the
+//! rows it meets, so that editing one row makes anew its own hairs and its neighbours'. Not promised:
+//! that hairs of one row never lie over each other, for combed hair does.
+
+use super::pulled::{self, Ground, Middle, Rules, Wish};
+use super::territory::{Row, Station, neighbour};
+use crate::data::attributes::{
+    ALONG, BRAID, Domain, GROUP, ID, PARENT, RADIUS, SCALP_NORMAL, SIDE, WIDTH,
+};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::field::Field;
+use crate::data::ramp::Ramp;
+use crate::data::scalp::{Root, Scalp};
+use crate::define::{FieldInput, NodeError, choice, node};
+use crate::eval::{EvalCx, Piece};
+use crate::maths::hash::{Dice, curve_id};
+use crate::maths::low_discrepancy::r2;
+use crate::scalp::lay;
+use glam::Vec3;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+node! {
+    /// Hairs pulled from the partings into braids: what lies between cornrows.
+    ///
+    /// Wire the rows that braids are laid along. For each row the nearest rows on its left and right are found; half-way
+    /// to them is the parting, where the hairs are rooted, and from there they are combed over the scalp along and into the
+    /// braid, evenly or gathered at each stitch.
+    "edge_partition", version 1, label "Edge partition", words "parting hairs cornrow canerow braid edge partition section segments pulled comb part line", thins;
+    inputs {
+        /// The rows, root first: the same curves that the braids are laid along.
+        source: Curves, words("rows braids guides");
+        /// The head.
+        scalp: Arc<Scalp>;
+        /// The curves that rows are parted from. Without any, the other rows of the source.
+        adjacent: Option<Curves>, words("neighbours adjacent");
+        /// Curves on the left of the rows (seen along them from outside the head), used instead of found ones.
+        left: Option<Curves>, words("adjacent");
+        /// Curves on the right of the rows, used instead of found ones.
+        right: Option<Curves>, words("adjacent");
+        /// The stitches of the braids, from the braid node, for grouping by stitches.
+        stitches: Option<Curves>, words("knots");
+        /// Curves whose roots are the places along the nearest row where hairs gather, for grouping by picked points.
+        picked: Option<Curves>, words("points centroids");
+        /// Whether the number of hairs is given for each centimetre of a row or for the whole row.
+        by: By = By::PerCm;
+        /// Hairs on each side of a row for each centimetre of it.
+        per_cm: f32 = 60.0, hard(0.0, 2000.0), soft(1.0, 200.0), unit(PerCm), words("density count amount");
+        /// Hairs of a row, both sides together.
+        total: i64 = 1000, hard(0.0, 1000000.0), soft(10.0, 5000.0), unit(Count), words("count amount");
+        /// Where between its row and the neighbour a hair is rooted: 0 at the row, 50% half-way, at the parting, 100% at the
+        /// neighbour. Varies along the row.
+        mediate: FieldInput = 0.5, hard(0.0, 1.0), unit(Ratio), words("mediate midpoint length position");
+        /// How far roots are scattered from there back to the row: 0 in one line, 100% all the way.
+        jitter: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("random scatter");
+        /// Let roots and hairs cross the partings. Off keeps every hair in its own row's ground.
+        cross_partings: bool = false, words("overlap territory");
+        /// Width of the bare skin of a parting; roots keep half of it from the middle.
+        parting_width: f32 = 0.15, hard(0.0, 5.0), soft(0.0, 0.6), unit(Length), words("gap line skin");
+        /// How far a neighbour may be; a row with none on a side is open there.
+        reach: f32 = 6.0, hard(0.01, 100.0), soft(1.0, 15.0), unit(Length), words("distance neighbour search");
+        /// Where no neighbour is met, the row's ground ends this far from it, and where hair stops growing. 0 leaves that side
+        /// bare.
+        open_side: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 4.0), unit(Length), words("outermost hairline edge");
+        /// How far ahead of the row's root hairs are rooted, swept back into the start of the braid, as far as hair grows.
+        lead: f32 = 0.6, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("front hairline start");
+        /// Whether ends are spread along the braid or gathered.
+        grouping: Grouping = Grouping::None, words("clump stitch knot gather");
+        /// Hairs in a group, when every so many form one.
+        every: i64 = 20, hard(1.0, 100000.0), soft(2.0, 200.0), unit(Count), words("k");
+        /// How far from the middle of their group hairs end.
+        group_radius: f32 = 0.1, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), handle(Handle::Radius), words("clump spread");
+        /// How close the hairs of a group lie together, from root to end: 0 they only meet at the end, 1 they run as one lock.
+        tightness: Arc<Ramp> = Ramp::linear(0.0, 0.7), words("clump profile gather");
+        /// How far hairs are off the scalp half-way. Varies along the row.
+        lift: FieldInput = 0.04, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), handle(Handle::Length), words("height loose puff");
+        /// How far hairs are combed along the braid: 0 square to the row, 80 nearly along it, negative against it. Varies
+        /// along the row.
+        pull_angle: FieldInput = 50.0, hard(-80.0, 80.0), unit(Angle), handle(Handle::Angle), words("sweep oblique comb direction");
+        /// How hairs turn into the braid: 0 straight from root to end, 100% they leave the parting square and end along the
+        /// braid.
+        sweep: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("curve bend comb");
+        /// How much hairs differ in angle, lift and where round the braid they end.
+        unevenness: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("random variation natural messy");
+        /// Radius of the braid that the hairs end in. Varies along the row; by default the rows' own radius.
+        row_radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()), hard(0.001, 50.0), soft(0.1, 2.0), unit(Length), handle(Handle::Radius), words("braid size envelope");
+        /// How far under the braid's surface hairs end, so that their ends are hidden.
+        tuck: f32 = 0.1, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("hide depth inside");
+        /// Points on each hair, root and end included.
+        cvs: i64 = 10, hard(4.0, 64.0), soft(6.0, 24.0), unit(Count), words("points resolution");
+        /// Diameter of a hair. A ramp runs from root to end.
+        width: FieldInput = 0.008, hard(0.0001, 1.0), soft(0.002, 0.02), unit(Length), words("thickness diameter");
+        /// Whether lengths here grow with the head; the number of hairs then stays. The width of a hair never does.
+        scale_with_head: bool = true, words("head units");
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
+    }
+    outputs {
+        /// The parting hairs, one tuft for each row, rooted in the scalp, with their row, side, group and where along the row
+        /// they end.
+        curves: Curves;
+    }
+}
+
+choice! {
+    /// Whether the number of hairs is given for each centimetre or for the row.
+    By {
+        /// For each centimetre of a row and each side.
+        PerCm = "per_cm",
+        /// For each row.
+        Total = "total",
+    }
+}
+
+choice! {
+    /// Whether ends are spread along the braid or gathered.
+    Grouping {
+        /// Spread evenly.
+        None = "none",
+        /// At the nearest stitch of the braid on their side.
+        Stitches = "stitches",
+        /// At the nearest picked point.
+        Picked = "picked",
+        /// Every so many hairs, at even distances.
+        EveryK = "every_k",
+    }
+}
+
+/// What a curve is to a row, as an attribute of the tufts that rows are handed.
+const ROLE: &str = "role";
+const BESIDE: i32 = 0;
+const LEFT: i32 = 1;
+const RIGHT: i32 = 2;
+const STITCHES: i32 = 3;
+const PICKED: i32 = 4;
+
+/// Places along a row at which its neighbours are looked for: closer together than hairs' roots could fall
+/// between two of them on a row of 20 cm.
+const LOOKS: usize = 48;
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = &*inputs.scalp;
+    let unit = if inputs.scale_with_head { scalp.frame().unit() } else { 1.0 };
+    let rules = Rules {
+        scalp,
+        skin: cx.skin(scalp),
+        crossing: inputs.cross_partings,
+        parting: inputs.parting_width * unit,
+        reach: inputs.reach * unit,
+        open_side: inputs.open_side * unit,
+        sweep: inputs.sweep,
+        tuck: inputs.tuck * unit,
+        group_radius: inputs.group_radius * unit,
+        tightness: &inputs.tightness,
+        cvs: inputs.cvs as usize,
+        clear: CLEAR * unit,
+    };
+    match (inputs.grouping, &inputs.stitches, &inputs.picked) {
+        (Grouping::Stitches, None, _) => {
+            return Err(NodeError::Unconnected { input: "stitches", expected: "curves" });
+        }
+        (Grouping::Picked, _, None) => {
+            return Err(NodeError::Unconnected { input: "picked", expected: "curves" });
+        }
+        _ => {}
+    }
+    let others = inputs.adjacent.as_ref().unwrap_or(&inputs.source);
+    let lists = [
+        (BESIDE, Some(others)),
+        (LEFT, inputs.left.as_ref()),
+        (RIGHT, inputs.right.as_ref()),
+        (STITCHES, inputs.stitches.as_ref().filter(|_| inputs.grouping == Grouping::Stitches)),
+        (PICKED, inputs.picked.as_ref().filter(|_| inputs.grouping == Grouping::Picked)),
+    ];
+    let mut all = vec![];
+    for (role, list) in lists {
+        for tuft in list.iter().flat_map(|list| list.tufts()) {
+            let mut marked = tuft.edit();
+            marked.set_named(ROLE.into(), Domain::Curve, vec![role]);
+            all.push(Arc::new(marked.build()));
+        }
+    }
+    let all = Curves::new(all);
+    let map = Map::new(cx, &inputs, &all)?;
+    let needs = |i: usize, tuft: &Tuft| map.needs(&rules, i, tuft);
+    let [curves] = cx.each_tuft_with(&inputs.source, &all, needs, |tuft, read, piece| {
+        Ok([hairs(cx, &inputs, &rules, unit, tuft, read, piece)?])
+    })?;
+    Ok(Outputs { curves })
+}
+
+/// The least height of hairs over the skin, cm on a head of average size: more than a hair's radius, and enough
+/// that the flat triangles of a head do not cut through.
+const CLEAR: f32 = 0.012;
+
+/// Who is where, for finding what each row must read.
+struct Map {
+    /// Number of the tuft in the list of all, role, row.
+    rows: Vec<(usize, i32, Row)>,
+    /// Number of the tuft, and the braids' sources that its stitches belong to.
+    stitches: Vec<(usize, Vec<u64>)>,
+    /// Number of the tuft, and the source tufts whose rows its points are nearest to.
+    picked: Vec<(usize, Vec<usize>)>,
+    /// Whether the first tufts of the list are the source itself.
+    among_themselves: bool,
+}
+
+impl Map {
+    fn new(cx: &EvalCx, inputs: &Inputs, all: &Curves) -> Result<Self, NodeError> {
+        let sources: Vec<(usize, Row)> = inputs
+            .source
+            .tufts()
+            .iter()
+            .enumerate()
+            .flat_map(|(i, tuft)| rows_of(tuft).map(move |row| (i, row)))
+            .collect();
+        let (mut rows, mut stitches, mut picked) = (vec![], vec![], vec![]);
+        for (n, tuft) in all.tufts().iter().enumerate() {
+            cx.check()?;
+            match role(tuft) {
+                STITCHES => {
+                    stitches.push((n, (0..tuft.len()).map(|i| braided(tuft, i)).collect()));
+                }
+                PICKED => {
+                    let nearest = |p: Vec3| {
+                        let far = |row: &Row| row.nearest(p).1;
+                        let by = |a: &&(usize, Row), b: &&(usize, Row)| {
+                            far(&a.1).total_cmp(&far(&b.1))
+                        };
+                        sources.iter().min_by(by).map(|(i, _)| *i)
+                    };
+                    let points = (0..tuft.len()).map(|i| tuft.curve(i)[0]);
+                    picked.push((n, points.filter_map(nearest).collect()));
+                }
+                role => rows.extend(rows_of(tuft).map(|row| (n, role, row))),
+            }
+        }
+        Ok(Self { rows, stitches, picked, among_themselves: inputs.adjacent.is_none() })
+    }
+
+    /// Numbers of the tufts that a row's hairs depend on, rising.
+    fn needs(&self, rules: &Rules, own: usize, tuft: &Tuft) -> Vec<u32> {
+        let is_self = |n: usize| self.among_themselves && n == own;
+        let given = |role: i32| self.rows.iter().any(|(_, r, _)| *r == role);
+        let mut needed = BTreeSet::new();
+        for row in rows_of(tuft) {
+            for k in 0..=LOOKS {
+                let station = Station::new(&row, rules.scalp, k as f32 / LOOKS as f32);
+                for (side, list) in [(-1, LEFT), (1, RIGHT)] {
+                    let list = if given(list) { list } else { BESIDE };
+                    let rows = self.rows.iter().enumerate();
+                    let rows = rows
+                        .filter(|(_, (n, role, _))| *role == list && !is_self(*n))
+                        .map(|(i, (.., row))| (i, row));
+                    let met = neighbour(&station, side, rows, rules.reach);
+                    needed.extend(met.map(|(i, _)| self.rows[i].0));
+                    // Rows that are not beside this place but take some of the ground there, such as one that
+                    // begins where this one ends.
+                    let to = met.map_or(station.side(side) * (2.0 * rules.open_side), |(_, q)| {
+                        q - station.point
+                    });
+                    let middle = station.point + to * 0.5;
+                    let home = middle.distance(station.point) + rules.parting;
+                    for (n, _, other) in &self.rows {
+                        if !is_self(*n) && other.distance_under(middle, home) < home {
+                            needed.insert(*n);
+                        }
+                    }
+                }
+            }
+        }
+        for i in 0..tuft.len() {
+            let id = tuft.id(i);
+            needed.extend(self.stitches.iter().filter(|(_, of)| of.contains(&id)).map(|s| s.0));
+        }
+        needed.extend(self.picked.iter().filter(|(_, near)| near.contains(&own)).map(|p| p.0));
+        needed.into_iter().filter(|n| !is_self(*n)).map(|n| n as u32).collect()
+    }
+}
+
+fn rows_of(tuft: &Tuft) -> impl Iterator<Item = Row> {
+    (0..tuft.len()).filter_map(|i| Row::new(tuft.id(i), tuft.curve(i)).ok())
+}
+
+fn role(tuft: &Tuft) -> i32 {
+    tuft.view_named::<i32>(ROLE).map_or(BESIDE, |view| view.at(0, 0))
+}
+
+/// The id of the curve that the braid of a stitch curve is laid along.
+fn braided(tuft: &Tuft, curve: usize) -> u64 {
+    let root = tuft.range(curve).start;
+    match tuft.view(PARENT).at(curve, root) {
+        0 => tuft.view(BRAID).at(curve, root),
+        parent => parent,
+    }
+}
+
+/// Where hairs of a row gather.
+struct Gather {
+    /// Fraction along the row, side (0: both), number.
+    places: Vec<(f32, i32, i32)>,
+}
+
+impl Gather {
+    /// The place nearest to `u` on a side.
+    fn nearest(&self, u: f32, side: i32) -> Option<(f32, i32)> {
+        let on_side = self.places.iter().filter(|(_, s, _)| *s == side || *s == 0);
+        on_side
+            .min_by(|a, b| (a.0 - u).abs().total_cmp(&(b.0 - u).abs()))
+            .map(|(at, _, number)| (*at, *number))
+    }
+}
+
+/// The hairs of the rows of one tuft.
+fn hairs(
+    cx: &EvalCx,
+    inputs: &Inputs,
+    rules: &Rules,
+    unit: f32,
+    tuft: &Tuft,
+    read: &[&Tuft],
+    piece: &mut Piece,
+) -> Result<Tuft, NodeError> {
+    let mut made = Made::default();
+    let rows: Vec<Row> = rows_of(tuft).collect();
+    let of_role = |wanted: i32| -> Vec<Row> {
+        read.iter().filter(|t| role(t) == wanted).flat_map(|t| rows_of(t)).collect()
+    };
+    let [beside, left, right] = [BESIDE, LEFT, RIGHT].map(of_role);
+    for i in 0..tuft.len() {
+        let own = match Row::new(tuft.id(i), tuft.curve(i)) {
+            Ok(row) => row,
+            Err(fault) => {
+                piece.trouble(tuft.id(i), fault);
+                continue;
+            }
+        };
+        // Rows of one tuft are each other's neighbours too.
+        let siblings: Vec<&Row> = match inputs.adjacent {
+            None => rows.iter().filter(|row| row.id != own.id).collect(),
+            Some(_) => vec![],
+        };
+        let free: Vec<&Row> = beside.iter().chain(siblings).collect();
+        let ground = Ground {
+            left: if inputs.left.is_some() { left.iter().collect() } else { free.clone() },
+            right: if inputs.right.is_some() { right.iter().collect() } else { free },
+            own: &own,
+        };
+        row_hairs(cx, inputs, rules, unit, (tuft, i), &ground, read, &mut made, piece)?;
+    }
+    made.tuft(inputs)
+}
+
+/// Hairs while they are made.
+#[derive(Default)]
+struct Made {
+    hair: TuftBuilder,
+    ids: Vec<u64>,
+    rows: Vec<u64>,
+    braids: Vec<u64>,
+    sides: Vec<i32>,
+    groups: Vec<i32>,
+    ends: Vec<f32>,
+    roots: Vec<Root>,
+}
+
+impl Made {
+    fn tuft(self, inputs: &Inputs) -> Result<Tuft, NodeError> {
+        let mut hair = self.hair;
+        if hair.is_empty() {
+            return Ok(hair.build());
+        }
+        hair.set(ID, Domain::Curve, self.ids);
+        hair.set(PARENT, Domain::Curve, self.rows);
+        hair.set(BRAID, Domain::Curve, self.braids);
+        hair.set(SIDE, Domain::Curve, self.sides);
+        hair.set(ALONG, Domain::Curve, self.ends);
+        if inputs.grouping != Grouping::None {
+            hair.set(GROUP, Domain::Curve, self.groups);
+        }
+        let normals = self.roots.iter().map(|root| root.normal).collect();
+        hair.set(SCALP_NORMAL, Domain::Curve, normals);
+        lay::bind(&mut hair, &self.roots);
+        let hair = hair.build();
+        let width = inputs.width.on(&hair, Some(&inputs.scalp))?;
+        let (mut edit, cvs) = (hair.edit(), inputs.cvs as usize);
+        match inputs.width.constant() {
+            Some(width) => edit.set(WIDTH, Domain::Curve, vec![width]),
+            None => {
+                let at = |p: usize| width.at(p / cvs, p, (p % cvs) as f32 / (cvs - 1) as f32);
+                edit.set(WIDTH, Domain::Point, (0..hair.points().len()).map(at).collect());
+            }
+        }
+        Ok(edit.build())
+    }
+}
+
+fn row_hairs(
+    cx: &EvalCx,
+    inputs: &Inputs,
+    rules: &Rules,
+    unit: f32,
+    (tuft, curve): (&Tuft, usize),
+    ground: &Ground,
+    read: &[&Tuft],
+    made: &mut Made,
+    piece: &mut Piece,
+) -> Result<(), NodeError> {
+    let row = ground.own;
+    let scalp = Some(&*inputs.scalp);
+    let mediate = inputs.mediate.on(tuft, scalp)?;
+    let lift = inputs.lift.on(tuft, scalp)?;
+    let pull = inputs.pull_angle.on(tuft, scalp)?;
+    let radius = inputs.row_radius.on(tuft, scalp)?;
+    // An attribute holds true centimetres; a number that somebody typed is in head units.
+    let radius_unit = match *inputs.row_radius.field {
+        Field::Attribute(_) => 1.0,
+        _ => unit,
+    };
+    let radius_at = |u: f32| radius.along(tuft, curve, u) * radius_unit;
+
+    let lead = inputs.lead * unit / row.length();
+    let a_side = match inputs.by {
+        By::PerCm => inputs.per_cm * row.length() * (1.0 + lead) / unit,
+        By::Total => inputs.total as f32 * 0.5,
+    };
+    let count = 2 * (a_side.round() as usize).min(500_000);
+    let gather = gather(inputs, ground, count / 2, read);
+    let dice = cx.dice(inputs.seed, "edge");
+    let braid = braid_id(tuft, curve, row, read);
+    let before = made.ids.len();
+    let mut points = vec![];
+    let mut middles: BTreeMap<i32, Option<Middle>> = BTreeMap::new();
+    for k in 0..cx.thinned(count) {
+        piece.tick()?;
+        let side = if k % 2 == 0 { -1 } else { 1 };
+        let id = curve_id(row.id, inputs.seed as u64, k as u64);
+        let [a, b] = spot(dice, row.id, side, k / 2);
+        let u = a * (1.0 + lead) - lead;
+        let along = u.clamp(0.0, 1.0);
+        let vary = |index: u64| dice.signed(id, index) * inputs.unevenness;
+        let angle = (pull.along(tuft, curve, along) + 12.0 * vary(0)).clamp(-80.0, 80.0);
+        let wish = Wish {
+            u,
+            side,
+            mediate: mediate.along(tuft, curve, along) * (1.0 - inputs.jitter * b),
+            pull: angle.to_radians(),
+            lift: lift.along(tuft, curve, along) * unit * (1.0 + 0.8 * vary(1)),
+            round: (ROUND + 50.0 * vary(2)).to_radians(),
+        };
+        let Some(start) = pulled::start(rules, ground, &wish) else { continue };
+        let (mut end_u, mut group) = (start.end_u, None);
+        if let Some((at, number)) = gather.as_ref().and_then(|g| g.nearest(end_u, side)) {
+            (end_u, group) = (at, Some(2 * number + i32::from(side > 0)));
+        }
+        let radius = radius_at(end_u);
+        let middle = group.and_then(|group| {
+            *middles.entry(group).or_insert_with(|| {
+                let wish = Wish {
+                    u: end_u,
+                    side,
+                    mediate: mediate.along(tuft, curve, end_u),
+                    pull: pull.along(tuft, curve, end_u).to_radians(),
+                    lift: 0.0,
+                    round: ROUND.to_radians(),
+                };
+                pulled::middle(rules, ground, &wish, radius)
+            })
+        });
+        let point = match middle {
+            Some(middle) => {
+                let spread = [3, 4, 5].map(|i| dice.signed(id, i));
+                middle.end.within(rules, Vec3::from_array(spread))
+            }
+            None => {
+                pulled::end(rules, row, &start.root, end_u, (side, wish.round), radius).point
+            }
+        };
+        let direction = row.spline.tangent_at(end_u);
+        let (root, lift) = (&start.root, wish.lift);
+        if !pulled::way(rules, ground, root, (point, direction), lift, middle.as_ref(), &mut points)
+        {
+            continue;
+        }
+        made.hair.push_curve(&points);
+        made.ids.push(id);
+        made.rows.push(row.id);
+        made.braids.push(braid);
+        made.sides.push(side);
+        made.groups.push(group.unwrap_or(0));
+        made.ends.push(end_u);
+        made.roots.push(start.root);
+    }
+    if count > 0 && made.ids.len() == before {
+        piece.trouble(row.id, "no ground for hairs beside a row: it meets nobody, or no hair grows there");
+    }
+    Ok(())
+}
+
+/// Where round the braid hairs end, degrees over its side.
+const ROUND: f32 = 25.0;
+
+/// Even numbers in the unit square for the `i`-th hair on a side of a row: the first along the row.
+fn spot(dice: Dice, row: u64, side: i32, i: usize) -> [f32; 2] {
+    let s = u64::from(side > 0);
+    r2(i as u32, [dice.unit(row, s), dice.unit(row, 2 + s)])
+}
+
+fn gather(inputs: &Inputs, ground: &Ground, a_side: usize, read: &[&Tuft]) -> Option<Gather> {
+    let row = ground.own;
+    let places = match inputs.grouping {
+        Grouping::None => return None,
+        Grouping::EveryK => {
+            let groups = (a_side as f32 / inputs.every as f32).ceil().max(1.0);
+            (0..groups as i32).map(|g| ((g as f32 + 0.5) / groups, 0, g)).collect()
+        }
+        Grouping::Stitches => {
+            let mut places = vec![];
+            for tuft in read.iter().filter(|t| role(t) == STITCHES) {
+                let (along, side) = (tuft.view(ALONG), tuft.view(SIDE));
+                for i in (0..tuft.len()).filter(|i| braided(tuft, *i) == row.id) {
+                    for (k, p) in tuft.range(i).enumerate() {
+                        places.push((along.at(i, p).clamp(0.0, 1.0), side.at(i, p).signum(), k as i32));
+                    }
+                }
+            }
+            places
+        }
+        Grouping::Picked => {
+            let mut places = vec![];
+            for tuft in read.iter().filter(|t| role(t) == PICKED) {
+                for i in 0..tuft.len() {
+                    let p = tuft.curve(i)[0];
+                    if ground.ahead(p) >= 0.0 {
+                        places.push((row.nearest(p).2, 0, places.len() as i32));
+                    }
+                }
+            }
+            places
+        }
+    };
+    Some(Gather { places })
+}
+
+/// The braid that a row's hairs belong to.
+fn braid_id(tuft: &Tuft, curve: usize, row: &Row, read: &[&Tuft]) -> u64 {
+    for stitches in read.iter().filter(|t| role(t) == STITCHES) {
+        for i in 0..stitches.len() {
+            if braided(stitches, i) == row.id {
+                return stitches.view(BRAID).at(i, stitches.range(i).start);
+            }
+        }
+    }
+    match tuft.view(BRAID).at(curve, tuft.range(curve).start) {
+        0 => row.id,
+        braid => braid,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::attributes::{ROOT_BARY, ROOT_TRIANGLE};
+    use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION};
+    use crate::define::Value;
+    use crate::eval::{Log, Quality};
+    use crate::maths::closest::Surface;
+    use crate::maths::spline::Spline;
+    use crate::maths::transcendental::sin_cos_turns;
+    use crate::testing::{Memory, curves_of, run, run_on};
+    use std::sync::atomic::Ordering;
+
+    fn on(surface: Surface, radius: f32) -> Arc<Scalp> {
+        let region = vec![1.0; surface.points.len()];
+        let frame = HeadFrame { radius, ..HeadFrame::IDENTITY };
+        Arc::new(Scalp::new(surface, None, frame, [(REGION.to_owned(), region)].into()))
+    }
+
+    fn ball(radius: f32) -> Arc<Scalp> {
+        on(crate::maths::closest::tests::sphere(radius, 64), radius)
+    }
+
+    fn bust() -> Arc<Scalp> {
+        let mesh = crate::scalp::bust::adult();
+        on(Surface::new(mesh.points, mesh.triangles), HEAD_RADIUS)
+    }
+
+    /// A row over the scalp through the directions that `way` gives for 0 to 1, `radius` cm thick, 0.1 cm off it.
+    fn row(scalp: &Scalp, id: u64, radius: f32, way: impl Fn(f32) -> Vec3) -> Arc<Tuft> {
+        let unit = scalp.frame().unit();
+        let points: Vec<Vec3> = (0..=24)
+            .map(|k| lay::laid(scalp, way(k as f32 / 24.0) * 9.5 * unit, 0.1 * unit).0)
+            .collect();
+        let mut b = TuftBuilder::new();
+        b.push_curve(&points);
+        b.set(ID, Domain::Curve, vec![id]);
+        b.set(RADIUS, Domain::Curve, vec![radius * unit]);
+        Arc::new(b.build())
+    }
+
+    /// Straight back over the head, from forehead to nape, `x` cm off the midline.
+    fn back(x: f32) -> impl Fn(f32) -> Vec3 {
+        move |t| {
+            let (s, c) = sin_cos_turns(0.16 - 0.42 * t);
+            Vec3::new(x / 9.5, c, s).normalize_or(Vec3::Y)
+        }
+    }
+
+    /// `n` rows back over the head, 1.9 cm apart.
+    fn rows(scalp: &Scalp, n: usize) -> Vec<Arc<Tuft>> {
+        (0..n)
+            .map(|i| row(scalp, i as u64 + 1, 0.4, back((i as f32 - (n - 1) as f32 / 2.0) * 1.9)))
+            .collect()
+    }
+
+    /// Rows in random directions, some near each other, some crossing.
+    fn wild(scalp: &Scalp, seed: u64) -> Vec<Arc<Tuft>> {
+        let dice = Dice::new(seed, 0, "rows");
+        (0..8)
+            .map(|id| {
+                let way = |k| {
+                    let (s, c) = sin_cos_turns(dice.unit(id, k));
+                    let up = dice.range(id, 1 + k, 0.1, 1.0);
+                    Vec3::new(s, 0.0, c) * (1.0 - up * up).max(0.0).sqrt() + Vec3::Y * up
+                };
+                let (from, to) = (way(0), way(2));
+                row(scalp, id + 1, dice.range(id, 9, 0.1, 0.8), |t| {
+                    from.lerp(to, t).try_normalize().unwrap_or(Vec3::Y)
+                })
+            })
+            .collect()
+    }
+
+    #[track_caller]
+    fn parted(scalp: &Arc<Scalp>, rows: &[Arc<Tuft>], set: &[(&str, Value)]) -> Curves {
+        let fixed =
+            [("source", Curves::new(rows.to_vec()).into()), ("scalp", scalp.clone().into())];
+        let (out, said) = run(&NODE, &[&fixed, set].concat());
+        assert!(said.iter().all(|s| s.starts_with("no ground")), "{said:?}");
+        curves_of(&out[0]).clone()
+    }
+
+    /// What the laws are about, at its worst.
+    #[derive(Debug, Default)]
+    struct Worst {
+        root: f32,
+        bound: f32,
+        out_of_braid: f32,
+        depth: f32,
+        spacing: f32,
+        margin: f32,
+        trespass: f32,
+    }
+
+    fn worst(scalp: &Arc<Scalp>, rows: &[Arc<Tuft>], curves: &Curves) -> Worst {
+        let skin = scalp.skin(&|n, f| (0..n).for_each(f));
+        let lines: Vec<Row> = rows.iter().flat_map(|t| rows_of(t).collect::<Vec<_>>()).collect();
+        let mut w = Worst { margin: f32::MAX, ..Worst::default() };
+        for (tuft, i) in curves.each() {
+            let points = tuft.curve(i);
+            assert!(points.iter().all(|p| p.is_finite()));
+            let first = tuft.range(i).start;
+            let own = lines.iter().find(|l| l.id == tuft.view(PARENT).at(i, first)).unwrap();
+            w.root = w.root.max(scalp.surface().closest(points[0]).unwrap().distance);
+            let triangle = tuft.view(ROOT_TRIANGLE).at(i, first) as u32;
+            let bound = scalp.root(triangle, tuft.view(ROOT_BARY).at(i, first)).point;
+            w.bound = w.bound.max(bound.distance(points[0]));
+            let source = rows.iter().find(|t| t.id(0) == own.id).unwrap();
+            let end = points[points.len() - 1];
+            w.out_of_braid =
+                w.out_of_braid.max(own.nearest(end).1 - source.view(RADIUS).at(0, 0));
+            let spline = Spline::new(points).unwrap();
+            for k in 1..60 {
+                w.depth = w.depth.max(-skin.distance(spline.at(k as f32 / 60.0)));
+            }
+            for p in points.windows(3) {
+                let ratio = p[0].distance(p[1]) / p[1].distance(p[2]);
+                w.spacing = w.spacing.max(ratio.max(1.0 / ratio));
+            }
+            let others = lines.iter().filter(|l| l.id != own.id);
+            let ahead = |p: Vec3| {
+                let other = others.clone().map(|l| l.nearest(p).1).fold(f32::MAX, f32::min);
+                other - own.nearest(p).1
+            };
+            w.margin = w.margin.min(ahead(points[0]));
+            for p in &points[1..] {
+                w.trespass = w.trespass.max(-ahead(*p));
+            }
+        }
+        w
+    }
+
+    #[test]
+    fn hairs_run_from_the_scalp_into_their_braid_and_stay_out_of_the_skin() {
+        let mut all = vec![];
+        for (name, scalp) in [("ball", ball(HEAD_RADIUS)), ("bust", bust())] {
+            let sets = [
+                ("rows", rows(&scalp, 6)),
+                ("wild", wild(&scalp, 1)),
+                ("wild", wild(&scalp, 2)),
+                ("wild", wild(&scalp, 3)),
+            ];
+            for (what, rows) in sets {
+                let curves = parted(&scalp, &rows, &[("per_cm", Value::Float(12.0))]);
+                let w = worst(&scalp, &rows, &curves);
+                println!("{name} {what}: {} hairs {w:?}", curves.curve_count());
+                all.push((name, what, w));
+            }
+        }
+        for (name, what, w) in all {
+            assert!(w.root < 1e-3 && w.bound < 1e-3, "{name} {what}: {w:?}");
+            assert!(w.out_of_braid < 1e-3, "{name} {what}: {w:?}");
+            assert!(w.depth < 2e-3, "{name} {what}: {w:?}");
+            assert!(w.spacing < 1.2, "{name} {what}: {w:?}");
+            assert!(w.margin > 0.15 - 2e-3, "{name} {what}: {w:?}");
+            assert!(w.trespass < 0.02, "{name} {what}: {w:?}");
+        }
+    }
+
+    #[test]
+    fn dump() {
+        use std::fmt::Write;
+        let Ok(what) = std::env::var("DUMP") else { return };
+        let scalp = if what.contains("ball") { ball(HEAD_RADIUS) } else { bust() };
+        let rows = rows(&scalp, 7);
+        let set: Vec<(&str, Value)> = match what.as_str() {
+            w if w.contains("every") => vec![("grouping", "every_k".into()), ("every", Value::Int(45)), ("per_cm", Value::Float(60.0))],
+            _ => vec![("per_cm", Value::Float(60.0))],
+        };
+        let t = std::time::Instant::now();
+        let curves = parted(&scalp, &rows, &set);
+        println!("{} hairs in {:?}", curves.curve_count(), t.elapsed());
+        let mut text = String::new();
+        for (kind, list) in [("row", Curves::new(rows)), ("hair", curves)] {
+            for (tuft, i) in list.each() {
+                let _ = write!(text, "{kind}");
+                for p in tuft.curve(i) {
+                    let _ = write!(text, " {} {} {}", p.x, p.y, p.z);
+                }
+                let _ = writeln!(text);
+            }
+        }
+        for t in &scalp.surface().triangles {
+            let _ = write!(text, "tri");
+            for v in t {
+                let p = scalp.surface().points[*v as usize];
+                let _ = write!(text, " {} {} {}", p.x, p.y, p.z);
+            }
+            let _ = writeln!(text);
+        }
+        std::fs::write("/tmp/head_dump.txt", text).unwrap();
+    }
+}

@@ -1,0 +1,297 @@
+//! One parting hair: where it is rooted, where it ends, and its way over the scalp.
+//!
+//! The picture: a row runs along, its neighbour beside it, the parting half-way between.
+//!
+//! ```text
+//!   neighbour  ----------------------------->
+//!   parting    . . . . . r . . . . . . . . . .     r  root, at u, half a parting's width inside
+//!   row        ----------u-----------e-------->    e  end in the braid, pulled along from u
+//! ```
+//!
+//! In the plane of the scalp a hair is a parabola from root to end, straight or leaving the parting square; over
+//! the scalp it hugs the skin and rises to its end in the braid.
+
+use super::territory::{Row, Station, neighbour};
+use crate::data::ramp::Ramp;
+use crate::data::scalp::{Root, Scalp, Skin};
+use crate::maths::spline::Spline;
+use crate::maths::transcendental::{sin_cos, tan};
+use crate::scalp::lay::laid;
+use glam::Vec3;
+
+/// What all hairs of a run share. Lengths in cm, angles in radians.
+pub(crate) struct Rules<'a> {
+    pub(crate) scalp: &'a Scalp,
+    pub(crate) skin: Skin<'a>,
+    pub(crate) crossing: bool,
+    pub(crate) parting: f32,
+    pub(crate) reach: f32,
+    pub(crate) open_side: f32,
+    pub(crate) sweep: f32,
+    pub(crate) tuck: f32,
+    pub(crate) group_radius: f32,
+    pub(crate) tightness: &'a Ramp,
+    pub(crate) cvs: usize,
+    /// The least height of a hair over the skin, but for its root.
+    pub(crate) clear: f32,
+}
+
+/// A row with those that its hairs must mind.
+pub(crate) struct Ground<'a> {
+    pub(crate) own: &'a Row,
+    pub(crate) left: Vec<&'a Row>,
+    pub(crate) right: Vec<&'a Row>,
+}
+
+/// What one hair asks for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wish {
+    /// Fraction of the row beside which it is rooted; below 0 is ahead of the row.
+    pub(crate) u: f32,
+    pub(crate) side: i32,
+    /// 0 at the row, 0.5 half-way, 1 at the neighbour.
+    pub(crate) mediate: f32,
+    /// Radians off the square, towards the row's tip.
+    pub(crate) pull: f32,
+    pub(crate) lift: f32,
+    /// How far round the braid it ends: 0 at its side, a quarter turn on top, radians.
+    pub(crate) round: f32,
+}
+
+/// Where a hair begins and would end by itself.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Start {
+    pub(crate) root: Root,
+    pub(crate) end_u: f32,
+    /// How far along the row the end is pulled, as a fraction of its length.
+    pulled: f32,
+}
+
+impl Ground<'_> {
+    fn beside(&self, side: i32) -> &[&Row] {
+        if side < 0 { &self.left } else { &self.right }
+    }
+    /// How much nearer `p` is to its own row than to any other.
+    pub(crate) fn ahead(&self, p: Vec3) -> f32 {
+        let own = self.own.nearest(p).1;
+        let mut other = f32::MAX.sqrt();
+        for row in self.left.iter().chain(&self.right) {
+            other = row.distance_under(p, other);
+        }
+        other - own
+    }
+}
+
+/// Where a hair is rooted; none where there is no ground on that side, or none of it is the row's own.
+pub(crate) fn start(rules: &Rules, ground: &Ground, wish: &Wish) -> Option<Start> {
+    let station = Station::new(ground.own, rules.scalp, wish.u);
+    let beside = ground.beside(wish.side).iter().copied().enumerate();
+    let (to, shared) = match neighbour(&station, wish.side, beside, rules.reach) {
+        Some((_, q)) => (q, true),
+        None if rules.open_side > 0.0 => {
+            (station.point + station.side(wish.side) * (2.0 * rules.open_side), false)
+        }
+        None => return None,
+    };
+    let at = |t: f32| {
+        let root = rules.scalp.closest_root(station.point + (to - station.point) * t)?;
+        let slack = if rules.crossing {
+            f32::MAX
+        } else if shared {
+            ground.ahead(root.point) - rules.parting
+        } else {
+            // Nobody is met on this side: the ground ends where the parting would be.
+            let edge = (0.5 - t) * 2.0 * rules.open_side - 0.5 * rules.parting;
+            edge.min(ground.ahead(root.point) - rules.parting)
+        };
+        let grows = rules.scalp.mask_at(rules.scalp.region(), root.triangle, root.bary);
+        Some((root, slack.min(if grows >= 0.5 { f32::MAX } else { -1.0 })))
+    };
+    let (mut root, slack) = at(wish.mediate)?;
+    if slack < 0.0 {
+        root = farthest(at, wish.mediate)?;
+    }
+    // The pull is measured from beside the root, not from the slanted line to the neighbour.
+    let off = (root.point - station.point).reject_from_normalized(station.along).length();
+    let pulled = tan(wish.pull) * off / ground.own.length();
+    Some(Start { root, end_u: (wish.u + pulled).clamp(0.0, 1.0), pulled })
+}
+
+/// The farthest root with slack, up to `most`, by halving; none when the row itself has none.
+fn farthest(at: impl Fn(f32) -> Option<(Root, f32)>, most: f32) -> Option<Root> {
+    let (mut low, mut high) = (0.0, most);
+    let (mut found, slack) = at(0.0)?;
+    if slack < 0.0 {
+        return None;
+    }
+    for _ in 0..12 {
+        let middle = 0.5 * (low + high);
+        match at(middle) {
+            Some((root, slack)) if slack >= 0.0 => (low, found) = (middle, root),
+            _ => high = middle,
+        }
+    }
+    Some(found)
+}
+
+/// Where hairs end in the braid.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct End {
+    pub(crate) point: Vec3,
+    along: Vec3,
+    out: Vec3,
+    axis: Vec3,
+    radius: f32,
+}
+
+/// The place in the braid, at fraction `u` of the row, `round` it, where hairs from `start` end; `radius` is the
+/// braid's there.
+pub(crate) fn end(
+    rules: &Rules,
+    row: &Row,
+    start: &Root,
+    u: f32,
+    (side, round): (i32, f32),
+    radius: f32,
+) -> End {
+    let station = Station::new(row, rules.scalp, u);
+    let (sin, cos) = sin_cos(round);
+    let out = station.side(side) * cos + station.normal * sin;
+    // A root nearer than the braid's side still leaves room for a hair.
+    let off = (radius - rules.tuck).max(0.0).min(0.6 * start.point.distance(station.point));
+    let point = station.point + out * off;
+    let point = rules.skin.lift(point, rules.clear).0;
+    End { point, along: station.along, out, axis: station.point, radius }
+}
+
+impl End {
+    /// A point of the group about this end: `spread` holds three numbers within [-1, 1].
+    pub(crate) fn within(&self, rules: &Rules, spread: Vec3) -> Vec3 {
+        let ball = spread / spread.length().max(1.0) * rules.group_radius;
+        let across = self.along.cross(self.out);
+        let p = self.point + self.along * ball.x + self.out * -ball.y.abs() + across * ball.z;
+        let flat = (p - self.axis).reject_from_normalized(self.along);
+        let p = if flat.length() > 0.98 * self.radius {
+            self.point + self.along * ball.x
+        } else {
+            p
+        };
+        let (lifted, _) = rules.skin.lift(p, rules.clear);
+        if lifted.distance(self.point) <= rules.group_radius { lifted } else { self.point }
+    }
+}
+
+/// The middle hair of a group.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Middle {
+    root: Vec3,
+    pub(crate) end: End,
+}
+
+/// The hair without chance that ends at the fraction `wish.u` of the row; `radius` is the braid's there.
+pub(crate) fn middle(
+    rules: &Rules,
+    ground: &Ground,
+    wish: &Wish,
+    radius: f32,
+) -> Option<Middle> {
+    let beside = start(rules, ground, wish)?;
+    let before = Wish { u: (wish.u - beside.pulled).max(0.0), ..*wish };
+    let root = start(rules, ground, &before).unwrap_or(beside).root;
+    let end = end(rules, ground.own, &root, wish.u, (wish.side, wish.round), radius);
+    Some(Middle { root: root.point, end })
+}
+
+/// The points of a hair, root first, `rules.cvs` of them, into `points`; the end comes with the row's direction
+/// there. False when root and end are one.
+pub(crate) fn way(
+    rules: &Rules,
+    ground: &Ground,
+    root: &Root,
+    (end, along): (Vec3, Vec3),
+    lift: f32,
+    group: Option<&Middle>,
+    points: &mut Vec<Vec3>,
+) -> bool {
+    points.clear();
+    if root.point.distance(end) < 1e-3 {
+        return false;
+    }
+    let bow = |from: Vec3, to: Vec3, s: f32| {
+        let corner = to - along * (to - from).dot(along);
+        let middle = ((from + to) * 0.5).lerp(corner, rules.sweep);
+        from.lerp(middle, s).lerp(middle.lerp(to, s), s)
+    };
+    let surface = rules.scalp.surface();
+    let end_height = surface.closest(end).map_or(0.0, |hit| surface.signed_distance(end, &hit));
+    let fine = rules.cvs + rules.cvs / 2;
+    points.push(root.point);
+    for k in 1..fine {
+        let s = k as f32 / fine as f32;
+        let mut p = bow(root.point, end, s);
+        if let Some(group) = group {
+            let pulled = rules.tightness.at(s).clamp(0.0, 1.0) * (5.0 * s).min(1.0);
+            p = p.lerp(bow(group.root, group.end.point, s), pulled);
+        }
+        let height = lift * 4.0 * s * (1.0 - s) + end_height * s * s;
+        let height = height.max(rules.clear * (s * 8.0).min(1.0));
+        if !rules.crossing {
+            p = kept_at_home(ground, p, 0.25 * rules.parting);
+        }
+        points.push(laid(rules.scalp, p, height).0);
+    }
+    points.push(end);
+    let Ok(spline) = Spline::new(points) else { return false };
+    points.clear();
+    spline.resample(rules.cvs, |p| points.push(p));
+    points[0] = root.point;
+    points[rules.cvs - 1] = end;
+    kept_out(rules, points);
+    true
+}
+
+/// `p`, or a point towards the own row that is at least `slack` nearer to it than to any other.
+fn kept_at_home(ground: &Ground, p: Vec3, slack: f32) -> Vec3 {
+    if ground.ahead(p) >= slack {
+        return p;
+    }
+    let home = ground.own.nearest(p).0;
+    let (mut out, mut back) = (0.0, 1.0);
+    for _ in 0..8 {
+        let middle = 0.5 * (out + back);
+        if ground.ahead(p.lerp(home, middle)) >= slack { back = middle } else { out = middle }
+    }
+    p.lerp(home, back)
+}
+
+/// Lifts points until the curve is over the skin between them too.
+fn kept_out(rules: &Rules, points: &mut [Vec3]) {
+    let n = points.len();
+    for p in &mut points[1..n - 1] {
+        *p = rules.skin.lift(*p, 0.5 * rules.clear).0;
+    }
+    let mut spline = Spline::default();
+    for _ in 0..4 {
+        if spline.rebuild(points).is_err() {
+            return;
+        }
+        let mut clear = true;
+        for span in 0..n - 1 {
+            let p = spline.point(crate::maths::spline::Place { span, t: 0.5 });
+            let deep = -rules.skin.distance(p);
+            if deep > 0.0 {
+                clear = false;
+                let up = laid(rules.scalp, p, 0.0).1 * (1.5 * deep + 0.2 * rules.clear);
+                for k in [span, span + 1] {
+                    if k > 0 && k < n - 1 {
+                        points[k] += up;
+                    }
+                }
+            }
+        }
+        if clear {
+            return;
+        }
+    }
+}
+
