@@ -255,13 +255,16 @@ impl Edit {
                     let from = document.links.get(&to).cloned().unwrap_or_default();
                     undo.push(Edit::SetWires { to, from });
                 }
+                settle_names(document, id);
                 Ok(if undo.len() == 1 { undo.remove(0) } else { Edit::Several(undo) })
             }
             Edit::RemoveNode { id } => remove_node(document, id),
             Edit::ReplaceNode { id, node } => {
                 let node = checked_node(id, node)?;
                 let old = std::mem::replace(slot(document, id)?, node);
-                Ok(Edit::ReplaceNode { id: id.clone(), node: old })
+                let mut undo = vec![Edit::ReplaceNode { id: id.clone(), node: old }];
+                undo.extend(settle_names(document, id));
+                Ok(if undo.len() == 1 { undo.remove(0) } else { Edit::Several(undo) })
             }
             Edit::SetInput { node, input, setting } => {
                 let kind = slot(document, node)?.kind.clone();
@@ -284,6 +287,7 @@ impl Edit {
                 })
             }
             Edit::Connect { from, to, at } => {
+                let to = &present_socket(document, to);
                 if let Some(problem) = graph::wire_problem(document, from, to) {
                     return Err(EditError::BadWire(Box::new(problem)));
                 }
@@ -296,11 +300,13 @@ impl Edit {
                 Ok(set_wires(document, to, wires))
             }
             Edit::Disconnect { to, at } => {
+                let to = &present_socket(document, to);
                 let mut wires = wires(document, to, *at)?;
                 wires.remove(*at);
                 Ok(set_wires(document, to, wires))
             }
             Edit::Reorder { to, from, at } => {
+                let to = &present_socket(document, to);
                 wires(document, to, *at)?;
                 let mut wires = wires(document, to, *from)?;
                 let wire = wires.remove(*from);
@@ -308,7 +314,9 @@ impl Edit {
                 set_wires(document, to, wires);
                 Ok(Edit::Reorder { to: to.clone(), from: *at, at: *from })
             }
-            Edit::SetWires { to, from } => Ok(set_wires(document, to, from.clone())),
+            Edit::SetWires { to, from } => {
+                Ok(set_wires(document, &present_socket(document, to), from.clone()))
+            }
             Edit::Move { id, to } => {
                 slot(document, id)?;
                 let old = place(document, id, *to)?;
@@ -507,10 +515,15 @@ fn takes_many(document: &Document, to: &Socket) -> bool {
     def.and_then(|def| def.input(&to.name)).is_none_or(|(_, input)| input.arity == Arity::Many)
 }
 
-/// The setting as documents hold it, or why the input of that kind cannot have it.
+/// The setting as documents hold it, which is as a file of it would be read, or why the input of
+/// that kind cannot have it.
 fn checked(kind: &str, at: &Socket, setting: &Setting) -> Result<Setting, EditError> {
+    let bad = |reason: String| EditError::BadValue { at: at.clone(), reason };
+    if let Setting::Raw(text) = setting {
+        crate::file::prove_raw(text).map_err(bad)?;
+    }
     let Some(def) = coif_nodes::by_id(kind) else {
-        // As it would be read from a file, where nothing says what it is.
+        // Nothing says what it is.
         return Ok(match setting {
             Setting::Known(value) => Setting::Raw(crate::file::write_value(value).into()),
             raw => raw.clone(),
@@ -525,11 +538,11 @@ fn checked(kind: &str, at: &Socket, setting: &Setting) -> Result<Setting, EditEr
         return Err(EditError::NoInput { at: at.clone(), kind: kind.to_owned(), near });
     };
     match setting {
-        Setting::Raw(_) => Ok(setting.clone()),
-        Setting::Known(value) => match values::fit(input.ty, value.clone()) {
-            Ok(value) => Ok(Setting::Known(value)),
-            Err(reason) => Err(EditError::BadValue { at: at.clone(), reason }),
-        },
+        Setting::Raw(text) => Ok(crate::file::proven_value(input.ty, text)
+            .map_or_else(|_| setting.clone(), Setting::Known)),
+        Setting::Known(value) => {
+            values::fit(input.ty, value.clone()).map(Setting::Known).map_err(bad)
+        }
     }
 }
 
@@ -539,18 +552,47 @@ fn present_name(kind: &str, input: &str) -> String {
     def.map_or(input, |(_, def)| def.name).to_owned()
 }
 
-fn checked_node(id: &NodeId, node: &Arc<Node>) -> Result<Arc<Node>, EditError> {
-    let mut fit: Arc<Node> = node.clone();
-    for (name, setting) in &node.inputs {
-        let kept = checked(&node.kind, &Socket::new(id.clone(), name), setting)?;
-        if kept != *setting {
-            Arc::make_mut(&mut fit).inputs.insert(name.clone(), kept);
+fn present_socket(document: &Document, to: &Socket) -> Socket {
+    let kind = document.node(to.node.as_str()).map_or("", |node| &node.kind);
+    Socket::new(to.node.clone(), &present_name(kind, &to.name))
+}
+
+/// Moves wires that end at a node's inputs under old names to the present ones, where these are free;
+/// gives what moves them back. Needed where a node gets a kind that wires did not know.
+fn settle_names(document: &mut Document, id: &NodeId) -> Vec<Edit> {
+    let wired: Vec<Socket> = graph::inputs_of(document, id).map(|(to, _)| to.clone()).collect();
+    let mut undo = vec![];
+    for old in wired {
+        let new = present_socket(document, &old);
+        if new == old {
+            continue;
+        }
+        let taken = document.links.contains_key(&new);
+        if let Some(from) = document.links.remove(&old) {
+            if !taken {
+                undo.push(set_wires(document, &new, from.clone()));
+            }
+            undo.push(Edit::SetWires { to: old, from });
         }
     }
-    if fit.label.as_deref() == Some("") {
-        Arc::make_mut(&mut fit).label = None;
+    undo
+}
+
+fn checked_node(id: &NodeId, node: &Arc<Node>) -> Result<Arc<Node>, EditError> {
+    let mut inputs = std::collections::BTreeMap::new();
+    for (name, setting) in &node.inputs {
+        let present = present_name(&node.kind, name);
+        if present != *name && node.inputs.contains_key(&present) {
+            continue;
+        }
+        let kept = checked(&node.kind, &Socket::new(id.clone(), &present), setting)?;
+        inputs.insert(present, kept);
     }
-    Ok(fit)
+    let label = node.label.clone().filter(|label| !label.is_empty());
+    if inputs == node.inputs && label == node.label {
+        return Ok(node.clone());
+    }
+    Ok(Arc::new(Node { inputs, label, ..Node::clone(node) }))
 }
 
 fn find(strokes: &[Stroke], id: u64) -> Result<usize, String> {

@@ -21,6 +21,7 @@ mod upgrade;
 mod values;
 mod write;
 
+pub(crate) use read::prove_raw;
 pub(crate) use values::proven_value;
 pub use values::{parse_value, read_value, write_value};
 

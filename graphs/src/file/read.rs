@@ -17,6 +17,8 @@ use std::sync::Arc;
 /// The deepest nesting of brackets in a file: ours has 8; what is deeper is an attack on a
 /// recursive reader.
 const DEEPEST: usize = 64;
+/// What of it is left within the value of an input.
+const DEEPEST_VALUE: usize = DEEPEST - 8;
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields, rename = "Groom")]
@@ -139,7 +141,7 @@ pub(super) fn in_words(err: &ron::Error) -> String {
         ron::Error::ExpectedInteger => "expected a whole number".to_owned(),
         ron::Error::IntegerOutOfBounds => "the number is out of range".to_owned(),
         ron::Error::Eof => "the text ends too early".to_owned(),
-        ron::Error::ExceededRecursionLimit => format!("brackets are nested deeper than {DEEPEST}"),
+        ron::Error::ExceededRecursionLimit => "brackets are nested too deeply".to_owned(),
         err => err.to_string(),
     };
     let mut chars = text.chars();
@@ -206,6 +208,18 @@ fn parse(text: &str) -> Result<FileGroom<'_>, FileError> {
         let place = if named { err.span.start } else { err.span.end };
         FileError { line: place.line, column: place.col, message: in_words(&err.code) }
     })
+}
+
+/// Whether a file can hold the text as the value of an input and give it back; else why not.
+pub(crate) fn prove_raw(text: &str) -> Result<(), String> {
+    let options = ron::Options::default().with_recursion_limit(DEEPEST_VALUE);
+    let read = options.from_str::<&RawValue>(text).map_err(|err| in_words(&err.code));
+    if read.is_err() || trimmed(text) != text || text.starts_with('#') {
+        let why = read.err().unwrap_or_else(|| "something stands around it".to_owned());
+        let text = crate::document::graph::short(text);
+        return Err(format!("{text} is no value that a file can hold: {why}"));
+    }
+    Ok(())
 }
 
 fn trimmed_start(text: &str) -> &str {

@@ -544,3 +544,28 @@ fn saving_replaces_the_file_and_leaves_nothing_beside_it() {
     assert_eq!(left, 1);
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn an_edit_takes_any_value_that_a_file_can_hold_and_no_other() {
+    let takes = |raw: &str| {
+        let mut document = ok(&node("kind: \"of_tomorrow\"")).document;
+        let (input, setting) = ("x".to_owned(), Setting::Raw(raw.into()));
+        Edit::SetInput { node: id("a"), input, setting }.apply(&mut document).map(|_| document)
+    };
+    for (open, close) in
+        [("[", "]"), ("(", ")"), ("(a: ", ")"), ("{1: ", "}"), ("X(", ")"), ("Some(", ")")]
+    {
+        for n in 1..80 {
+            let raw = format!("{}1{}", open.repeat(n), close.repeat(n));
+            let text = node(&format!("kind: \"of_tomorrow\", inputs: {{\"x\": {raw}}}"));
+            assert_eq!(takes(&raw).is_ok(), read(&text).is_ok(), "{open} {n}");
+        }
+    }
+    for raw in
+        ["", " 1", "1 // x", "1,", "(", "1, \"y\": 2", "/* */", "#![enable(unwrap_newtypes)] 1"]
+    {
+        assert!(takes(raw).is_err(), "{raw}");
+    }
+    let document = takes("X(1)").unwrap();
+    assert_eq!(ok(&write(&document)).document, document);
+}
