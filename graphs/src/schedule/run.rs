@@ -278,7 +278,8 @@ fn keys(step: &Step, inputs: &[Vec<Value>], seed: u64, quality: Quality) -> (Key
     }
     let mut curves = KeyBuilder::new("reads");
     for (def, values) in step.def.inputs.iter().zip(inputs) {
-        if def.ty == Type::Curves {
+        // What comes as a list enters the keys of the pieces made from its items, not of all pieces.
+        if matches!(def.ty, Type::Curves | Type::Strokes) {
             curves = values.iter().fold(curves.text(def.name), |key, v| key.key(v.key()));
         } else if !values.is_empty() {
             // A value that says what the default says is the same value.
