@@ -217,7 +217,7 @@ fn braid_signs(
 }
 
 /// The largest (r_i(u) + r_j(v)) / |p_i(u) - p_j(v)| of different strands, and how large a part of the strands'
-/// samples has a neighbour that it touches to 5 %.
+/// samples has a neighbour that it touches to 8 %.
 fn overlap(strands: &[Strand]) -> (f32, f32) {
     let all: Vec<Vec<(Vec3, f32, f32)>> = strands.iter().map(|s| s.samples(4)).collect();
     let (mut worst, mut touching, mut count) = (0.0f32, 0, 0);
@@ -233,7 +233,7 @@ fn overlap(strands: &[Strand]) -> (f32, f32) {
                 }
             }
             worst = worst.max(best);
-            touching += usize::from(best > 0.9);
+            touching += usize::from(best > 0.85);
             count += 1;
         }
     }
@@ -286,6 +286,42 @@ fn words_of_the_method() {
     ] {
         assert_eq!(path_signs(&Weave::new(n, m, true, false)), want, "({n}, {m})");
     }
+}
+
+#[test]
+fn strands_come_as_close_in_space_as_the_method_says() {
+    let weave = Weave::new(3, 2, true, false);
+    for (pitch, want) in [(1.0f32, 0.451f32), (1.5, 0.605), (2.0, 0.706), (3.0, 0.800)] {
+        let point = |i: u32, stitches: f64| {
+            let (x, y) = weave.at(i, stitches / 3.0);
+            Vec3::new(x, 0.5 * y, pitch * stitches as f32)
+        };
+        let mut least = f32::MAX;
+        for k in 0..300 {
+            for d in -300..300 {
+                let (here, there) = (f64::from(k) / 100.0, f64::from(k + d) / 100.0);
+                least = least.min(point(0, here).distance(point(1, there)));
+                least = least.min(point(0, here).distance(point(2, there)));
+            }
+        }
+        assert!((least - want).abs() < 2e-3, "{pitch}: {least} {want}");
+    }
+}
+
+#[test]
+fn lengths_scale_with_the_head_when_asked() {
+    let width = |scaled: bool| {
+        let surface = crate::maths::closest::tests::sphere(17.8, 24);
+        let region = vec![1.0; surface.points.len()];
+        let frame = HeadFrame { radius: 17.8, ..HeadFrame::IDENTITY };
+        let scalp = Scalp::new(surface, None, frame, [(REGION.to_owned(), region)].into());
+        let set = vec![("scalp", scalp.into()), ("scale_with_head", scaled.into())];
+        let (strands, _, said) = braid(&[Vec3::X * 40.0, Vec3::new(40.0, -20.0, 0.0)], &[set]);
+        assert_eq!(said.iter().any(|s| s.contains("scaled with the head by 2.000")), scaled);
+        Strand::all(&strands).iter().flat_map(|s| s.radius.clone()).fold(0.0, f32::max)
+    };
+    let ratio = width(true) / width(false);
+    assert!((ratio - 2.0).abs() < 0.1, "{ratio}");
 }
 
 #[test]
@@ -379,19 +415,24 @@ fn tubes_touch_and_never_overlap() {
     for n in 2..=12i64 {
         for height in [0.0f32, 1.0] {
             let strands = vec![("strands", n.into()), ("height", height.into())];
-            for spacing in [0.0f32, 0.35] {
+            for spacing in [0.0f32, 0.35, 0.75, 1.2] {
                 let set = [bare(), strands.clone(), set("stitch_spacing", spacing)];
-                check(format!("{n} straight {spacing} {height}"), &straight(5.0), &set, 0.07);
+                check(format!("{n} straight {spacing} {height}"), &straight(5.0), &set, 0.05);
             }
             for cvs in [8i64, 24] {
                 let set = [bare(), strands.clone(), set("cvs_per_stitch", cvs)];
-                check(format!("{n} straight cvs {cvs}"), &straight(4.0), &set, 0.07);
+                check(format!("{n} straight cvs {cvs}"), &straight(4.0), &set, 0.05);
             }
             // A = 0.35 or so: a bend of radius 2A.
             let bent = helix(0.66, 3.0, 0.9);
             check(format!("{n} bent {height}"), &bent, &[bare(), strands.clone()], 0.07);
             // Everything at its default.
-            check(format!("{n} plain {height}"), &straight(8.0), &[strands.clone()], 0.07);
+            check(
+                format!("{n} plain {height}"),
+                &straight(8.0),
+                std::slice::from_ref(&strands),
+                0.07,
+            );
         }
     }
     for m in [5i64, 7, 11] {
@@ -422,10 +463,7 @@ fn the_braid_is_as_large_as_asked() {
             let flat = if n == 2 { 1.0 } else { 0.5 };
             let want = if height > 0.0 { height } else { flat * width };
             let (dw, dh) = (w / width - 1.0, h / want - 1.0);
-            assert!(
-                dw.abs() < if n == 2 { 0.09 } else { 0.06 } && dh.abs() < 0.06,
-                "{n} strands: {w} {width}, {h} {want}"
-            );
+            assert!(dw.abs() < 0.03 && dh.abs() < 0.08, "{n} strands: {w} {width}, {h} {want}");
         }
     }
 }
@@ -579,7 +617,7 @@ fn cornrows_lie_on_the_ball_and_keep_their_word() {
                 ("stitches", 20.0f32.into()),
             ];
             let what = format!("{n} {mode} {sink}");
-            worst = worst.max(check_cornrow(&scalp, &source, &[set.clone()], &what));
+            worst = worst.max(check_cornrow(&scalp, &source, std::slice::from_ref(&set), &what));
             let (strands, ..) = braid(&source, &[set, vec![("scalp", scalp.clone().into())]]);
             let strands = Strand::all(&strands);
             let got = braid_signs(&strands, &spline, &on_ball(&source), (0.0, 0.9), 20.0, &what);
@@ -660,32 +698,39 @@ fn read_glb(bytes: &[u8]) -> Option<(Vec<Vec3>, Vec<[u32; 3]>)> {
     Some((points, triangles))
 }
 
-#[test]
-fn cornrows_lie_on_a_real_head() {
-    let name = "cornrows_lie_on_a_real_head";
+/// The head of the shared material, its cranium scaled to the average; none where the material is absent.
+pub(super) fn real_head() -> Option<Arc<Scalp>> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/lps_head/LeePerrySmith.glb");
-    let Ok(bytes) = std::fs::read(path) else {
-        println!("skipped: {name} needs ../shared");
-        return;
-    };
-    let (points, triangles) = read_glb(&bytes).unwrap();
+    let (points, triangles) = read_glb(&std::fs::read(path).ok()?)?;
     // The cranium of this file measures 1.925 of its units.
     let points: Vec<Vec3> = points.iter().map(|p| *p * (8.9 / 1.925)).collect();
-    let top = points.iter().copied().max_by(|a, b| a.y.total_cmp(&b.y)).unwrap();
+    let top = points.iter().copied().max_by(|a, b| a.y.total_cmp(&b.y))?;
     let frame = HeadFrame { origin: top - Vec3::Y * 8.9, ..HeadFrame::IDENTITY };
     let region = vec![1.0; points.len()];
     let surface = Surface::new(points, triangles);
-    let scalp = Arc::new(Scalp::new(surface, None, frame, [(REGION.to_owned(), region)].into()));
+    Some(Arc::new(Scalp::new(surface, None, frame, [(REGION.to_owned(), region)].into())))
+}
+
+/// A row over the head from the forehead to the nape, so far to its side.
+pub(super) fn row(scalp: &Scalp, side: f32) -> Vec<Vec3> {
+    let centre = scalp.frame().origin + Vec3::X * side;
+    let point = |k: usize| {
+        let (s, c) = sin_cos_turns(0.1 + 0.35 * k as f32 / 29.0);
+        let from = centre + Vec3::new(0.0, s, c) * 20.0;
+        Some(scalp.surface().ray(from, (centre - from).normalize(), 40.0)?.point)
+    };
+    (0..30).filter_map(point).collect()
+}
+
+#[test]
+fn cornrows_lie_on_a_real_head() {
+    let Some(scalp) = real_head() else {
+        println!("skipped: cornrows_lie_on_a_real_head needs ../shared");
+        return;
+    };
     let mut worst = 0.0f32;
     for side in [-4.0f32, -1.5, 1.5, 4.0] {
-        let source: Vec<Vec3> = (0..30)
-            .filter_map(|k| {
-                let (s, c) = sin_cos_turns(0.1 + 0.35 * k as f32 / 29.0);
-                let from = frame.origin + Vec3::new(side, s * 20.0, c * 20.0);
-                let toward = (frame.origin + Vec3::X * side - from).normalize();
-                Some(scalp.surface().ray(from, toward, 40.0)?.point)
-            })
-            .collect();
+        let source = row(&scalp, side);
         assert!(source.len() > 20, "{side}");
         for (mode, n) in [("flatten", 3i64), ("flatten", 5), ("push_out", 3), ("allow", 4)] {
             let set = vec![("strands", n.into()), ("scalp_intersection", mode.into())];

@@ -7,7 +7,7 @@
 //! **Invariant:** whatever moves points in depth keeps their order there, so no crossing is ever undone.
 
 use super::touch::Line;
-use super::weave::{Size, Weave};
+use super::weave::{OUTLINE, Size, Weave};
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::frame::{self, Frame, SkinUnder};
 use crate::maths::hash::Dice;
@@ -196,10 +196,10 @@ impl Shape<'_> {
         let mut strands: Vec<Vec<Vec3>> = (0..self.weave.strands)
             .map(|i| stations.iter().map(|station| self.point(station, i)).collect())
             .collect();
-        // Tubes stay within the braid's height; what the skin presses is judged as it was before.
+        // Tubes stay within the braid's height; where the skin presses them counts what was before.
         let room = |(station, p): (&Station, &Vec3)| {
             let y = (*p - station.centre).dot(station.frame.normal);
-            station.b * (1.0 + self.size.top / self.size.b) - y.abs()
+            OUTLINE * station.b * (1.0 + self.size.top / self.size.b) - y.abs()
         };
         let rooms: Vec<Vec<f32>> =
             strands.iter().map(|points| stations.iter().zip(points).map(room).collect()).collect();

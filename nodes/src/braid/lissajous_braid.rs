@@ -13,7 +13,7 @@
 use super::lay::{self, Advance, Below, Contact, Facing, Shape};
 use super::stray::{self, Strand};
 use super::touch::{Line, Near, touching_radii};
-use super::weave::{Neighbours, Pitch, Weave, coprime, default_frequency};
+use super::weave::{Paths, Pitch, Weave, coprime, default_frequency};
 use crate::data::attributes::{self as attr, Attribute, Domain, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::ramp::{Blend, Ramp};
@@ -53,9 +53,9 @@ node! {
         /// Stitches (the Vs of a braid) along the curve up to the tie, when they are counted. Each source can have its own
         /// by an attribute or mask.
         stitches | knots: FieldInput = 12.0f32, hard(1.0, 200.0), soft(3.0, 60.0), unit(Count), words("knots frequency");
-        /// Distance of stitches, when they are spaced. 0 takes twice the amplitude, which is the look of hair
-        /// braided firmly; under half of that strands get thin. Longer sources get more stitches, and
-        /// those there are stay where they are.
+        /// Distance of stitches, when they are spaced. 0 takes what suits firmly braided hair: one and a half times the
+        /// amplitude (about half the braid's width) for up to four strands, less for more. Under one
+        /// amplitude strands get thin. Longer sources get more stitches, and those there are stay where they are.
         stitch_spacing: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 4.0), unit(Length), words("knots frequency");
         /// Width of the whole braid over its tubes. A ramp or mask may vary it.
         width: FieldInput = 1.0f32, hard(0.01, 100.0), soft(0.2, 5.0), unit(Length), handle(Handle::Radius);
@@ -225,7 +225,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 struct Plan<'a> {
     inputs: &'a Inputs,
     weave: Weave,
-    near: Neighbours,
+    paths: Paths,
     /// Centimetres in the unit that lengths are given in.
     unit: f32,
     facing: Facing,
@@ -289,7 +289,7 @@ impl<'a> Plan<'a> {
         Self {
             inputs,
             weave,
-            near: Neighbours::new(&weave),
+            paths: Paths::new(&weave),
             unit,
             facing,
             below: scalp.map(|scalp| Below { scalp, skin: cx.skin(scalp), contact }),
@@ -375,21 +375,21 @@ fn braid(
     let asked = match inputs.stitches_by {
         StitchesBy::Count => Pitch::Cm(tied_at / count?.along(tuft, curve, 0.0).round().max(1.0)),
         StitchesBy::Spacing if spacing > 0.0 => Pitch::Cm(spacing),
-        StitchesBy::Spacing => Pitch::Amplitudes(2.0),
+        StitchesBy::Spacing => Pitch::Amplitudes(firm_pitch(strands)),
     };
     let at_full = fullness.along(tuft, curve, 0.5).min(1.0);
-    let mut size = plan.near.size(full_w, depth, asked, at_full);
+    let mut size = plan.paths.size(full_w, depth, asked, at_full);
     let limited = size.pitch.clamp(tied_at / MOST_STITCHES, tied_at);
     if limited > size.pitch {
         piece.trouble(source_id, "stitches were limited to 400 on a curve");
     }
     if limited != size.pitch {
-        size = plan.near.size(full_w, depth, Pitch::Cm(limited), at_full);
+        size = plan.paths.size(full_w, depth, Pitch::Cm(limited), at_full);
     }
-    if size.pitch < size.a {
+    if size.pitch < 0.98 * size.a {
         piece.trouble(
             source_id,
-            "stitches are closer than half the distance that suits the braid's width, so strands are thin",
+            "stitches are closer than the amplitude of the braid, so strands are thin",
         );
     }
     let (advance, stitches) = advance(plan, braid_id, size.pitch, tied_at);
@@ -518,6 +518,13 @@ fn braid(
     let longest = inputs.flyaway_length * unit;
     let strays = stray::flyaways(&fine, (braid_id, tag), hairs, longest, plan.stray);
     Ok(Some([out.build(), stitch_curve.build(), strays]))
+}
+
+/// Distance of stitches of a firmly braided braid, in amplitudes. Strands cross at about 45 degrees and close the windows
+/// between them; at twice the amplitude, three strands half as high as wide leave the scalp showing through. Below one
+/// amplitude tubes get thin.
+fn firm_pitch(strands: u32) -> f32 {
+    (6.0 / strands as f32).clamp(1.0, 1.5)
 }
 
 fn lerp(a: f32, b: f32, t: f32) -> f32 {
