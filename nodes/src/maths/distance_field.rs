@@ -41,6 +41,7 @@ pub enum Depth {
 /// The field of one surface.
 pub struct DistanceField {
     cell: f32,
+    per_cell: f32,
     lowest: Vec3,
     blocks_along: IVec3,
     /// Index into `samples`, or `INSIDE` / `OUTSIDE`.
@@ -203,19 +204,20 @@ impl DistanceField {
                 queue.push_back(other);
             }
         }
-        Self { cell, lowest, blocks_along, blocks: slot, samples }
+        Self { cell, per_cell: 1.0 / cell, lowest, blocks_along, blocks: slot, samples }
     }
 
     /// What is known at `p` (cm), interpolated between samples.
     #[inline]
     pub fn depth(&self, p: Vec3) -> Depth {
-        let q = (p - self.lowest) / self.cell;
-        let cell = q.floor();
-        let i = cell.as_ivec3();
+        let q = (p - self.lowest) * self.per_cell;
+        // Truncated where it is positive: a floor, without asking the library for one.
+        let i = q.as_ivec3();
         let b = IVec3::new(i.x >> 3, i.y >> 3, i.z >> 3);
-        if i.cmplt(IVec3::ZERO).any() || b.cmpge(self.blocks_along).any() || !q.is_finite() {
+        if !q.cmpge(Vec3::ZERO).all() || b.cmpge(self.blocks_along).any() {
             return Depth::Outside;
         }
+        let cell = i.as_vec3();
         let block = ((b.z * self.blocks_along.y + b.y) * self.blocks_along.x + b.x) as usize;
         let samples = match self.blocks[block] {
             INSIDE => return Depth::Inside,
@@ -237,7 +239,7 @@ impl DistanceField {
             f.z,
         );
         let dy = lerp(x10 - x00, x11 - x01, f.z);
-        let gradient = Vec3::new(dx, dy, y1 - y0) / self.cell;
+        let gradient = Vec3::new(dx, dy, y1 - y0) * self.per_cell;
         Depth::Near(lerp(y0, y1, f.z), gradient)
     }
 
