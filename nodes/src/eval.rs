@@ -239,8 +239,8 @@ impl EvalCx<'_> {
         })
     }
 
-    /// `n` tufts that read no curves: each is told by the key of its own item (a stroke, a region of the
-    /// scalp).
+    /// `n` tufts each told by the key of its own item (a stroke, a region of the scalp). The key names all that
+    /// the item reads of curves, too.
     pub fn each_item<const N: usize>(
         &self,
         n: usize,

@@ -13,6 +13,7 @@ use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::result::{content_hash, document_hash};
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure};
+use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{NodeError, Type, Value};
 use coif_nodes::eval::Quality;
 use coif_nodes::formats::export::{self, About, Format, Group};
@@ -175,25 +176,25 @@ fn evaluate(args: &EvalArgs, cancel: &CancelToken, report: &mut Report) -> Resul
         let lines = failures.iter().map(|(node, err)| format!("{graph}: {node}: {err}")).collect();
         return Err(Stop(if refused { Exit::Refused } else { Exit::Failed }, lines));
     }
-    for (socket, value) in heads.iter().zip(outcome.targets.split_off(targets.len())) {
-        if let (Some(Value::Scalp(scalp)), true) = (value, report.head.is_none()) {
-            let frame = scalp.frame();
-            report.head = Some(Head {
-                node: socket.node.to_string(),
-                scale: scalp.cm_per_unit(),
-                radius_cm: frame.radius,
-                length_factor: frame.unit(),
-                origin: frame.origin.to_array(),
-                up: frame.up.to_array(),
-                forward: frame.forward.to_array(),
-                triangles: scalp.surface().triangles.len(),
-            });
-        }
-    }
+    // The skin that keeps points added by export outside: of the only head, if there is one.
+    let scalps: Vec<Arc<Scalp>> = outcome
+        .targets
+        .split_off(targets.len())
+        .into_iter()
+        .filter_map(|value| match value {
+            Some(Value::Scalp(scalp)) => Some(scalp),
+            _ => None,
+        })
+        .collect();
+    report.head = heads.first().zip(scalps.first()).map(|(socket, scalp)| head_of(socket, scalp));
+    let skin = match &scalps[..] {
+        [only] => Some(only.skin()),
+        _ => None,
+    };
     let mut groups = vec![];
     for (output, value) in outputs.iter().zip(std::mem::take(&mut outcome.targets)) {
         let Some(Value::Curves(curves)) = value else { continue };
-        let conformed = export::conform(&curves, &|n, f| evaluator.for_each(n, f));
+        let conformed = export::conform(&curves, skin, &|n, f| evaluator.for_each(n, f));
         drop(curves);
         let socket = &output.socket;
         if conformed.left_out > 0 {
@@ -224,6 +225,20 @@ fn evaluate(args: &EvalArgs, cancel: &CancelToken, report: &mut Report) -> Resul
         return Err(Stop::refused(format!("{}: no output gives curves", args.graph.display())));
     }
     save(args, &formats, &document, &groups, cancel, &bar)
+}
+
+fn head_of(socket: &Socket, scalp: &Scalp) -> Head {
+    let frame = scalp.frame();
+    Head {
+        node: socket.node.to_string(),
+        scale: scalp.cm_per_unit(),
+        radius_cm: frame.radius,
+        length_factor: frame.unit(),
+        origin: frame.origin.to_array(),
+        up: frame.up.to_array(),
+        forward: frame.forward.to_array(),
+        triangles: scalp.surface().triangles.len(),
+    }
 }
 
 /// The format of each output file.

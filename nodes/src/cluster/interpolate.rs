@@ -16,7 +16,7 @@ use crate::data::ramp::Ramp;
 use crate::data::scalp::{Scalp, Skin};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece};
-use crate::maths::frame::carry;
+use crate::maths::frame::smallest_rotation;
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::spline::Spline;
 use glam::{Mat3, Vec3};
@@ -139,14 +139,59 @@ struct Maker<'a> {
     dice: Dice,
 }
 
-/// A guide as hair reads it: points relative to its root at even arc length, `FINE` to a point of the hair.
+/// A guide as hair reads it: points relative to its root at even arc length, one list for each axis.
 struct Shape {
     normal: Vec3,
-    points: Vec<Vec3>,
+    axes: [Vec<f32>; 3],
 }
 
-/// Points of a guide for each span of a hair, so that a hair that is cut reads between them without loss.
-const FINE: usize = 4;
+impl Shape {
+    fn new(tuft: &Tuft, normal: Vec3, each: usize) -> Self {
+        let mut axes = [const { Vec::new() }; 3];
+        let root = tuft.curve(0)[0];
+        // The plan leaves out guides that are no curves.
+        if let Ok(spline) = Spline::new(tuft.curve(0)) {
+            spline.resample(each, |p| {
+                let from_root = (p - root).to_array();
+                axes.iter_mut().zip(from_root).for_each(|(axis, x)| axis.push(x));
+            });
+        }
+        axes.iter_mut().for_each(|axis| axis.resize(each, 0.0));
+        Self { normal, axes }
+    }
+    /// Adds this shape, turned and weighted by `m`, to a hair's.
+    #[inline]
+    fn add_to(&self, m: &Mat3, [to_x, to_y, to_z]: &mut [Vec<f32>; 3]) {
+        // One axis after the other over equally long lists: plain loops that compilers turn into four at a time.
+        let n = to_x.len();
+        let [x, y, z] = &self.axes;
+        let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
+        let (to_y, to_z) = (&mut to_y[..n], &mut to_z[..n]);
+        for k in 0..n {
+            to_x[k] += m.x_axis.x * x[k] + m.y_axis.x * y[k] + m.z_axis.x * z[k];
+            to_y[k] += m.x_axis.y * x[k] + m.y_axis.y * y[k] + m.z_axis.y * z[k];
+            to_z[k] += m.x_axis.z * x[k] + m.y_axis.z * y[k] + m.z_axis.z * z[k];
+        }
+    }
+}
+
+/// The hair's own shape at `x` points from the root: Catmull-Rom through evenly spaced points, its ends extrapolated.
+#[inline]
+fn cut_at([xs, ys, zs]: &[Vec<f32>; 3], x: f32) -> Vec3 {
+    let last = xs.len() - 1;
+    let i = (x as usize).min(last - 1);
+    let t = x - i as f32;
+    let at = |i: usize| Vec3::new(xs[i], ys[i], zs[i]);
+    let (b, c) = (at(i), at(i + 1));
+    let a = if i > 0 { at(i - 1) } else { b * 2.0 - c };
+    let d = if i + 1 < last { at(i + 2) } else { c * 2.0 - b };
+    let (t2, t3) = (t * t, t * t * t);
+    a * (t2 - 0.5 * (t3 + t))
+        + b * (1.5 * t3 - 2.5 * t2 + 1.0)
+        + c * (0.5 * t - 1.5 * t3 + 2.0 * t2)
+        + d * (0.5 * (t3 - t2))
+}
+
 /// The most guides that shape one hair.
 pub(super) const MOST_GUIDES: usize = 16;
 
@@ -160,20 +205,8 @@ impl Maker<'_> {
         piece: &mut Piece,
     ) -> Result<Tuft, NodeError> {
         let each = self.inputs.points as usize;
-        let fine = if self.inputs.length_variation > 0.0 { FINE } else { 1 };
-        let mut shapes = Vec::with_capacity(guides.len());
-        for (tuft, normal) in guides {
-            let root = tuft.curve(0)[0];
-            let mut points = Vec::with_capacity((each - 1) * fine + 2);
-            match Spline::new(tuft.curve(0)) {
-                Ok(spline) => spline.resample((each - 1) * fine + 1, |p| points.push(p - root)),
-                // The plan leaves out guides that are no curves.
-                Err(_) => points.resize((each - 1) * fine + 1, Vec3::ZERO),
-            }
-            // One more, so that the tip lies between two.
-            points.push(points[points.len() - 1]);
-            shapes.push(Shape { normal: *normal, points });
-        }
+        let shapes: Vec<Shape> =
+            guides.iter().map(|(tuft, normal)| Shape::new(tuft, *normal, each)).collect();
         let own = guides[0].0;
         let clump = self.inputs.clump.on(own, Some(self.scalp))?;
         let at_u = |k: usize| k as f32 / (each - 1) as f32;
@@ -191,29 +224,26 @@ impl Maker<'_> {
         let guide_root = own.curve(0)[0];
 
         let mut points: Vec<Vec3> = Vec::with_capacity(hairs.len() * each);
-        let mut turned = [(0usize, Mat3::IDENTITY); MOST_GUIDES];
+        let mut blended = [vec![0.0; each], vec![0.0; each], vec![0.0; each]];
         for hair in hairs {
             piece.tick()?;
             let id = curve_id(0, self.inputs.seed as u64, u64::from(hair.index));
             let cut = 1.0 - self.inputs.length_variation * self.dice.unit(id, 0);
-            let blend = &weights[hair.weights.0 as usize..][..hair.weights.1 as usize];
-            for (slot, (guide, weight)) in turned.iter_mut().zip(blend) {
-                let from = shapes[*guide as usize].normal;
-                *slot = (*guide as usize, rotation(from, hair.normal) * *weight);
+            blended.iter_mut().for_each(|axis| axis.fill(0.0));
+            for (guide, weight) in &weights[hair.weights.0 as usize..][..hair.weights.1 as usize] {
+                let shape = &shapes[*guide as usize];
+                let turn = smallest_rotation(shape.normal, hair.normal) * *weight;
+                shape.add_to(&turn, &mut blended);
             }
-            let turned = &turned[..blend.len()];
             points.push(hair.point);
             points.extend((1..each).map(|k| {
-                let x = k as f32 * cut * fine as f32;
-                let (i, t) = (x as usize, x.fract());
-                let mut p = hair.point;
-                for (guide, turn) in turned {
-                    let [a, b] = [i, i + 1].map(|i| shapes[*guide].points[i]);
-                    p += *turn * (a + (b - a) * t);
-                }
+                let of = |axes: &[Vec<f32>; 3]| match cut {
+                    1.0 => Vec3::from(axes.each_ref().map(|axis| axis[k])),
+                    _ => cut_at(axes, k as f32 * cut),
+                };
+                let mut p = hair.point + of(&blended);
                 if clumps {
-                    let [a, b] = [i, i + 1].map(|i| shapes[0].points[i]);
-                    p = p.lerp(guide_root + a + (b - a) * t, clump[k]);
+                    p = p.lerp(guide_root + of(&shapes[0].axes), clump[k]);
                 }
                 match &self.skin {
                     Some(skin) => skin.push_out(p, depths[k]).0,
@@ -244,20 +274,199 @@ impl Maker<'_> {
     }
 }
 
-/// The smallest rotation from one unit vector to another.
-#[inline]
-fn rotation(from: Vec3, to: Vec3) -> Mat3 {
-    let cos = from.dot(to);
-    if cos < -0.98 {
-        // Across a head no two neighbours face apart; a mesh may be anything.
-        let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| carry(axis, from, to));
-        return Mat3::from_cols(axes[0], axes[1], axes[2]);
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::scalp::tests::shared_ball;
+    use crate::define::Value;
+    use crate::eval::{Log, Quality};
+    use crate::testing::{Memory, curves_of, run, run_on};
+    use std::collections::{BTreeMap, BTreeSet};
+
+    /// Guides all over the upper half of the ball, `length(i)` long, straight up from the skin.
+    fn guides(n: u32, length: impl Fn(u32) -> f32) -> Curves {
+        let scalp = shared_ball();
+        let even = crate::guides::even_roots::EvenRoots::new(&scalp, Dice::new(0, 0, "guides"));
+        let roots = (0..).filter_map(|i| even.root(i)).take(n as usize);
+        let tufts = (0..).zip(roots).map(|(i, root)| {
+            let mut b = TuftBuilder::new();
+            let at = |k: i32| root.point + root.normal * (length(i) * k as f32 / 6.0);
+            b.push_curve(&(0..=6).map(at).collect::<Vec<_>>());
+            b.set(ID, Domain::Curve, vec![u64::from(i) + 1]);
+            Arc::new(b.build())
+        });
+        Curves::new(tufts.collect())
     }
-    let v = from.cross(to);
-    let w = v * (1.0 / (1.0 + cos));
-    Mat3::from_cols(
-        Vec3::new(cos + w.x * v.x, w.x * v.y + v.z, w.x * v.z - v.y),
-        Vec3::new(w.y * v.x - v.z, cos + w.y * v.y, w.y * v.z + v.x),
-        Vec3::new(w.z * v.x + v.y, w.z * v.y - v.x, cos + w.z * v.z),
-    )
+
+    fn grow(guides: &Curves, set: &[(&str, Value)]) -> Curves {
+        let given = [("guides", guides.clone().into()), ("scalp", shared_ball().into())];
+        let mut set = [&given, set].concat();
+        for (name, value) in [("by", "count".into()), ("count", Value::Int(2000))] {
+            if set.iter().all(|(given, _)| *given != name) {
+                set.push((name, value));
+            }
+        }
+        let (out, _) = run(&NODE, &set);
+        curves_of(&out[0]).clone()
+    }
+
+    fn by_id(curves: &Curves) -> BTreeMap<u64, Vec<Vec3>> {
+        curves.each().map(|(t, i)| (t.id(i), t.curve(i).to_vec())).collect()
+    }
+
+    #[test]
+    fn between_equal_guides_hair_is_equal_and_turns_with_the_scalp() {
+        let hair = grow(&guides(100, |_| 4.0), &[("length_variation", Value::Float(0.0))]);
+        assert_eq!(hair.curve_count(), 2000);
+        let scalp = shared_ball();
+        for (tuft, i) in hair.each() {
+            let points = tuft.curve(i);
+            let triangle = u32::try_from(tuft.view(ROOT_TRIANGLE).at(i, 0)).unwrap();
+            let root = scalp.root(triangle, tuft.view(ROOT_BARY).at(i, 0));
+            assert!(root.point.distance(points[0]) < 1e-5);
+            for (k, p) in points.iter().enumerate() {
+                let want = root.point + root.normal * (4.0 * k as f32 / 15.0);
+                assert!(p.distance(want) < 1e-4, "{p} {want}");
+            }
+        }
+    }
+
+    #[test]
+    fn hair_is_cut_and_not_shrunk() {
+        let hair = grow(&guides(100, |_| 4.0), &[("length_variation", Value::Float(0.5))]);
+        let lengths: Vec<f32> =
+            hair.each().map(|(t, i)| t.curve(i)[0].distance(t.curve(i)[15])).collect();
+        assert!(lengths.iter().all(|l| (1.999..4.001).contains(l)));
+        let mean = lengths.iter().sum::<f32>() / lengths.len() as f32;
+        assert!((mean - 3.0).abs() < 0.05, "{mean}");
+    }
+
+    #[test]
+    fn a_combed_guide_makes_only_the_hair_that_follows_it_again() {
+        let (host, scalp) = (Memory::default(), Value::from(shared_ball()));
+        let grow = |guides: &Curves, width: f32| {
+            let log = Log::default();
+            let set = [
+                ("guides", guides.clone().into()),
+                ("scalp", scalp.clone()),
+                ("density", Value::Float(20.0)),
+                ("width", Value::Float(width)),
+            ];
+            let out = run_on(&NODE, &set, &host, &log, Quality::Final).unwrap();
+            (curves_of(&out[0]).clone(), log.tufts_run.into_inner())
+        };
+        let input = guides(150, |_| 4.0);
+        let (before, ran) = grow(&input, 0.01);
+        assert_eq!(ran as usize, before.tufts().len());
+        let mut tufts = input.tufts().to_vec();
+        let mut edit = tufts[70].edit();
+        edit.points_mut()[6].x += 1.0;
+        tufts[70] = edit.build().into();
+        let combed = Curves::new(tufts);
+        let (after, ran) = grow(&combed, 0.01);
+        let changed: BTreeSet<u64> = {
+            let (a, b) = (by_id(&before), by_id(&after));
+            assert_eq!(a.len(), b.len());
+            let differ = a.iter().filter(|(id, points)| b[id] != **points).map(|(id, _)| *id);
+            let differ: BTreeSet<u64> = differ.collect();
+            let parents = after.each().filter(|(t, i)| differ.contains(&t.id(*i)));
+            parents.map(|(t, _)| t.view(PARENT).at(0, 0)).collect()
+        };
+        // What ran is what has the guide among those it reads: about its neighbours on the scalp.
+        assert_eq!(ran as usize, changed.len());
+        assert!((4..20).contains(&ran), "{ran}");
+        assert_eq!(grow(&combed, 0.01).1, 0);
+        assert_eq!(grow(&combed, 0.02).1 as usize, after.tufts().len());
+    }
+
+    #[test]
+    fn more_hair_only_adds() {
+        let input = guides(60, |i| 3.0 + i as f32 * 0.01);
+        let some = by_id(&grow(&input, &[("count", Value::Int(700))]));
+        let more = by_id(&grow(&input, &[("count", Value::Int(2000))]));
+        assert_eq!((some.len(), more.len()), (700, 2000));
+        assert!(some.iter().all(|(id, points)| more[id] == *points));
+    }
+
+    #[test]
+    fn nothing_pops_when_a_root_moves() {
+        let input = guides(80, |i| 2.0 + (i % 7) as f32);
+        let set = [("length_variation", Value::Float(0.0))];
+        let mut last = by_id(&grow(&input, &set));
+        let mut worst = 0.0f32;
+        for step in 1..=20 {
+            let mut tufts = input.tufts().to_vec();
+            let mut edit = tufts[40].edit();
+            let shift = Vec3::new(0.02, 0.0, 0.015) * step as f32;
+            edit.points_mut().iter_mut().for_each(|p| *p += shift);
+            tufts[40] = edit.build().into();
+            let now = by_id(&grow(&Curves::new(tufts), &set));
+            for (id, points) in &now {
+                for (p, q) in points.iter().zip(&last[id]) {
+                    worst = worst.max(p.distance(*q));
+                }
+            }
+            last = now;
+        }
+        // Guides of 2 to 8 cm stand 2.5 cm apart; the root moves by 0.025 cm a step.
+        assert!(worst < 0.3, "{worst}");
+    }
+
+    #[test]
+    fn clumping_ends_on_the_guide_and_a_reach_leaves_bald_what_is_far() {
+        let input = guides(40, |_| 4.0);
+        let set = [("clump", Value::Float(1.0)), ("length_variation", Value::Float(0.0))];
+        let tips: BTreeMap<u64, Vec3> =
+            input.each().map(|(t, i)| (t.id(i), t.curve(i)[6])).collect();
+        for (tuft, i) in grow(&input, &set).each() {
+            let tip = tips[&tuft.view(PARENT).at(i, 0)];
+            assert!(tuft.curve(i)[15].distance(tip) < 1e-4);
+        }
+        let near = grow(&input, &[("by", "density".into()), ("reach", Value::Float(0.5))]);
+        for (tuft, i) in near.each() {
+            let guide = tuft.view(PARENT).at(i, 0);
+            let root = input.each().find(|(t, i)| t.id(*i) == guide).unwrap().0.curve(0)[0];
+            assert!(tuft.curve(i)[0].distance(root) < 0.5);
+        }
+    }
+
+    #[test]
+    fn no_hair_lies_in_the_head_and_a_preview_is_the_start_of_the_hair() {
+        let scalp = shared_ball();
+        // Guides that dive straight into the head.
+        let input = guides(50, |i| if i % 2 == 0 { -3.0 } else { 4.0 });
+        let set = [("guides", input.into()), ("scalp", Value::from(shared_ball()))];
+        let set = [&set[..], &[("density", Value::Float(10.0))]].concat();
+        let of = |quality| {
+            let out = run_on(&NODE, &set, &crate::eval::PlainHost, &Log::default(), quality);
+            curves_of(&out.unwrap()[0]).clone()
+        };
+        let (all, few) = (of(Quality::Final), of(Quality::Preview));
+        let mut deepest = 0.0f32;
+        for (tuft, i) in all.each() {
+            for p in &tuft.curve(i)[1..] {
+                let hit = scalp.surface().closest(*p).unwrap();
+                deepest = deepest.min(scalp.surface().signed_distance(*p, &hit));
+            }
+        }
+        assert!(deepest >= 0.0, "{deepest}");
+        let all = by_id(&all);
+        assert!(few.curve_count() < all.len());
+        assert!(by_id(&few).iter().all(|(id, points)| all[id] == *points));
+    }
+
+    #[test]
+    fn guides_that_are_none_are_left_out_and_no_guides_give_no_hair() {
+        let mut tufts = guides(10, |_| 3.0).tufts().to_vec();
+        let mut edit = tufts[4].edit();
+        edit.points_mut()[2] = Vec3::NAN;
+        tufts[4] = edit.build().into();
+        let input = Value::from(Curves::new(tufts));
+        let set =
+            [("guides", input), ("scalp", shared_ball().into()), ("density", Value::Float(1.0))];
+        let (out, said) = run(&NODE, &set);
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(curves_of(&out[0]).each().all(|(t, i)| t.curve(i).iter().all(|p| p.is_finite())));
+        assert_eq!(grow(&Curves::default(), &[]).curve_count(), 0);
+    }
 }

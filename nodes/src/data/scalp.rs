@@ -322,6 +322,12 @@ pub(crate) mod tests {
         Scalp::new(surface, None, HeadFrame::IDENTITY, [(REGION.to_owned(), region)].into())
     }
 
+    /// The same ball for all tests that only read it: its distance field is built once.
+    pub(crate) fn shared_ball() -> std::sync::Arc<Scalp> {
+        static BALL: OnceLock<std::sync::Arc<Scalp>> = OnceLock::new();
+        BALL.get_or_init(|| ball().into()).clone()
+    }
+
     pub(crate) fn in_order(n: usize, f: &(dyn Fn(usize) + Sync)) {
         (0..n).for_each(f);
     }

@@ -17,10 +17,11 @@ use crate::data::attributes::{
     self as a, Column, Domain, ID, Item, PARENT, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
+use crate::data::scalp::Skin;
 use crate::maths::spline::Spline;
 use crate::shape::resample::between;
 use glam::Vec3;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::io::{Seek, Write};
 use std::sync::Arc;
 
@@ -313,12 +314,13 @@ pub const AGREE: f32 = 1e-3;
 /// Curves whose neighbouring CVs are spaced within this ratio are the makers' business and never touched.
 const EVEN: f32 = 1.2;
 
-/// Resamples the curves whose uneven CVs would be read as another curve elsewhere.
-pub fn conform(curves: &Curves, for_each: crate::eval::ForEach) -> Conformed {
+/// Resamples the curves whose uneven CVs would be read as another curve elsewhere. Points that this adds stay as far
+/// out of `skin` as their curve allows; those that were there are not moved.
+pub fn conform(curves: &Curves, skin: Option<Skin>, for_each: crate::eval::ForEach) -> Conformed {
     let cells: Vec<std::sync::OnceLock<(Arc<Tuft>, usize, f32, usize)>> =
         curves.tufts().iter().map(|_| std::sync::OnceLock::new()).collect();
     for_each(cells.len(), &|i| {
-        let _ = cells[i].set(conform_tuft(&curves.tufts()[i]));
+        let _ = cells[i].set(conform_tuft(&curves.tufts()[i], skin.as_ref()));
     });
     let mut out =
         Conformed { curves: Curves::default(), resampled: 0, difference: 0.0, left_out: 0 };
@@ -334,11 +336,14 @@ pub fn conform(curves: &Curves, for_each: crate::eval::ForEach) -> Conformed {
     out
 }
 
-fn conform_tuft(tuft: &Arc<Tuft>) -> (Arc<Tuft>, usize, f32, usize) {
+/// How many times as many segments a resampled curve is given, tried in turn until both readings agree.
+const FINER: [f32; 7] = [1.0, 1.25, 1.5, 2.0, 3.0, 5.0, 8.0];
+
+fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32, usize) {
     let mut worst = 0.0f32;
-    let mut change: BTreeMap<usize, usize> = BTreeMap::new();
+    let mut change = vec![false; tuft.len()];
     let mut left_out = 0;
-    for i in 0..tuft.len() {
+    for (i, change) in change.iter_mut().enumerate() {
         let points = tuft.curve(i);
         if points.len() < 2 {
             left_out += 1;
@@ -346,52 +351,57 @@ fn conform_tuft(tuft: &Arc<Tuft>) -> (Arc<Tuft>, usize, f32, usize) {
         }
         let difference = readings_differ(points);
         if difference > AGREE && !is_even(points) {
-            change.insert(i, points.len());
+            *change = true;
         } else {
             worst = worst.max(difference);
         }
     }
-    if change.is_empty() && left_out == 0 {
+    if left_out == 0 && !change.contains(&true) {
         return (tuft.clone(), 0, worst, 0);
     }
+    let allowed = tuft.view(a::ALLOW_DEPTH);
     let mut out = TuftBuilder::new();
     let (mut kept, mut places, mut points) = (vec![], vec![], vec![]);
     let (mut spline, mut resampled) = (Spline::default(), 0);
-    for i in 0..tuft.len() {
-        if tuft.curve(i).len() < 2 {
+    for (i, change) in change.into_iter().enumerate() {
+        let old = tuft.curve(i);
+        if old.len() < 2 {
             continue;
         }
         kept.push(i as u32);
         let first = tuft.offsets()[i];
-        let old = tuft.curve(i);
-        if change.contains_key(&i) && spline.rebuild(old).is_ok() {
-            resampled += 1;
-            // Doubling converges: even CVs halve the difference four times over.
-            for doubling in 0..5 {
-                let n = ((old.len() - 1) << doubling) + 1;
-                points.clear();
-                spline.resample(n, |p| points.push(p));
-                points[0] = old[0];
-                points[n - 1] = old[old.len() - 1];
-                if readings_differ(&points) <= AGREE {
-                    break;
-                }
-            }
-            let last = points.len() - 1;
-            for k in 0..=last {
-                let place = spline.locate(k as f32 / last as f32);
-                places.push((first + place.span as u32, place.t));
-            }
-            worst = worst.max(readings_differ(&points));
-            out.push_curve(&points);
-        } else {
+        if !change || spline.rebuild(old).is_err() {
             let last = old.len() - 1;
             places.extend((0..=last).map(|k| {
                 let span = k.min(last - 1);
                 (first + span as u32, (k - span) as f32)
             }));
             out.push_curve(old);
+            continue;
         }
+        resampled += 1;
+        for finer in FINER {
+            let last = ((old.len() - 1) as f32 * finer) as usize;
+            points.clear();
+            spline.resample(last + 1, |p| points.push(p));
+            points[0] = old[0];
+            points[last] = old[old.len() - 1];
+            for (k, p) in points.iter_mut().enumerate().take(last).skip(1) {
+                let place = spline.locate(k as f32 / last as f32);
+                let near = first as usize + place.span + usize::from(place.t > 0.5);
+                *p = skin.map_or(*p, |skin| skin.push_out(*p, allowed.at(i, near)).0);
+            }
+            if readings_differ(&points) <= AGREE {
+                break;
+            }
+        }
+        let last = points.len() - 1;
+        places.extend((0..=last).map(|k| {
+            let place = spline.locate(k as f32 / last as f32);
+            (first + place.span as u32, place.t)
+        }));
+        worst = worst.max(readings_differ(&points));
+        out.push_curve(&points);
     }
     for attribute in tuft.attributes() {
         let values = match attribute.domain {
@@ -474,7 +484,7 @@ mod tests {
         let even = [0.0, 1.0, 2.0, 3.0f32].map(|x| Vec3::new(x, x * 0.1, 0.0));
         let before = curves(&[&uneven, &even, &[Vec3::ONE]]);
         assert!(readings_differ(&uneven) > 0.05);
-        let after = conform(&before, &in_order);
+        let after = conform(&before, None, &in_order);
         assert_eq!((after.resampled, after.left_out), (1, 1));
         assert!(after.difference <= AGREE, "{}", after.difference);
         let tuft = &after.curves.tufts()[0];
@@ -483,7 +493,7 @@ mod tests {
             (tuft.curve(0)[0], tuft.curve(0)[tuft.curve(0).len() - 1]),
             (uneven[0], uneven[4])
         );
-        let again = conform(&after.curves, &in_order);
+        let again = conform(&after.curves, None, &in_order);
         assert!(Arc::ptr_eq(&again.curves.tufts()[0], tuft), "what agrees is not copied");
     }
 

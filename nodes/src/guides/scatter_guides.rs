@@ -8,10 +8,10 @@ use crate::data::attributes::{
     DENSITY, Domain, ID, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
-use crate::data::scalp::{Root, Scalp, Skin};
+use crate::data::scalp::{HEAD_RADIUS, Root, Scalp, Skin};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::EvalCx;
-use crate::maths::frame::{across, any_normal, carry};
+use crate::maths::frame::{across, any_normal, smallest_rotation};
 use crate::maths::hash::{KeyBuilder, curve_id};
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{exp, sin_cos};
@@ -91,7 +91,7 @@ choice! {
         Crown = "crown",
         /// Down, whatever the head does.
         Down = "down",
-        /// From the forehead to the back of the head.
+        /// From the forehead back over the head, and down behind.
         Back = "back",
         /// The same direction everywhere.
         Direction = "direction",
@@ -235,7 +235,7 @@ impl Grower<'_> {
             let below = self.scalp.surface().smooth_normal(hit.triangle, hit.bary);
             // Hair near the skin turns with it, and with the flow; a few cm off it is free.
             let near = exp(-hit.distance / (2.0 * self.unit));
-            let carried = carry(direction, normal, below);
+            let carried = smallest_rotation(normal, below) * direction;
             direction = direction.lerp(carried, near).normalize_or(direction);
             normal = below;
             let flow = turned(self.flow(p, below), below, turn);
@@ -269,7 +269,12 @@ impl Grower<'_> {
         let frame = self.scalp.frame();
         let wanted = match self.inputs.flow {
             Flow::Down => -frame.up,
-            Flow::Back => -frame.forward - frame.up * 0.3,
+            Flow::Back => {
+                // Straight back would end in a tuft where the head faces back: from the crown on, down.
+                let behind = -frame.head_from_point(p).z / HEAD_RADIUS;
+                let down = (0.5 + 0.8 * behind).clamp(0.0, 1.0);
+                -(frame.forward.lerp(frame.up, down * down * (3.0 - 2.0 * down)))
+            }
             Flow::Direction => frame.vector_from_head(self.inputs.direction),
             Flow::Crown => {
                 let crown = frame.point_from_head(self.inputs.crown);
@@ -291,4 +296,87 @@ fn cos_of(angle: f32) -> f32 {
 fn turned(v: Vec3, axis: Vec3, radians: f32) -> Vec3 {
     let (sin, cos) = sin_cos(radians);
     v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::field::Field;
+    use crate::data::scalp::tests::shared_ball;
+    use crate::define::Value;
+    use crate::eval::{Log, Quality};
+    use crate::testing::{Memory, curves_of, run, run_on};
+
+    fn scatter(set: &[(&str, Value)]) -> Curves {
+        let (out, _) = run(&NODE, &[&[("scalp", shared_ball().into())], set].concat());
+        curves_of(&out[0]).clone()
+    }
+
+    #[track_caller]
+    fn check_laws(set: &[(&str, Value)], count: usize) {
+        let (scalp, curves) = (shared_ball(), scatter(set));
+        assert_eq!(curves.curve_count(), count);
+        let skin = scalp.skin(&crate::data::scalp::tests::in_order);
+        for (tuft, i) in curves.each() {
+            let points = tuft.curve(i);
+            let triangle = tuft.view(ROOT_TRIANGLE).at(i, 0);
+            let root = scalp.root(u32::try_from(triangle).unwrap(), tuft.view(ROOT_BARY).at(i, 0));
+            assert!(root.point.distance(points[0]) < 1e-5);
+            assert!(scalp.mask_at(scalp.region(), root.triangle, root.bary) > 0.0);
+            for p in &points[1..] {
+                assert!(p.is_finite() && skin.distance(*p) >= 0.0, "{p}");
+            }
+            let steps: Vec<f32> = points.windows(2).map(|w| w[0].distance(w[1])).collect();
+            for pair in steps.windows(2) {
+                let ratio = (pair[0] / pair[1]).max(pair[1] / pair[0]);
+                assert!(ratio < 1.2, "{ratio} {steps:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn guides_root_on_the_region_stay_out_of_the_head_and_have_even_points() {
+        let number = |name, x: f32| (name, Value::Float(x));
+        check_laws(&[], 300);
+        check_laws(&[("count", Value::Int(0))], 0);
+        check_laws(&[("count", Value::Int(40)), number("lie", 0.0), number("droop", 3.0)], 40);
+        check_laws(&[("count", Value::Int(40)), number("lie", 90.0), number("bend", 180.0)], 40);
+        let wild = [number("length", 40.0), number("randomness", 180.0), ("flow", "back".into())];
+        check_laws(&[&[("count", Value::Int(60))], &wild[..]].concat(), 60);
+        let down = [("flow", "down".into()), number("length", 0.1), ("points", Value::Int(2))];
+        check_laws(&[&[("count", Value::Int(60))], &down[..]].concat(), 60);
+    }
+
+    #[test]
+    fn a_higher_count_only_adds_and_makes_only_what_it_adds() {
+        let (host, log) = (Memory::default(), Log::default());
+        let scalp = Value::from(shared_ball());
+        let with = |count: i64, log: &Log| {
+            let set = [("scalp", scalp.clone()), ("count", Value::Int(count))];
+            let out = run_on(&NODE, &set, &host, log, Quality::Final).unwrap();
+            curves_of(&out[0]).clone()
+        };
+        let (few, many) = (with(80, &log), with(200, &log));
+        assert_eq!((few.curve_count(), many.curve_count()), (80, 200));
+        for (a, b) in few.tufts().iter().zip(many.tufts()) {
+            assert_eq!(a.key(), b.key());
+        }
+    }
+
+    #[test]
+    fn no_two_roots_are_nearer_than_asked() {
+        let curves = scatter(&[("min_distance", Value::Float(1.5)), ("count", Value::Int(2000))]);
+        let roots: Vec<Vec3> = curves.tufts().iter().map(|t| t.points()[0]).collect();
+        // 498 cm2 hold 255 discs of that distance in a perfect grid; at random about half.
+        assert!((120..256).contains(&roots.len()), "{}", roots.len());
+        for (i, a) in roots.iter().enumerate() {
+            assert!(roots[..i].iter().all(|b| a.distance(*b) >= 1.5));
+        }
+    }
+
+    #[test]
+    fn a_mask_keeps_as_many_as_it_says() {
+        let curves = scatter(&[("mask", Field::Constant(0.3).into())]);
+        assert!((60..120).contains(&curves.curve_count()), "{}", curves.curve_count());
+    }
 }

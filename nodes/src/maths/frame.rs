@@ -11,7 +11,7 @@
 use super::closest::Surface;
 use super::spline::Spline;
 use super::transcendental::{atan2, sin_cos};
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 /// A right-handed frame across a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +61,26 @@ pub fn carry(normal: Vec3, from: Vec3, to: Vec3) -> Vec3 {
         normal * cos + axis.cross(normal) + axis * (axis.dot(normal) / (1.0 + cos))
     };
     across(carried, to).unwrap_or_else(|| any_normal(to))
+}
+
+/// The smallest rotation that takes one unit vector to another. Between opposite ones, where there are many, it is that of
+/// [`carry`].
+#[inline]
+pub fn smallest_rotation(from: Vec3, to: Vec3) -> Mat3 {
+    let cos = from.dot(to);
+    if cos < -0.98 {
+        let normal = any_normal(from);
+        let carried = carry(normal, from, to);
+        let before = Mat3::from_cols(from, normal, from.cross(normal));
+        return Mat3::from_cols(to, carried, to.cross(carried)) * before.transpose();
+    }
+    let v = from.cross(to);
+    let w = v * (1.0 / (1.0 + cos));
+    Mat3::from_cols(
+        Vec3::new(cos + w.x * v.x, w.x * v.y + v.z, w.x * v.z - v.y),
+        Vec3::new(w.y * v.x - v.z, cos + w.y * v.y, w.y * v.z + v.x),
+        Vec3::new(w.z * v.x + v.y, w.z * v.y - v.x, cos + w.z * v.z),
+    )
 }
 
 /// One step of the double reflection method: `normal` at `from`, carried along `step` to the unit tangent `to`. A step
@@ -244,6 +264,30 @@ mod tests {
                 })
                 .collect();
             check_law(&points);
+        }
+    }
+
+    #[test]
+    fn the_smallest_rotation_takes_one_direction_to_the_other_and_leaves_its_axis() {
+        let dice = Dice::new(7, 0, "turn");
+        for id in 0..500 {
+            let v = |i: u64| Vec3::from([0, 1, 2].map(|a| dice.signed(id, 3 * i + a))).normalize();
+            let (from, mut to) = (v(0), v(1));
+            match id % 5 {
+                0 => to = -from,
+                1 => to = (v(1) * 1e-2 - from).normalize(),
+                2 => to = from,
+                _ => {}
+            }
+            let m = smallest_rotation(from, to);
+            assert!((m * from).distance(to) < 1e-5, "{from} {to}");
+            assert!((m.determinant() - 1.0).abs() < 1e-4);
+            if from.dot(to) > -0.98
+                && let Some(axis) = from.cross(to).try_normalize()
+                && id % 5 > 2
+            {
+                assert!((m * axis).distance(axis) < 1e-4, "{from} {to}");
+            }
         }
     }
 
