@@ -52,7 +52,7 @@ node! {
         /// Whether the number of hairs is given for each centimetre of a row or for the whole row.
         by: By = By::PerCm;
         /// Hairs on each side of a row for each centimetre of it.
-        per_cm: f32 = 60.0, hard(0.0, 2000.0), soft(1.0, 200.0), unit(PerCm), words("density count amount");
+        per_cm: f32 = 80.0, hard(0.0, 2000.0), soft(1.0, 200.0), unit(PerCm), words("density count amount");
         /// Hairs of a row, both sides together.
         total: i64 = 1000, hard(0.0, 1000000.0), soft(10.0, 5000.0), unit(Count), words("count amount");
         /// Where between its row and the neighbour a hair is rooted: 0 at the row, 50% half-way, at the parting, 100% at the
@@ -141,9 +141,9 @@ const RIGHT: i32 = 2;
 const STITCHES: i32 = 3;
 const PICKED: i32 = 4;
 
-/// Places along a row at which its neighbours are looked for: closer together than hairs' roots could fall
-/// between two of them on a row of 20 cm.
-const LOOKS: usize = 48;
+/// Distance between the places along a row at which its neighbours are looked for, cm: a braid is thicker, so
+/// none slips between two places.
+const LOOK: f32 = 0.4;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
@@ -189,7 +189,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     }
     let all = Curves::new(all);
     let map = Map::new(cx, &inputs, &all)?;
-    let needs = |i: usize, tuft: &Tuft| map.needs(&rules, i, tuft);
+    let needs = |i: usize, tuft: &Tuft| map.needs(&rules, inputs.lead * unit, i, tuft);
     let [curves] = cx.each_tuft_with(&inputs.source, &all, needs, |tuft, read, piece| {
         Ok([hairs(cx, &inputs, &rules, unit, tuft, read, piece)?])
     })?;
@@ -245,13 +245,16 @@ impl Map {
     }
 
     /// Numbers of the tufts that a row's hairs depend on, rising.
-    fn needs(&self, rules: &Rules, own: usize, tuft: &Tuft) -> Vec<u32> {
+    fn needs(&self, rules: &Rules, lead: f32, own: usize, tuft: &Tuft) -> Vec<u32> {
         let is_self = |n: usize| self.among_themselves && n == own;
         let given = |role: i32| self.rows.iter().any(|(_, r, _)| *r == role);
         let mut needed = BTreeSet::new();
         for row in rows_of(tuft) {
-            for k in 0..=LOOKS {
-                let station = Station::new(&row, rules.scalp, k as f32 / LOOKS as f32);
+            let lead = lead / row.length();
+            let looks = (row.length() * (1.0 + lead) / LOOK).ceil().clamp(4.0, 512.0) as usize;
+            for k in 0..=looks {
+                let u = (1.0 + lead) * k as f32 / looks as f32 - lead;
+                let station = Station::new(&row, rules.scalp, u);
                 for (side, list) in [(-1, LEFT), (1, RIGHT)] {
                     let list = if given(list) { list } else { BESIDE };
                     let rows = self.rows.iter().enumerate();
@@ -266,7 +269,7 @@ impl Map {
                         q - station.point
                     });
                     let middle = station.point + to * 0.5;
-                    let home = middle.distance(station.point) + rules.parting;
+                    let home = 1.1 * middle.distance(station.point) + rules.parting;
                     for (n, _, other) in &self.rows {
                         if !is_self(*n) && other.distance_under(middle, home) < home {
                             needed.insert(*n);
@@ -624,22 +627,30 @@ mod tests {
             .collect()
     }
 
-    /// Rows in random directions, some near each other, some crossing.
+    /// Rows in random directions and of random thickness, as near as braids can lie.
     fn wild(scalp: &Scalp, seed: u64) -> Vec<Arc<Tuft>> {
         let dice = Dice::new(seed, 0, "rows");
-        (0..8)
-            .map(|id| {
-                let way = |k| {
-                    let (s, c) = sin_cos_turns(dice.unit(id, k));
-                    let up = dice.range(id, 1 + k, 0.1, 1.0);
-                    Vec3::new(s, 0.0, c) * (1.0 - up * up).max(0.0).sqrt() + Vec3::Y * up
-                };
-                let (from, to) = (way(0), way(2));
-                row(scalp, id + 1, dice.range(id, 9, 0.1, 0.8), |t| {
-                    from.lerp(to, t).try_normalize().unwrap_or(Vec3::Y)
-                })
-            })
-            .collect()
+        let mut rows: Vec<(Arc<Tuft>, f32)> = vec![];
+        for id in 0..60 {
+            let way = |k| {
+                let (s, c) = sin_cos_turns(dice.unit(id, k));
+                let up = dice.range(id, 1 + k, 0.1, 1.0);
+                Vec3::new(s, 0.0, c) * (1.0 - up * up).max(0.0).sqrt() + Vec3::Y * up
+            };
+            let (from, to, radius) = (way(0), way(2), dice.range(id, 9, 0.1, 0.6));
+            let row = row(scalp, id + 1, radius, |t| {
+                from.lerp(to, t).try_normalize().unwrap_or(Vec3::Y)
+            });
+            let line = rows_of(&row).next().unwrap();
+            let apart = |(other, r): &(Arc<Tuft>, f32)| {
+                let room = radius + r + 0.2;
+                other.points().iter().all(|p| line.nearest(*p).1 > room)
+            };
+            if line.length() > 2.0 && rows.iter().all(apart) {
+                rows.push((row, radius));
+            }
+        }
+        rows.into_iter().map(|(row, _)| row).collect()
     }
 
     #[track_caller]
@@ -713,7 +724,7 @@ mod tests {
             for (what, rows) in sets {
                 let curves = parted(&scalp, &rows, &[("per_cm", Value::Float(12.0))]);
                 let w = worst(&scalp, &rows, &curves);
-                println!("{name} {what}: {} hairs {w:?}", curves.curve_count());
+                println!("{name} {what}: {} rows, {} hairs {w:?}", rows.len(), curves.curve_count());
                 all.push((name, what, w));
             }
         }

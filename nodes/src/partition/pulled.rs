@@ -109,7 +109,7 @@ pub(crate) fn start(rules: &Rules, ground: &Ground, wish: &Wish) -> Option<Start
     };
     let (mut root, slack) = at(wish.mediate)?;
     if slack < 0.0 {
-        root = farthest(at, wish.mediate)?;
+        root = farthest(at, wish.mediate, slack)?;
     }
     // The pull is measured from beside the root, not from the slanted line to the neighbour.
     let off = (root.point - station.point).reject_from_normalized(station.along).length();
@@ -117,22 +117,32 @@ pub(crate) fn start(rules: &Rules, ground: &Ground, wish: &Wish) -> Option<Start
     Some(Start { root, end_u: (wish.u + pulled).clamp(0.0, 1.0), pulled })
 }
 
-/// The farthest root with slack, up to `most`, by halving; none when the row itself has none.
-fn farthest(at: impl Fn(f32) -> Option<(Root, f32)>, most: f32) -> Option<Root> {
+/// The farthest root with slack, up to `most` (which has `lack` of it); none when the row itself has none.
+fn farthest(at: impl Fn(f32) -> Option<(Root, f32)>, most: f32, lack: f32) -> Option<Root> {
     let (mut low, mut high) = (0.0, most);
-    let (mut found, slack) = at(0.0)?;
+    let (mut found, mut slack) = at(0.0)?;
+    let mut lack = lack;
     if slack < 0.0 {
         return None;
     }
-    for _ in 0..12 {
-        let middle = 0.5 * (low + high);
-        match at(middle) {
-            Some((root, slack)) if slack >= 0.0 => (low, found) = (middle, root),
-            _ => high = middle,
+    for round in 0..12 {
+        // Between two rows the slack falls nearly evenly, so the straight guess is good; halving every other time
+        // makes it safe at the edge of the hair, where the slack jumps.
+        let part = if round % 2 == 0 { slack / (slack - lack) } else { 0.5 };
+        let t = low + (high - low) * part.clamp(0.02, 0.98);
+        match at(t) {
+            Some((root, s)) if s >= 0.0 => (low, slack, found) = (t, s, root),
+            other => (high, lack) = (t, other.map_or(-1.0, |(_, s)| s)),
+        }
+        if slack < NEAR_ENOUGH {
+            break;
         }
     }
     Some(found)
 }
+
+/// A root this near to where it may not be (cm) is near enough.
+const NEAR_ENOUGH: f32 = 0.002;
 
 /// Where hairs end in the braid.
 #[derive(Clone, Copy, Debug)]
@@ -216,7 +226,7 @@ pub(crate) fn way(
     };
     let surface = rules.scalp.surface();
     let end_height = surface.closest(end).map_or(0.0, |hit| surface.signed_distance(end, &hit));
-    let fine = rules.cvs + rules.cvs / 2;
+    let fine = rules.cvs + 2;
     points.push(root.point);
     for k in 1..fine {
         let s = k as f32 / fine as f32;
@@ -233,12 +243,20 @@ pub(crate) fn way(
         points.push(laid(rules.scalp, p, height).0);
     }
     points.push(end);
-    let Ok(spline) = Spline::new(points) else { return false };
-    points.clear();
-    spline.resample(rules.cvs, |p| points.push(p));
-    points[0] = root.point;
-    points[rules.cvs - 1] = end;
-    kept_out(rules, points);
+    let mut spline = Spline::default();
+    // Lifting a point makes its neighbours uneven, and evening out may sink one: a few rounds settle both.
+    for round in 0..4 {
+        if spline.rebuild(points).is_err() {
+            return false;
+        }
+        points.clear();
+        spline.resample(rules.cvs, |p| points.push(p));
+        points[0] = root.point;
+        points[rules.cvs - 1] = end;
+        if round == 3 || !lifted(rules, &mut spline, points) {
+            break;
+        }
+    }
     true
 }
 
@@ -256,24 +274,20 @@ fn kept_at_home(ground: &Ground, p: Vec3, slack: f32) -> Vec3 {
     p.lerp(home, back)
 }
 
-/// Lifts points until the curve is over the skin between them too.
-fn kept_out(rules: &Rules, points: &mut [Vec3]) {
+/// Lifts points where the curve between them is under the skin; whether any was.
+fn lifted(rules: &Rules, spline: &mut Spline, points: &mut [Vec3]) -> bool {
     let n = points.len();
-    for p in &mut points[1..n - 1] {
-        *p = rules.skin.lift(*p, 0.5 * rules.clear).0;
+    if spline.rebuild(points).is_err() {
+        return false;
     }
-    let mut spline = Spline::default();
-    for _ in 0..4 {
-        if spline.rebuild(points).is_err() {
-            return;
-        }
-        let mut clear = true;
-        for span in 0..n - 1 {
-            let p = spline.point(crate::maths::spline::Place { span, t: 0.5 });
-            let deep = -rules.skin.distance(p);
-            if deep > 0.0 {
-                clear = false;
-                let up = laid(rules.scalp, p, 0.0).1 * (1.5 * deep + 0.2 * rules.clear);
+    let mut any = false;
+    for span in 0..n - 1 {
+        for t in [0.33, 0.67] {
+            let p = spline.point(crate::maths::spline::Place { span, t });
+            let low = 0.1 * rules.clear - rules.skin.distance(p);
+            if low > 0.0 {
+                any = true;
+                let up = laid(rules.scalp, p, 0.0).1 * (1.5 * low + 0.2 * rules.clear);
                 for k in [span, span + 1] {
                     if k > 0 && k < n - 1 {
                         points[k] += up;
@@ -281,8 +295,6 @@ fn kept_out(rules: &Rules, points: &mut [Vec3]) {
                 }
             }
         }
-        if clear {
-            return;
-        }
     }
+    any
 }

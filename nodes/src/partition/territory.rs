@@ -14,8 +14,8 @@ pub(crate) struct Row {
     pub(crate) id: u64,
     pub(crate) spline: Spline,
     points: Vec<Vec3>,
-    low: Vec3,
-    high: Vec3,
+    /// Box of each [`RUN`] pieces, so that a search opens few of them.
+    boxes: Vec<(Vec3, Vec3)>,
 }
 
 /// Distance between the points of the line, cm; half of its sagitta on the tightest row (radius 1 cm) is the
@@ -23,6 +23,8 @@ pub(crate) struct Row {
 const STEP: f32 = 0.15;
 /// The most points of the line.
 const MOST: f32 = 1024.0;
+/// Pieces in a box.
+const RUN: usize = 8;
 
 impl Row {
     pub(crate) fn new(id: u64, points: &[Vec3]) -> Result<Self, CurveFault> {
@@ -30,57 +32,74 @@ impl Row {
         let n = (spline.length() / STEP).ceil().clamp(8.0, MOST) as usize + 1;
         let mut points = Vec::with_capacity(n);
         spline.resample(n, |p| points.push(p));
-        let (low, high) =
-            points.iter().fold((points[0], points[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-        Ok(Self { id, spline, points, low, high })
+        let boxes = (0..n - 1)
+            .step_by(RUN)
+            .map(|k| {
+                let run = &points[k..(k + RUN + 1).min(n)];
+                run.iter().fold((run[0], run[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)))
+            })
+            .collect();
+        Ok(Self { id, spline, points, boxes })
     }
     pub(crate) fn length(&self) -> f32 {
         self.spline.length()
     }
-    fn box_distance(&self, p: Vec3) -> f32 {
-        (self.low - p).max(p - self.high).max(Vec3::ZERO).length()
+    /// Calls `see` with the nearest point of every piece, its squared distance and the piece's fraction, of the runs
+    /// whose box is nearer than the squared distance that `see` last gave; it starts with `limit`.
+    fn search(&self, p: Vec3, limit: f32, mut see: impl FnMut(Vec3, f32, f32) -> f32) {
+        let far = |b: usize| {
+            let (low, high) = self.boxes[b];
+            (low - p).max(p - high).max(Vec3::ZERO).length_squared()
+        };
+        let by = |a: &(f32, usize), b: &(f32, usize)| a.0.total_cmp(&b.0);
+        let Some((_, first)) = (0..self.boxes.len()).map(|b| (far(b), b)).min_by(by) else { return };
+        let mut limit = limit;
+        // The nearest box first: it leaves little for the others.
+        for b in std::iter::once(first).chain((0..self.boxes.len()).filter(|b| *b != first)) {
+            if far(b) >= limit {
+                continue;
+            }
+            let last = (b * RUN + RUN).min(self.points.len() - 1);
+            for k in b * RUN..last {
+                let (q, t) = on_piece(p, self.points[k], self.points[k + 1]);
+                limit = see(q, q.distance_squared(p), k as f32 + t);
+            }
+        }
     }
     /// The nearest point of the row, its distance, and its fraction of the row's length.
     pub(crate) fn nearest(&self, p: Vec3) -> (Vec3, f32, f32) {
         let mut best = (self.points[0], f32::MAX, 0.0);
-        for (k, w) in self.points.windows(2).enumerate() {
-            let (q, t) = on_piece(p, w[0], w[1]);
-            let d = q.distance_squared(p);
+        self.search(p, f32::MAX, |q, d, at| {
             if d < best.1 {
-                best = (q, d, (k as f32 + t) / (self.points.len() - 1) as f32);
+                best = (q, d, at);
             }
-        }
-        (best.0, best.1.sqrt(), best.2)
+            best.1
+        });
+        (best.0, best.1.sqrt(), best.2 / (self.points.len() - 1) as f32)
     }
     /// The distance of the row from `p` where it is under `limit`, else `limit`.
     pub(crate) fn distance_under(&self, p: Vec3, limit: f32) -> f32 {
-        if self.box_distance(p) >= limit {
-            return limit;
-        }
         let mut best = limit * limit;
-        for w in self.points.windows(2) {
-            best = best.min(on_piece(p, w[0], w[1]).0.distance_squared(p));
-        }
+        self.search(p, best, |_, d, _| {
+            best = best.min(d);
+            best
+        });
         best.sqrt()
     }
     /// The point nearest to `p` among those that lie within 60 degrees of `side`, seen in the plane of
     /// `normal`, and its distance where it is under `limit`.
     fn to_the_side(&self, p: Vec3, side: Vec3, normal: Vec3, limit: f32) -> Option<(Vec3, f32)> {
-        if self.box_distance(p) >= limit {
-            return None;
-        }
-        let mut best = (Vec3::ZERO, limit);
-        for w in self.points.windows(2) {
-            let q = on_piece(p, w[0], w[1]).0;
-            let d = q.distance(p);
+        let mut best = (Vec3::ZERO, limit * limit);
+        self.search(p, best.1, |q, d, _| {
             if d < best.1 {
                 let flat = (q - p).reject_from_normalized(normal);
                 if flat.dot(side) > 0.5 * flat.length() {
                     best = (q, d);
                 }
             }
-        }
-        (best.1 < limit).then_some(best)
+            best.1
+        });
+        (best.1 < limit * limit).then(|| (best.0, best.1.sqrt()))
     }
 }
 
