@@ -208,6 +208,9 @@ const DOUBT: f32 = 0.1;
 /// How far outside the allowed depth a pushed point is put, cm: beyond the rounding of coordinates
 /// of a few tens of cm.
 const CLEAR: f32 = 1e-4;
+/// How far over the skin deep points are put before they are set down on it, cm: beyond what the field errs by where
+/// the skin is smooth.
+const OVERSHOOT: f32 = 0.03;
 
 impl Skin<'_> {
     /// Signed distance of `p` from the skin, cm, negative inside; exact within [`DOUBT`] of it, from the field
@@ -220,7 +223,7 @@ impl Skin<'_> {
         }
     }
 
-    /// The scalp point closest to `p`: [`Surface::closest`], told by the field where to look.
+    /// The scalp point closest to `p`: [`Surface::closest`], told by the field how far to look.
     #[inline]
     pub fn closest(&self, p: Vec3) -> Option<Hit> {
         if let Depth::Near(d, _) = self.field.depth(p)
@@ -240,31 +243,51 @@ impl Skin<'_> {
     /// The second value tells whether it was moved.
     #[inline]
     pub fn push_out(&self, p: Vec3, allow_depth: f32) -> (Vec3, bool) {
-        match self.field.depth(p) {
-            Depth::Outside => return (p, false),
-            Depth::Near(d, _) if d > DOUBT - allow_depth => return (p, false),
-            _ => {}
-        }
-        self.push_out_exactly(p, -allow_depth)
+        self.raise(p, -allow_depth)
     }
 
     /// [`Self::push_out`] to a height (cm) over the skin instead of a depth under it.
     #[inline]
     pub fn lift(&self, p: Vec3, height: f32) -> (Vec3, bool) {
+        self.raise(p, height)
+    }
+
+    #[inline]
+    fn raise(&self, p: Vec3, height: f32) -> (Vec3, bool) {
         match self.field.depth(p) {
-            Depth::Outside => return (p, false),
-            Depth::Near(d, _) if d > DOUBT + height => return (p, false),
-            _ => {}
+            Depth::Outside => (p, false),
+            Depth::Near(d, _) if d > DOUBT + height => (p, false),
+            // So deep that there is no doubt about the side: the field shows the way, to a little over the
+            // height asked for, where a search is short and its answer holds for all points below.
+            Depth::Near(d, gradient) if d < (height - DOUBT).min(-DOUBT) => {
+                let over = height.max(0.0) + OVERSHOOT;
+                let near = p + gradient.normalize_or_zero() * (over - d);
+                match self.surface.closest_within(near, 2.0 * over).or_else(|| self.closest(near)) {
+                    Some(hit) => {
+                        let d = self.surface.signed_distance(near, &hit);
+                        if height >= 0.0 && d >= height + CLEAR {
+                            let moved = hit.point + (near - hit.point) * ((height + CLEAR) / d);
+                            return (moved, true);
+                        }
+                        (self.put_out(near, d, hit, height), true)
+                    }
+                    None => (p, false),
+                }
+            }
+            _ => self.raise_exactly(p, height),
         }
-        self.push_out_exactly(p, height)
     }
 
     #[inline(never)]
-    fn push_out_exactly(&self, p: Vec3, height: f32) -> (Vec3, bool) {
-        let Some((d, hit)) = self.exact(p) else { return (p, false) };
-        if d >= height {
-            return (p, false);
+    fn raise_exactly(&self, p: Vec3, height: f32) -> (Vec3, bool) {
+        match self.exact(p) {
+            Some((d, hit)) if d < height => (self.put_out(p, d, hit, height), true),
+            _ => (p, false),
         }
+    }
+
+    /// Where `p`, `d` from its closest point `hit`, is put to be `height` from the skin.
+    fn put_out(&self, p: Vec3, d: f32, hit: Hit, height: f32) -> Vec3 {
         // Outward is away from the closest point when outside, towards it when inside; on the skin
         // itself only the normal can tell.
         let outward = if d.abs() > 1e-3 {
@@ -288,7 +311,7 @@ impl Skin<'_> {
                 _ => break,
             }
         }
-        (moved, true)
+        moved
     }
 }
 
