@@ -225,6 +225,9 @@ const DOUBT: f32 = 0.1;
 /// How far outside the allowed depth a pushed point is put, cm: beyond the rounding of coordinates
 /// of a few tens of cm.
 const CLEAR: f32 = 1e-4;
+/// How far over the skin deep points are put before they are set down on it, cm: beyond what the field errs by where
+/// the skin is smooth.
+const OVERSHOOT: f32 = 0.03;
 
 impl Skin<'_> {
     /// Signed distance of `p` from the skin, cm, negative inside; exact within [`DOUBT`] of it, from the field
@@ -237,7 +240,7 @@ impl Skin<'_> {
         }
     }
 
-    /// The scalp point closest to `p`: [`Surface::closest`], told by the field where to look.
+    /// The scalp point closest to `p`: [`Surface::closest`], told by the field how far to look.
     #[inline]
     pub fn closest(&self, p: Vec3) -> Option<Hit> {
         if let Depth::Near(d, _) = self.field.depth(self.surface, p)
@@ -257,31 +260,51 @@ impl Skin<'_> {
     /// The second value tells whether it was moved.
     #[inline]
     pub fn push_out(&self, p: Vec3, allow_depth: f32) -> (Vec3, bool) {
-        match self.field.depth(self.surface, p) {
-            Depth::Outside => return (p, false),
-            Depth::Near(d, _) if d > DOUBT - allow_depth => return (p, false),
-            _ => {}
-        }
-        self.push_out_exactly(p, -allow_depth)
+        self.raise(p, -allow_depth)
     }
 
     /// [`Self::push_out`] to a height (cm) over the skin instead of a depth under it.
     #[inline]
     pub fn lift(&self, p: Vec3, height: f32) -> (Vec3, bool) {
+        self.raise(p, height)
+    }
+
+    #[inline]
+    fn raise(&self, p: Vec3, height: f32) -> (Vec3, bool) {
         match self.field.depth(self.surface, p) {
-            Depth::Outside => return (p, false),
-            Depth::Near(d, _) if d > DOUBT + height => return (p, false),
-            _ => {}
+            Depth::Outside => (p, false),
+            Depth::Near(d, _) if d > DOUBT + height => (p, false),
+            // So deep that there is no doubt about the side: the field shows the way, to a little over the
+            // height asked for, where a search is short and its answer holds for all points below.
+            Depth::Near(d, gradient) if d < (height - DOUBT).min(-DOUBT) => {
+                let over = height.max(0.0) + OVERSHOOT;
+                let near = p + gradient.normalize_or_zero() * (over - d);
+                match self.surface.closest_within(near, 2.0 * over).or_else(|| self.closest(near)) {
+                    Some(hit) => {
+                        let d = self.surface.signed_distance(near, &hit);
+                        if height >= 0.0 && d >= height + CLEAR {
+                            let moved = hit.point + (near - hit.point) * ((height + CLEAR) / d);
+                            return (moved, true);
+                        }
+                        (self.put_out(near, d, hit, height), true)
+                    }
+                    None => (p, false),
+                }
+            }
+            _ => self.raise_exactly(p, height),
         }
-        self.push_out_exactly(p, height)
     }
 
     #[inline(never)]
-    fn push_out_exactly(&self, p: Vec3, height: f32) -> (Vec3, bool) {
-        let Some((d, hit)) = self.exact(p) else { return (p, false) };
-        if d >= height {
-            return (p, false);
+    fn raise_exactly(&self, p: Vec3, height: f32) -> (Vec3, bool) {
+        match self.exact(p) {
+            Some((d, hit)) if d < height => (self.put_out(p, d, hit, height), true),
+            _ => (p, false),
         }
+    }
+
+    /// Where `p`, `d` from its closest point `hit`, is put to be `height` from the skin.
+    fn put_out(&self, p: Vec3, d: f32, hit: Hit, height: f32) -> Vec3 {
         // Outward is away from the closest point when outside, towards it when inside; on the skin
         // itself only the normal can tell.
         let outward = if d.abs() > 1e-3 {
@@ -302,12 +325,44 @@ impl Skin<'_> {
                     moved += normal * (height - d + CLEAR);
                     next = self.closest(moved);
                 }
-                _ => break,
+                _ => return moved,
             }
         }
-        (moved, true)
+        match next {
+            Some(last) if self.surface.signed_distance(moved, &last) < height => {
+                self.escape(moved, self.surface.smooth_normal(hit.triangle, hit.bary), height)
+            }
+            _ => moved,
+        }
+    }
+
+    /// The way out of a place whose walls face each other (a mouth, an eye, behind an ear): along `way`, beyond
+    /// the last wall there.
+    fn escape(&self, p: Vec3, way: Vec3, height: f32) -> Vec3 {
+        let (mut from, mut last) = (p, None);
+        for _ in 0..MOST_WALLS {
+            let Some(hit) = self.surface.ray(from, way, ESCAPE) else { break };
+            from = hit.point + way * CLEAR;
+            last = Some(hit);
+        }
+        last.map_or(p, |hit| {
+            let normal = self.surface.face_normal(hit.triangle);
+            let outward = if normal.dot(way) < 0.0 { -normal } else { normal };
+            // Beside the last wall another may stand: farther and farther, until none is near.
+            let beyond = (0..10).map(|k| {
+                let clear = if k == 0 { CLEAR } else { 0.02 * (1 << k) as f32 };
+                hit.point + outward * (height.max(0.0) + clear)
+            });
+            let free = |p: &Vec3| self.exact(*p).is_none_or(|(d, _)| d >= height);
+            beyond.clone().find(free).or_else(|| beyond.last()).unwrap_or(p)
+        })
     }
 }
+
+/// How many walls a way out is followed through: a head has few, a scan may fold often.
+const MOST_WALLS: usize = 16;
+/// How far a way out is followed, cm: through a head.
+const ESCAPE: f32 = 40.0;
 
 #[cfg(test)]
 pub(crate) mod tests {

@@ -638,9 +638,8 @@ mod tests {
                 Vec3::new(s, 0.0, c) * (1.0 - up * up).max(0.0).sqrt() + Vec3::Y * up
             };
             let (from, to, radius) = (way(0), way(2), dice.range(id, 9, 0.1, 0.6));
-            let row = row(scalp, id + 1, radius, |t| {
-                from.lerp(to, t).try_normalize().unwrap_or(Vec3::Y)
-            });
+            let row =
+                row(scalp, id + 1, radius, |t| from.lerp(to, t).try_normalize().unwrap_or(Vec3::Y));
             let line = rows_of(&row).next().unwrap();
             let apart = |(other, r): &(Arc<Tuft>, f32)| {
                 let room = radius + r + 0.2;
@@ -724,7 +723,11 @@ mod tests {
             for (what, rows) in sets {
                 let curves = parted(&scalp, &rows, &[("per_cm", Value::Float(12.0))]);
                 let w = worst(&scalp, &rows, &curves);
-                println!("{name} {what}: {} rows, {} hairs {w:?}", rows.len(), curves.curve_count());
+                println!(
+                    "{name} {what}: {} rows, {} hairs {w:?}",
+                    rows.len(),
+                    curves.curve_count()
+                );
                 all.push((name, what, w));
             }
         }

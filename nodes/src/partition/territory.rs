@@ -52,7 +52,9 @@ impl Row {
             (low - p).max(p - high).max(Vec3::ZERO).length_squared()
         };
         let by = |a: &(f32, usize), b: &(f32, usize)| a.0.total_cmp(&b.0);
-        let Some((_, first)) = (0..self.boxes.len()).map(|b| (far(b), b)).min_by(by) else { return };
+        let Some((_, first)) = (0..self.boxes.len()).map(|b| (far(b), b)).min_by(by) else {
+            return;
+        };
         let mut limit = limit;
         // The nearest box first: it leaves little for the others.
         for b in std::iter::once(first).chain((0..self.boxes.len()).filter(|b| *b != first)) {
