@@ -306,7 +306,11 @@ fn on_scalp(prim: &ReadCurves, offsets: &[usize], scalp: &Scalp) -> OnScalp {
     distances.sort_by(f32::total_cmp);
     let (mut too_deep, mut deepest) = (0, 0.0f32);
     for (i, p) in prim.points.iter().enumerate() {
-        let depth = -skin.distance(*p);
+        // The field is quick and may be wrong at creases; what it finds deep is measured exactly.
+        if skin.distance(*p) >= 0.0 {
+            continue;
+        }
+        let depth = surface.closest(*p).map_or(0.0, |hit| -surface.signed_distance(*p, &hit));
         deepest = deepest.max(depth);
         if depth > allowed.as_ref().map_or(0.0, |a| a[i]) + 1e-3 {
             too_deep += 1;
