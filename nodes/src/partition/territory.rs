@@ -52,7 +52,9 @@ impl Row {
             (low - p).max(p - high).max(Vec3::ZERO).length_squared()
         };
         let by = |a: &(f32, usize), b: &(f32, usize)| a.0.total_cmp(&b.0);
-        let Some((_, first)) = (0..self.boxes.len()).map(|b| (far(b), b)).min_by(by) else { return };
+        let Some((_, first)) = (0..self.boxes.len()).map(|b| (far(b), b)).min_by(by) else {
+            return;
+        };
         let mut limit = limit;
         // The nearest box first: it leaves little for the others.
         for b in std::iter::once(first).chain((0..self.boxes.len()).filter(|b| *b != first)) {
@@ -160,7 +162,8 @@ mod tests {
 
     #[test]
     fn the_neighbour_is_the_nearest_row_on_that_side() {
-        let line = |x: f32| Row::new(1, &[Vec3::new(x, 0.0, 0.0), Vec3::new(x, 0.0, -9.0)]).unwrap();
+        let line =
+            |x: f32| Row::new(1, &[Vec3::new(x, 0.0, 0.0), Vec3::new(x, 0.0, -9.0)]).unwrap();
         let rows = [line(1.0), line(-2.0), line(3.0)];
         let station =
             Station { point: Vec3::new(0.0, 0.0, -4.0), along: Vec3::NEG_Z, normal: Vec3::Y };
