@@ -3,7 +3,7 @@
 //! **Guarantees** for any bytes: no panic, an answer within seconds, and never more than
 //! [`mesh_in::limits`](self::limits) memory held at once. What comes back satisfies
 //! [`Mesh::check`]; all of its points are used; points at the same place are joined where that undoes
-//! a cut and not where things merely touch ([`weld`]); it has at least one triangle.
+//! a cut and not where things merely touch; it has at least one triangle.
 //! **Not promised:** anything about the shape. Holes, several parts, non-manifold edges and
 //! triangles without area load as they are. Nothing here opens a file: other files a mesh needs
 //! (the `.bin` of a `.gltf`) come through `side`, by the relative name the mesh file gives them.

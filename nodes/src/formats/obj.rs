@@ -15,10 +15,15 @@
 //! `tobj` crate (4.0.5) drops material names when the `.mtl` is absent, tells no line in its errors,
 //! does not know CR line ends and holds 27 bytes for each byte of a file of plain triangles.
 
+mod count;
+mod lines;
+
 use super::mesh_in::limits::{Budget, excerpt};
 use super::mesh_in::{Clipper, NAMELESS, Names, Weld, finish};
 use crate::data::mesh::{Mesh, MeshError};
+use count::{Count, no_triangles};
 use glam::{Vec2, Vec3};
+use lines::{Lines, split_keyword, words};
 
 /// Corners a face may have. Larger ones come from no modeller, and one face is cut in memory that
 /// no budget sees (about 60 bytes a corner).
@@ -73,174 +78,6 @@ fn refuse_other_encodings(text: &[u8]) -> Result<(), MeshError> {
         return Err(MeshError::at(format!("byte {i}"), "a zero byte: this is not OBJ text"));
     }
     Ok(())
-}
-
-/// Lines of text in any of the three line ends, with `\` at an end carrying on in the next line.
-struct Lines<'a> {
-    rest: &'a [u8],
-    number: usize,
-    joined: Vec<u8>,
-}
-
-impl<'a> Lines<'a> {
-    fn new(text: &'a [u8]) -> Self {
-        Self { rest: text, number: 0, joined: Vec::new() }
-    }
-
-    /// The next line and its number; where it goes on over several, the number of the first.
-    fn next(&mut self) -> Option<(usize, &[u8])> {
-        let mut line = self.one()?;
-        let number = self.number;
-        // Comments do not carry on: `# made from C:\heads\` is a whole line.
-        let comment = line.trim_ascii_start().starts_with(b"#");
-        if comment || line.last() != Some(&b'\\') {
-            return Some((number, line));
-        }
-        self.joined.clear();
-        while let Some(start) = line.strip_suffix(b"\\") {
-            self.joined.extend_from_slice(start);
-            self.joined.push(b' ');
-            line = self.one().unwrap_or_default();
-        }
-        self.joined.extend_from_slice(line);
-        Some((number, &self.joined))
-    }
-
-    fn one(&mut self) -> Option<&'a [u8]> {
-        if self.rest.is_empty() {
-            return None;
-        }
-        self.number += 1;
-        let end = self.rest.iter().position(|b| matches!(b, b'\n' | b'\r'));
-        let (line, rest) = match end {
-            None => (self.rest, &[][..]),
-            Some(end) => {
-                let two = self.rest[end..].starts_with(b"\r\n");
-                (&self.rest[..end], &self.rest[end + 1 + usize::from(two)..])
-            }
-        };
-        self.rest = rest;
-        Some(line)
-    }
-}
-
-fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(|b| b.is_ascii_whitespace() || *b == 0x0b).filter(|word| !word.is_empty())
-}
-
-/// The first word of a line and what follows it.
-fn split_keyword(line: &[u8]) -> (&[u8], &[u8]) {
-    let line = line.trim_ascii();
-    let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
-    (&line[..end], line[end..].trim_ascii())
-}
-
-/// What the first reading finds: how much of everything there is.
-#[derive(Debug, Default)]
-struct Count {
-    points: u64,
-    uvs: u64,
-    triangles: u64,
-    colours: bool,
-    materials: bool,
-    parts: bool,
-    /// Bytes for names of materials and parts.
-    names: u64,
-    lines_and_points: u64,
-    free_form: u64,
-    short_faces: u64,
-    first_short_face: usize,
-    unknown: u64,
-    first_unknown: usize,
-}
-
-impl Count {
-    fn of(text: &[u8]) -> Result<Self, MeshError> {
-        let mut count = Self::default();
-        let mut lines = Lines::new(text);
-        while let Some((line, text)) = lines.next() {
-            let (keyword, rest) = split_keyword(text);
-            match keyword {
-                b"v" => {
-                    count.points += 1;
-                    count.colours |= words(rest).nth(5).is_some();
-                }
-                b"vt" => count.uvs += 1,
-                b"f" => {
-                    let corners = words(rest).take(MOST_CORNERS + 1).count();
-                    if corners > MOST_CORNERS {
-                        let reason = format!("a face of more than {MOST_CORNERS} corners");
-                        return Err(at_line(line, reason));
-                    }
-                    if corners < 3 {
-                        count.short_faces += 1;
-                        if count.short_faces == 1 {
-                            count.first_short_face = line;
-                        }
-                    }
-                    count.triangles += corners.saturating_sub(2) as u64;
-                }
-                b"usemtl" => {
-                    count.materials = true;
-                    count.names += Names::memory(rest.len());
-                }
-                b"o" | b"g" => {
-                    count.parts = true;
-                    count.names += Names::memory(rest.len());
-                }
-                b"l" | b"p" => count.lines_and_points += 1,
-                b"curv" | b"curv2" | b"surf" => count.free_form += 1,
-                // Looks, display and the statements that go with free-form shapes.
-                b"vn" | b"vp" | b"s" | b"mtllib" | b"mg" | b"cstype" | b"deg" | b"bmat"
-                | b"step" | b"parm" | b"trim" | b"hole" | b"scrv" | b"sp" | b"end" | b"con"
-                | b"usemap" | b"maplib" | b"bevel" | b"c_interp" | b"d_interp" | b"lod"
-                | b"shadow_obj" | b"trace_obj" | b"ctech" | b"stech" => {}
-                keyword if keyword.is_empty() || keyword[0] == b'#' => {}
-                _ => {
-                    count.unknown += 1;
-                    if count.unknown == 1 {
-                        count.first_unknown = line;
-                    }
-                }
-            }
-        }
-        if count.points > u64::from(u32::MAX) || count.triangles > u64::from(u32::MAX) {
-            return Err(MeshError::at("file", "more than four thousand million vertices or faces"));
-        }
-        Ok(count)
-    }
-
-    /// Bytes the second reading allocates, at most.
-    fn memory(&self, file_bytes: usize) -> u64 {
-        let or_none = |yes: bool, bytes: u64| if yes { bytes } else { 0 };
-        let point = 12 + super::mesh_in::WELD_BYTES_PER_POINT + or_none(self.colours, 12);
-        let triangle = super::mesh_in::WELD_BYTES_PER_TRIANGLE
-            + 12
-            + or_none(self.uvs > 0, 24)
-            + or_none(self.materials, 4)
-            + or_none(self.parts, 4);
-        // A joined line is at most the file, in a vector that grew by doubling.
-        self.points * point
-            + self.uvs * 8
-            + self.triangles * triangle
-            + self.names
-            + 3 * file_bytes as u64
-    }
-}
-
-fn no_triangles(count: &Count) -> MeshError {
-    let what = if count.short_faces > 0 {
-        format!("only {} faces with fewer than 3 corners", count.short_faces)
-    } else if count.lines_and_points > 0 {
-        format!("only {} lines and points", count.lines_and_points)
-    } else if count.free_form > 0 {
-        "only free-form curves and surfaces: convert them to polygons".to_owned()
-    } else if count.points > 0 {
-        format!("{} vertices and no faces", count.points)
-    } else {
-        "neither vertices nor faces".to_owned()
-    };
-    MeshError::at("file", format!("no triangles: {what}"))
 }
 
 fn at_line(line: usize, reason: impl Into<String>) -> MeshError {

@@ -1,8 +1,8 @@
 //! JSON as a flat list of values, small enough for any file.
 //!
 //! A value takes 16 bytes and an array or object knows where it ends, so a document costs at most 8
-//! bytes for each byte of text; typed structs cost 130 (`{}` is three bytes of a file and 400 of the
-//! `gltf` crate's node). Lookups walk over what they skip, and are counted: see [`Doc::tire`].
+//! bytes for each byte of text. (The typed structs of the `gltf` crate take 400 bytes for a node
+//! written as `{},`.) Lookups walk over what they skip, and are counted: see [`Doc::tire`].
 
 use crate::data::mesh::MeshError;
 use crate::formats::mesh_in::limits::{Budget, excerpt};

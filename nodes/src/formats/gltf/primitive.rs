@@ -171,10 +171,9 @@ impl<'a> Reader<'_, 'a> {
         budget: &mut Budget,
     ) -> Result<(), MeshError> {
         let Primitive { position, indices, uv, colour, .. } = primitive;
-        for accessor in [Some(position), indices.as_ref(), uv.as_ref(), colour.as_ref()] {
-            if let Some(accessor) = accessor {
-                accessor.open(self.tables, &mut self.buffers, budget)?;
-            }
+        let others = [indices, uv, colour].into_iter().flatten();
+        for accessor in std::iter::once(position).chain(others) {
+            accessor.open(self.tables, &mut self.buffers, budget)?;
         }
         let numbers = |a: &Accessor<'a>| a.numbers(self.tables, &self.buffers);
         let opened = Opened {

@@ -1,7 +1,7 @@
 //! How much memory a mesh file may cost: [`FIXED`] bytes and [`PER_BYTE`] for each of its own.
 //!
 //! A small file can name a huge mesh (instances, accessors of zeros, polygons of one digit a
-//! corner), so readers reckon what they are about to allocate, ask a [`Budget`] and then reserve
+//! corner), so readers reckon what they are about to allocate, ask a budget and then reserve
 //! exactly that: nothing grows by doubling, which would cost three times as much for a moment.
 
 use crate::data::mesh::MeshError;

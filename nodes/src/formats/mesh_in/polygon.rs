@@ -68,9 +68,9 @@ impl Clipper {
         let mut normal = [0.0_f64; 3];
         for i in 0..ring.len() {
             let (a, b) = (at(i), at(i + 1));
-            for axis in 0..3 {
+            for (axis, component) in normal.iter_mut().enumerate() {
                 let (x, y) = ((axis + 1) % 3, (axis + 2) % 3);
-                normal[axis] += a[x] * b[y] - a[y] * b[x];
+                *component += a[x] * b[y] - a[y] * b[x];
             }
         }
         // The first of the largest, so that ties are settled.
