@@ -226,7 +226,7 @@ pub fn finish(bust: &Bust, points: Vec<V>, triangles: Vec<[u32; 3]>) -> Made {
     let temple = on(v(6.6, 0.6, 4.6));
     let low = middled
         .iter()
-        .filter(|p| p.x == 0.0 && p.z > 5.5 && p.y < -10.0 && p.y > -16.0)
+        .filter(|p| p.x == 0.0 && p.z > 6.0 && p.y < -10.0 && p.y > -16.0)
         .fold(v(0.0, 9.0, 0.0), |m, p| if p.y < m.y { *p } else { m });
     let landmarks = vec![
         ("hairline_front", at_height(0.43 * 8.9, 1.0)),

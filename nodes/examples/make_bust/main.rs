@@ -22,13 +22,15 @@ fn main() {
     let size = |p: V| bust.edge_length(p).min(finish::edge_length_at_hairline(p));
     soup.remesh(&bust, &size, 7);
     println!("remeshed: {}", soup.triangles.len());
-    // Level edges round the base, and edges along every border that must look clean.
-    soup.cut_along(&bust, &|p| p.y + 27.35);
-    soup.cut_along(&bust, &|p| bust.mouth_level(p));
-    soup.cut_along(&bust, &|p| bust.lip_level(p));
-    soup.cut_along(&bust, &|p| bust.eye_level(p));
-    soup.cut_along(&bust, &|p| bust.iris_level(p));
+    // Edges along every border that must look clean.
+    soup.cut_along(&bust, 0.38, &|p| bust.base_level(p));
+    soup.ease(&bust, &size, &|p| p.y > -26.0 || p.x == 0.0 || bust.base_level(p).abs() < 0.04);
+    soup.cut_along(&bust, 0.3, &|p| bust.mouth_level(p));
+    soup.cut_along(&bust, 0.3, &|p| bust.lip_level(p));
+    soup.cut_along(&bust, 0.3, &|p| bust.eye_level(p));
+    soup.cut_along(&bust, 0.3, &|p| bust.iris_level(p));
     println!("cut along lips and eyes: {}", soup.triangles.len());
+    soup.drop_slivers(0.015, &size);
     let (points, triangles) = soup.mirrored();
     println!("whole: {} points, {} triangles", points.len(), triangles.len());
     let made = finish::finish(&bust, points, triangles);

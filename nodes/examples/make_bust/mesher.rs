@@ -369,7 +369,7 @@ impl Soup {
             }
             self.tidy();
             for _ in 0..if round + 1 == rounds { 4 } else { 2 } {
-                self.relax(bust, size);
+                self.relax(bust, size, &[]);
             }
         }
         for _ in 0..2 {
@@ -380,7 +380,15 @@ impl Soup {
         self.tidy();
     }
 
-    fn relax(&mut self, bust: &Bust, size: &dyn Fn(V) -> f64) {
+    /// Evens out the triangles beside the borders once more; what `held` names stays.
+    pub fn ease(&mut self, bust: &Bust, size: &dyn Fn(V) -> f64, held: &dyn Fn(V) -> bool) {
+        let held: Vec<bool> = self.points.iter().map(|p| held(*p)).collect();
+        for _ in 0..3 {
+            self.relax(bust, size, &held);
+        }
+    }
+
+    fn relax(&mut self, bust: &Bust, size: &dyn Fn(V) -> f64, held: &[bool]) {
         let mut moved = self.points.clone();
         let chunk = moved.len().div_ceil(8);
         let me = &*self;
@@ -392,6 +400,9 @@ impl Soup {
                 s.spawn(move || {
                     for (i, m) in part.iter_mut().enumerate() {
                         let i = (c * chunk + i) as u32;
+                        if held.get(i as usize).is_some_and(|h| *h) {
+                            continue;
+                        }
                         let p = me.points[i as usize];
                         let middle = me.on_middle(i);
                         let (mut sum, mut total) = (V::default(), 0.0);
@@ -427,8 +438,9 @@ impl Soup {
         self.points = moved;
     }
 
-    /// Splits the triangles along the zero line of `level`, so that no triangle lies on both sides.
-    pub fn cut_along(&mut self, bust: &Bust, level: &dyn Fn(V) -> f64) {
+    /// Splits the triangles along the zero line of `level`, so that no triangle lies on both sides; a vertex
+    /// nearer than `reach` of an edge moves instead.
+    pub fn cut_along(&mut self, bust: &Bust, reach: f64, level: &dyn Fn(V) -> f64) {
         // Vertices near the line move on to it; the other crossed edges get a vertex.
         let mut on: Vec<bool> = vec![false; self.points.len()];
         let root = |a: V, b: V| {
@@ -446,9 +458,9 @@ impl Soup {
                 continue;
             }
             let t = root(pa, pb);
-            let (near, other) = if t < 0.3 {
+            let (near, other) = if t < reach {
                 (a, b)
-            } else if t > 0.7 {
+            } else if t > 1.0 - reach {
                 (b, a)
             } else {
                 continue;
@@ -482,6 +494,16 @@ impl Soup {
             let q = settle(bust, pa + (pb - pa) * t);
             self.split(a, b, q);
             on.push(true);
+        }
+        self.tidy();
+    }
+
+    /// Closes the shortest edges that cutting left where two lines meet.
+    pub fn drop_slivers(&mut self, shortest: f64, size: &dyn Fn(V) -> f64) {
+        for (a, b) in self.edges() {
+            if self.length(a, b) < shortest {
+                self.collapse(a, b, size);
+            }
         }
         self.tidy();
     }

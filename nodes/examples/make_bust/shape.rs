@@ -6,7 +6,7 @@
 
 use crate::vector::{V, blend, both, ellipsoid, refine, step, through, tube, v};
 
-/// Clay put on (positive) or taken off along a path, fading over `width`; `plane` weighs the axes.
+/// Clay put on (positive) or taken off along a path, fading over `width`; nothing outside `low` to `high`.
 struct Stroke {
     path: Vec<(V, f64)>,
     width: f64,
@@ -314,13 +314,13 @@ impl Bust {
         let back =
             through(&[(-15.0, -0.5), (-12.0, -3.5), (-9.0, -5.5), (-4.0, -5.0), (4.0, -5.0)], p.y);
         let mut face = loft(p, half, front, back);
-        let jaw = -(p - v(0.0, -13.75, 7.6)).dot(v(0.0, 0.90, 0.435));
+        let jaw = -(p - v(0.0, -14.05, 7.6)).dot(v(0.0, 0.90, 0.435));
         face = both(face, jaw, 3.2);
         face = both(face, -0.15 - p.z - (p.y + 9.0) * 0.18, 2.4);
         face = both(face, p.y - 3.5, 3.0);
         let mut d = blend(cranium, face, 2.2);
         // The floor of the mouth between the two halves of the jaw.
-        d = blend(d, ellipsoid(p, v(0.0, -12.0, 4.0), v(3.4, 2.1, 3.9)), 1.6);
+        d = blend(d, ellipsoid(p, v(0.0, -11.6, 4.0), v(3.4, 2.1, 3.9)), 1.6);
         // Neck.
         let half = through(
             &[
@@ -458,7 +458,7 @@ impl Bust {
         if q <= 0.0 {
             return (tilt + q * 0.5, tilt - q * 0.5);
         }
-        let up = 0.53 * q.powf(0.72) * (1.0 - 0.10 * s) + tilt;
+        let up = 0.50 * q.powf(0.72) * (1.0 - 0.10 * s) + tilt;
         let down = -0.41 * q.powf(0.85) * (1.0 + 0.15 * s) + tilt;
         (up, down)
     }
@@ -475,7 +475,8 @@ impl Bust {
     fn ear(&self, p: V) -> f64 {
         let (back, up, out) = Self::ear_frame();
         let q = p - EAR;
-        let q = v(q.dot(back), q.dot(up), q.dot(out));
+        // Modelled a little small.
+        let q = v(q.dot(back), q.dot(up), q.dot(out)) * (1.0 / 1.03);
         if q.x < -2.5 || q.x > 5.0 || q.y.abs() > 5.0 || q.z.abs() > 4.0 {
             return 1.0 + (q.length() - 4.0).max(0.0) * 0.5;
         }
@@ -525,17 +526,18 @@ impl Bust {
     /// and chin, and it is easier to move a finished face than all of its numbers.
     fn place(p: V) -> V {
         let face = step(0.0, 6.0, p.z) * (1.0 - step(-1.5, 4.0, p.y)) * step(-20.0, -14.0, p.y);
-        v(p.x.abs(), p.y - 0.38 * face, p.z)
+        v(p.x.abs(), p.y - 0.24 * face, p.z)
     }
 
-    /// The field; and a level that is positive on the eyeball and zero where the lids meet it.
-    fn full(&self, p: V) -> (f64, f64) {
+    /// The field; a level that is positive on the eyeball and zero where the lids meet it; and one that is
+    /// positive on the base and zero along its rim.
+    fn full(&self, p: V) -> (f64, f64, f64) {
         let p = Self::place(p);
         let mut d = self.masses(p);
         let mut eye = -1.0;
         // Far from the surface the brushes cannot matter.
         if d > 4.0 {
-            return (d - 2.0, eye);
+            return (d - 2.0, eye, -1.0);
         }
         let mut clay = 0.0;
         for b in &self.dabs {
@@ -621,15 +623,16 @@ impl Bust {
             d = blend(d, e, 0.45);
         }
         // The cut: a level base, and the arms taken off by leaning planes.
-        let arm = (p.x - 20.4) * 0.97 + (p.y + 24.5) * -0.20;
+        let arm = (p.x - 20.75) * 0.97 + (p.y + 24.5) * -0.20;
         d = both(d, arm, 2.0);
-        d = both(d, -27.6 - p.y, 3.0);
-        (d, eye)
+        let base = -27.6 - p.y - d;
+        d = both(d, -27.6 - p.y, 0.35);
+        (d, eye, base)
     }
 
     /// The chest without its base, for the rim's edge lengths.
     fn sides(&self, p: V) -> f64 {
-        self.masses(p).max((p.x - 20.4) * 0.97 + (p.y + 24.5) * -0.20)
+        self.masses(p).max((p.x - 20.75) * 0.97 + (p.y + 24.5) * -0.20)
     }
 
     pub fn at(&self, p: V) -> f64 {
@@ -644,6 +647,11 @@ impl Bust {
     /// Positive where the eyeball shows between the lids, zero where they meet it.
     pub fn eye_level(&self, p: V) -> f64 {
         self.full(p).1
+    }
+
+    /// Positive on the base, zero along its rim.
+    pub fn base_level(&self, p: V) -> f64 {
+        self.full(p).2
     }
 
     /// Positive on the coloured part of the eye and on the lids before it, zero along its rim.
@@ -694,7 +702,7 @@ impl Bust {
         l = l.min(near(v(0.0, -5.0, 9.6), v(1.5, 2.6, 1.5), 0.26));
         // The rounded rim of the base, the edges of the lids, the line between the lips.
         if p.y < -25.8 {
-            l = l.min(0.36 + 0.35 * (p.y + 27.2).abs() + 0.25 * (-self.sides(p)).max(0.0));
+            l = l.min(0.36 + 0.30 * (p.y + 27.55).abs() + 0.25 * (-self.sides(p)).max(0.0));
         }
         let q = p - EYE;
         if q.length() < 2.2 && q.z > 0.0 {

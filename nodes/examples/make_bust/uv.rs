@@ -343,29 +343,18 @@ impl Chart {
             for k in 0..3 {
                 let (o, a, b) = (t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
                 let (s, u) = (at(a) - at(o), at(b) - at(o));
-                let half = (s.unit().dot(u.unit()).clamp(-1.0, 1.0).acos() / 2.0).tan();
+                let half = (s.unit().dot(u.unit()).clamp(-1.0, 1.0).acos() / 2.0).min(1.5).tan();
                 *weights[o].entry(a).or_default() += half / s.length();
                 *weights[o].entry(b).or_default() += half / u.length();
             }
         }
         let weights: Vec<Vec<(usize, f64)>> =
             weights.into_iter().map(|w| w.into_iter().collect()).collect();
-        for _ in 0..6000 {
-            let mut most = 0.0f64;
-            for i in (0..n).filter(|i| !fixed[*i]) {
-                let (mut s, mut total) = ([0.0; 2], 0.0);
-                for (j, w) in &weights[i] {
-                    s[0] += flat[*j][0] * w;
-                    s[1] += flat[*j][1] * w;
-                    total += w;
-                }
-                for k in 0..2 {
-                    let step = (s[k] / total - flat[i][k]) * 1.7;
-                    most = most.max(step.abs());
-                    flat[i][k] += step;
-                }
-            }
-            if most < 1e-9 {
+        // Overshooting is faster, but may run away: then more carefully.
+        let embedded = flat.clone();
+        for overshoot in [1.7, 1.5, 1.3, 1.0] {
+            flat = embedded.clone();
+            if settle(&mut flat, &fixed, &weights, overshoot) {
                 break;
             }
         }
@@ -461,6 +450,35 @@ impl Chart {
         }
         flat
     }
+}
+
+/// Moves every free vertex to the weighed mean of its neighbours until nothing moves; false if it ran away.
+fn settle(flat: &mut [P], fixed: &[bool], weights: &[Vec<(usize, f64)>], overshoot: f64) -> bool {
+    for round in 0..20_000 {
+        let mut most = 0.0f64;
+        for i in (0..flat.len()).filter(|i| !fixed[*i]) {
+            let (mut s, mut total) = ([0.0; 2], 0.0);
+            for (j, w) in &weights[i] {
+                s[0] += flat[*j][0] * w;
+                s[1] += flat[*j][1] * w;
+                total += w;
+            }
+            for k in 0..2 {
+                let step = (s[k] / total - flat[i][k]) * overshoot;
+                most = most.max(step.abs());
+                flat[i][k] += step;
+            }
+        }
+        if most < 1e-10 {
+            println!("embedded after {round} rounds, overshoot {overshoot}");
+            return true;
+        }
+        if !most.is_finite() || most > 1e3 {
+            break;
+        }
+    }
+    println!("overshoot {overshoot} did not settle");
+    false
 }
 
 /// Sets the charts into the unit tile, upright as they are, on a grid of cells; larger ones first, each at

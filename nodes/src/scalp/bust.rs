@@ -283,6 +283,17 @@ mod tests {
     }
 
     #[test]
+    fn no_triangle_is_a_sliver() {
+        let mesh = adult();
+        for (t, (_, area)) in mesh.triangles.iter().zip(faces(&mesh)) {
+            let [a, b, c] = t.map(|i| p(&mesh, i));
+            let long = len(sub(a, b)).max(len(sub(b, c))).max(len(sub(c, a)));
+            // Height over the longest edge, as a share of it.
+            assert!(2.0 * area / (long * long) > 0.02, "{a:?} {b:?} {c:?}");
+        }
+    }
+
+    #[test]
     fn left_and_right_mirror_each_other() {
         let mesh = adult();
         let bits = |q: Vec3, s: f32| [q.x * s + 0.0, q.y + 0.0, q.z + 0.0].map(f32::to_bits);
