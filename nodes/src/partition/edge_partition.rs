@@ -742,40 +742,302 @@ mod tests {
     }
 
     #[test]
-    fn dump() {
-        use std::fmt::Write;
-        let Ok(what) = std::env::var("DUMP") else { return };
-        let scalp = if what.contains("ball") { ball(HEAD_RADIUS) } else { bust() };
-        let rows = rows(&scalp, 7);
-        let set: Vec<(&str, Value)> = match what.as_str() {
-            w if w.contains("every") => vec![
-                ("grouping", "every_k".into()),
-                ("every", Value::Int(45)),
-                ("per_cm", Value::Float(60.0)),
-            ],
-            _ => vec![("per_cm", Value::Float(60.0))],
-        };
-        let t = std::time::Instant::now();
-        let curves = parted(&scalp, &rows, &set);
-        println!("{} hairs in {:?}", curves.curve_count(), t.elapsed());
-        let mut text = String::new();
-        for (kind, list) in [("row", Curves::new(rows)), ("hair", curves)] {
-            for (tuft, i) in list.each() {
-                let _ = write!(text, "{kind}");
-                for p in tuft.curve(i) {
-                    let _ = write!(text, " {} {} {}", p.x, p.y, p.z);
+    fn no_hair_crosses_a_hair_of_another_row() {
+        let scalp = ball(HEAD_RADIUS);
+        let few = ("per_cm", Value::Float(6.0));
+        for (what, rows) in [("rows", rows(&scalp, 6)), ("wild", wild(&scalp, 2))] {
+            for grouping in ["none", "every_k"] {
+                let set =
+                    [few.clone(), ("grouping", grouping.into()), ("jitter", Value::Float(0.9))];
+                let curves = parted(&scalp, &rows, &set);
+                assert_eq!(crossings(&curves), 0, "{what} {grouping}");
+            }
+        }
+        // The law can fail: with crossing allowed and roots at the neighbour, hairs do cross.
+        let set = [few, ("cross_partings", true.into()), ("mediate", Value::Float(0.9))];
+        assert!(crossings(&parted(&scalp, &rows(&scalp, 6), &set)) > 100);
+    }
+
+    /// Pairs of segments of hairs of different rows that cross, seen from the middle of the ball.
+    fn crossings(curves: &Curves) -> usize {
+        let mut all: Vec<(u64, Vec3, Vec3)> = vec![];
+        for (tuft, i) in curves.each() {
+            let row = tuft.view(PARENT).at(i, tuft.range(i).start);
+            all.extend(tuft.curve(i).windows(2).map(|w| (row, w[0], w[1])));
+        }
+        let mut count = 0;
+        for (i, (row, a, b)) in all.iter().enumerate() {
+            let plane = a.cross(*b);
+            for (other, c, d) in &all[i + 1..] {
+                if row == other || a.distance_squared(*c) > 4.0 {
+                    continue;
                 }
-                let _ = writeln!(text);
+                let second = c.cross(*d);
+                let apart = plane.dot(*c) * plane.dot(*d);
+                if apart < 0.0 && second.dot(*a) * second.dot(*b) < 0.0 {
+                    count += 1;
+                }
             }
         }
-        for t in &scalp.surface().triangles {
-            let _ = write!(text, "tri");
-            for v in t {
-                let p = scalp.surface().points[*v as usize];
-                let _ = write!(text, " {} {} {}", p.x, p.y, p.z);
+        count
+    }
+
+    #[test]
+    fn mediate_places_the_root_between_the_row_and_its_neighbour() {
+        let scalp = ball(HEAD_RADIUS);
+        let rows = rows(&scalp, 2);
+        let lines: Vec<Row> = rows.iter().flat_map(|t| rows_of(t).collect::<Vec<_>>()).collect();
+        for (mediate, crossing, want) in [
+            (0.0, true, 0.0),
+            (0.25, true, 0.25),
+            (0.5, true, 0.5),
+            (1.0, true, 1.0),
+            (1.0, false, 0.46),
+        ] {
+            let set = [
+                ("mediate", Value::Float(mediate)),
+                ("cross_partings", crossing.into()),
+                ("jitter", Value::Float(0.0)),
+                ("open_side", Value::Float(0.0)),
+                ("lead", Value::Float(0.0)),
+                ("per_cm", Value::Float(5.0)),
+            ];
+            let curves = parted(&scalp, &rows, &set);
+            assert!(curves.curve_count() > 100);
+            for (tuft, i) in curves.each() {
+                let own = tuft.view(PARENT).at(i, tuft.range(i).start);
+                let [home, other] = [own == 1, own == 2]
+                    .map(|first| lines[usize::from(!first)].nearest(tuft.curve(i)[0]).1);
+                // Rows lie 0.1 cm over the scalp, which at their foot is all of the distance.
+                let part = home / (home + other);
+                assert!((part - want).abs() < 0.06, "{mediate} {crossing}: {part}");
             }
-            let _ = writeln!(text);
         }
-        std::fs::write("/tmp/head_dump.txt", text).unwrap();
+    }
+
+    #[test]
+    fn ends_of_a_group_lie_within_its_radius() {
+        for scalp in [ball(HEAD_RADIUS), bust()] {
+            let rows = rows(&scalp, 3);
+            let stitches = Curves::new(rows.iter().map(|row| stitched(row)).collect());
+            let dashes = |row: &Arc<Tuft>| {
+                let mut b = TuftBuilder::new();
+                for k in [3, 9, 15, 21] {
+                    let p = row.curve(0)[k];
+                    b.push_curve(&[p, p * 1.05]);
+                }
+                Arc::new(b.build())
+            };
+            let picked = Curves::new(rows.iter().map(dashes).collect());
+            let per_row = [("stitches", 20), ("picked", 8), ("every_k", 0)];
+            for (grouping, groups) in per_row {
+                let set = [
+                    ("grouping", grouping.into()),
+                    ("stitches", stitches.clone().into()),
+                    ("picked", picked.clone().into()),
+                    ("per_cm", Value::Float(10.0)),
+                ];
+                let curves = parted(&scalp, &rows, &set);
+                let mut ends: BTreeMap<(u64, i32), Vec<Vec3>> = BTreeMap::new();
+                for (tuft, i) in curves.each() {
+                    let first = tuft.range(i).start;
+                    let group = (tuft.view(PARENT).at(i, first), tuft.view(GROUP).at(i, first));
+                    let end = tuft.curve(i)[tuft.curve(i).len() - 1];
+                    ends.entry(group).or_default().push(end);
+                    if grouping == "stitches" {
+                        assert_eq!(tuft.view(BRAID).at(i, first), group.0 + 100);
+                    }
+                }
+                for (group, ends) in &ends {
+                    let far = |a: &Vec3| ends.iter().map(|b| a.distance(*b)).fold(0.0, f32::max);
+                    let across = ends.iter().map(far).fold(0.0, f32::max);
+                    assert!(across <= 0.2001, "{grouping} {group:?}: {across}");
+                }
+                assert!(groups == 0 || ends.len() == groups * 3, "{grouping}: {}", ends.len());
+                let w = worst(&scalp, &rows, &curves);
+                assert!(w.out_of_braid < 1e-3 && w.depth < 2e-3, "{grouping}: {w:?}");
+                assert!(w.spacing < 1.2 && w.trespass < 0.02, "{grouping}: {w:?}");
+            }
+        }
+    }
+
+    /// Ten stitches on each side of a row, as a braid would have them.
+    fn stitched(row: &Tuft) -> Arc<Tuft> {
+        let spline = Spline::new(row.curve(0)).unwrap();
+        let mut b = TuftBuilder::new();
+        let along: Vec<f32> = (0..20).map(|k| (k as f32 + 0.5) / 20.0).collect();
+        b.push_curve(&along.iter().map(|u| spline.at(*u)).collect::<Vec<_>>());
+        b.set(PARENT, Domain::Curve, vec![row.id(0)]);
+        b.set(BRAID, Domain::Curve, vec![row.id(0) + 100]);
+        b.set(ALONG, Domain::Point, along);
+        b.set(SIDE, Domain::Point, (0..20).map(|k| if k % 2 == 0 { -1 } else { 1 }).collect());
+        Arc::new(b.build())
+    }
+
+    fn by_id(curves: &Curves) -> BTreeMap<u64, Vec<Vec3>> {
+        let all = curves.each().map(|(tuft, i)| (tuft.id(i), tuft.curve(i).to_vec()));
+        let count = curves.curve_count();
+        let all: BTreeMap<_, _> = all.collect();
+        assert_eq!(all.len(), count, "ids are unique");
+        all
+    }
+
+    #[test]
+    fn more_density_and_final_quality_only_add_hairs() {
+        let scalp = ball(HEAD_RADIUS);
+        let rows = rows(&scalp, 3);
+        for grouping in ["none", "stitches"] {
+            let stitches = Curves::new(rows.iter().map(|row| stitched(row)).collect());
+            let set = |n: f32| {
+                [
+                    ("source", Curves::new(rows.clone()).into()),
+                    ("scalp", scalp.clone().into()),
+                    ("per_cm", n.into()),
+                    ("grouping", grouping.into()),
+                    ("stitches", stitches.clone().into()),
+                ]
+            };
+            let made = |n: f32, quality| {
+                let log = Log::default();
+                let host = crate::eval::PlainHost;
+                by_id(curves_of(&run_on(&NODE, &set(n), &host, &log, quality).unwrap()[0]))
+            };
+            let all = made(20.0, Quality::Final);
+            for (n, quality) in [(7.0, Quality::Final), (20.0, Quality::Preview)] {
+                let few = made(n, quality);
+                assert!(few.len() * 2 < all.len() && few.len() > 20);
+                assert!(few.iter().all(|(id, points)| all.get(id) == Some(points)));
+            }
+        }
+    }
+
+    #[test]
+    fn editing_one_row_makes_anew_its_own_hairs_and_its_neighbours() {
+        let (scalp, host) = (ball(HEAD_RADIUS), Memory::default());
+        let mut rows = rows(&scalp, 7);
+        let ran = |rows: &[Arc<Tuft>]| {
+            let log = Log::default();
+            let set = [
+                ("source", Curves::new(rows.to_vec()).into()),
+                ("scalp", scalp.clone().into()),
+                ("per_cm", Value::Float(2.0)),
+            ];
+            let out = run_on(&NODE, &set, &host, &log, Quality::Final).unwrap();
+            (log.tufts_run.load(Ordering::Relaxed), by_id(curves_of(&out[0])))
+        };
+        assert_eq!(ran(&rows).0, 7);
+        rows[3] = row(&scalp, 4, 0.4, back(0.2));
+        assert_eq!(ran(&rows).0, 3);
+        let (_, before) = ran(&rows);
+        // A row far off changes nobody's hairs.
+        rows.push(row(&scalp, 99, 0.4, |t| Vec3::new(0.3 * t, -1.0, 0.3)));
+        let (count, after) = ran(&rows);
+        assert_eq!(count, 1);
+        assert!(before.iter().all(|(id, points)| after.get(id) == Some(points)));
+    }
+
+    #[test]
+    fn wired_neighbours_are_used_instead_of_found_ones() {
+        let scalp = ball(HEAD_RADIUS);
+        let row_at = |id, x| Curves::new(vec![row(&scalp, id, 0.4, back(x))]);
+        let middle = row_at(1, 0.0).tufts().to_vec();
+        let sides = |set: &[(&str, Value)]| {
+            let set =
+                [set, &[("open_side", Value::Float(0.0)), ("per_cm", Value::Float(5.0))]].concat();
+            let curves = parted(&scalp, &middle, &set);
+            let mut count = [0, 0];
+            for (tuft, i) in curves.each() {
+                let side = tuft.view(SIDE).at(i, tuft.range(i).start);
+                // Rows run backwards, against +Z: their right is at +X.
+                let x = tuft.curve(i)[0].x;
+                assert_eq!(side, if x > 0.0 { 1 } else { -1 });
+                count[usize::from(side > 0)] += 1;
+            }
+            count.map(|n| n > 50)
+        };
+        assert_eq!(sides(&[]), [false, false]);
+        assert_eq!(sides(&[("left", row_at(2, -2.0).into())]), [true, false]);
+        assert_eq!(sides(&[("right", row_at(3, 2.0).into())]), [false, true]);
+        let both = [row_at(2, -2.0).tufts()[0].clone(), row_at(3, 2.0).tufts()[0].clone()];
+        assert_eq!(sides(&[("adjacent", Curves::new(both.to_vec()).into())]), [true, true]);
+        assert_eq!(sides(&[("open_side", Value::Float(1.0))]), [true, true]);
+    }
+
+    #[test]
+    fn lengths_grow_with_the_head() {
+        let hairs = |radius: f32| {
+            let scalp = ball(radius);
+            let curves = parted(&scalp, &rows(&scalp, 3), &[("per_cm", Value::Float(5.0))]);
+            by_id(&curves)
+        };
+        let (one, two) = (hairs(HEAD_RADIUS), hairs(2.0 * HEAD_RADIUS));
+        assert_eq!(one.len(), two.len());
+        let mut far = 0;
+        for (id, points) in &one {
+            let off = points.iter().zip(&two[id]).map(|(a, b)| a.distance(*b * 0.5));
+            far += usize::from(off.fold(0.0, f32::max) > 0.02);
+        }
+        // Searches step in true centimetres, so a few hairs at the ends of rows differ.
+        assert!(far * 100 < one.len(), "{far} of {}", one.len());
+    }
+
+    #[test]
+    fn hair_is_rooted_where_hair_grows() {
+        let mesh = crate::scalp::bust::adult();
+        let region: Vec<f32> = mesh.points.iter().map(|p| f32::from(p.y > 3.0)).collect();
+        let surface = Surface::new(mesh.points, mesh.triangles);
+        let masks = [(REGION.to_owned(), region)].into();
+        let scalp = Arc::new(Scalp::new(surface, None, HeadFrame::IDENTITY, masks));
+        let curves = parted(&scalp, &rows(&scalp, 3), &[("per_cm", Value::Float(10.0))]);
+        assert!(curves.curve_count() > 300);
+        for (tuft, i) in curves.each() {
+            let root = scalp.closest_root(tuft.curve(i)[0]).unwrap();
+            assert!(scalp.mask_at(scalp.region(), root.triangle, root.bary) >= 0.49);
+        }
+        // A row where nothing grows is named.
+        let nape = row(&scalp, 7, 0.4, |t| Vec3::new(0.1 * t, -0.5, -1.0));
+        let set = [("source", Curves::new(vec![nape]).into()), ("scalp", scalp.into())];
+        let (_, said) = run(&NODE, &set);
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(said[0].starts_with("no ground for hairs beside a row"), "{said:?}");
+    }
+
+    #[test]
+    fn what_is_no_row_is_left_out_and_named() {
+        let scalp = ball(HEAD_RADIUS);
+        let mut b = TuftBuilder::new();
+        b.push_curve(&[Vec3::Y * 9.0; 3]);
+        b.push_curve(&[Vec3::Y * 9.0, Vec3::NAN]);
+        b.push_curve(&[Vec3::Y * 9.0]);
+        b.push_curve(row(&scalp, 4, 0.4, back(0.0)).curve(0));
+        b.push_curve(row(&scalp, 5, 0.4, back(2.0)).curve(0));
+        b.set(ID, Domain::Curve, vec![1, 2, 3, 4, 5]);
+        let source = Curves::new(vec![b.build().into()]);
+        let set =
+            [("source", source.into()), ("scalp", scalp.into()), ("per_cm", Value::Float(5.0))];
+        let (out, said) = run(&NODE, &set);
+        assert_eq!(said.len(), 3, "{said:?}");
+        let curves = curves_of(&out[0]);
+        // Rows of one tuft are each other's neighbours.
+        assert!(curves.curve_count() > 400);
+        assert!(curves.tufts().iter().all(|t| t.points().iter().all(|p| p.is_finite())));
+    }
+
+    #[test]
+    fn grouping_without_its_wire_says_which() {
+        let scalp = ball(HEAD_RADIUS);
+        let text = |grouping: &str| {
+            let source = Curves::new(rows(&scalp, 1));
+            crate::testing::fails(
+                &NODE,
+                &[
+                    ("source", source.into()),
+                    ("scalp", scalp.clone().into()),
+                    ("grouping", grouping.into()),
+                ],
+            )
+        };
+        assert_eq!(text("stitches"), "stitches is not connected: wire curves to it");
+        assert_eq!(text("picked"), "picked is not connected: wire curves to it");
     }
 }

@@ -227,13 +227,25 @@ pub(crate) fn way(
     let surface = rules.scalp.surface();
     let end_height = surface.closest(end).map_or(0.0, |hit| surface.signed_distance(end, &hit));
     let fine = rules.cvs + 2;
+    // The middle hair is met where it is as far from the end, so that a hair rooted nearer to the braid does not first
+    // run back to the middle hair's root.
+    let part =
+        group.map_or(1.0, |g| root.point.distance(end) / g.root.distance(g.end.point).max(1e-3));
+    // A hair that comes to the end from the other way would overshoot it: it runs by itself.
+    let same_way = group.map_or(0.0, |g| {
+        let (own, middle) = (end - root.point, g.end.point - g.root);
+        own.normalize_or_zero().dot(middle.normalize_or_zero()).max(0.0)
+    });
     points.push(root.point);
     for k in 1..fine {
         let s = k as f32 / fine as f32;
         let mut p = bow(root.point, end, s);
         if let Some(group) = group {
-            let pulled = rules.tightness.at(s).clamp(0.0, 1.0) * (5.0 * s).min(1.0);
-            p = p.lerp(bow(group.root, group.end.point, s), pulled);
+            let pulled = rules.tightness.at(s).clamp(0.0, 1.0) * (5.0 * s).min(1.0) * same_way;
+            let met = (1.0 - (1.0 - s) * part).max(0.0);
+            // Hairs of a group end beside each other, so they run beside the middle one.
+            let beside = (end - group.end.point) * s;
+            p = p.lerp(bow(group.root, group.end.point, met) + beside, pulled);
         }
         let height = lift * 4.0 * s * (1.0 - s) + end_height * s * s;
         let height = height.max(rules.clear * (s * 8.0).min(1.0));

@@ -1,5 +1,7 @@
 //! Puffs.
 
+mod sphere_puff;
+
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[];
+pub(crate) const NODES: &[&NodeDef] = &[&sphere_puff::NODE];

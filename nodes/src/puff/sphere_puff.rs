@@ -1,0 +1,596 @@
+//! Sphere puff: hair gathered at its base that ends on a perfect sphere (Lightyear 3.2).
+//!
+//! Roots on a disc of the scalp are mapped to the sphere with their azimuth kept and areas in proportion: the share of
+//! the disc within a root is the share of the covered cap within its tip. Guides stand on rows and columns of
+//! that map; the fill takes its directions from the guides around it by slerp.
+//!
+//! Guarantees: guides end on the sphere to 1e-4 of its radius, leave the scalp along its normal and stay outside it;
+//! more fill only adds hairs. Not promised: that a sphere set so low that it dips into the head keeps its
+//! tips outside (they are counted in a warning).
+
+use crate::data::attributes::{
+    Domain, FIBRE, ID, PARENT, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL,
+};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::scalp::{Root, Scalp, Skin};
+use crate::define::{NodeError, choice, node};
+use crate::eval::{EvalCx, Piece};
+use crate::maths::frame::{across, any_normal};
+use crate::maths::hash::{Dice, KeyBuilder, curve_id};
+use crate::maths::low_discrepancy::disc;
+use crate::maths::spline::Spline;
+use crate::maths::transcendental::{acos, atan2, cos, sin, sin_cos, sin_cos_turns};
+use glam::{Vec2, Vec3};
+use std::f32::consts::{PI, TAU};
+use std::ops::Range;
+use std::sync::Arc;
+
+node! {
+    /// Makes a puff: hair rooted in a circle on the scalp, gathered by a tie, whose tips lie on a perfect sphere.
+    ///
+    /// `guides` are rows and columns of curves that end on the sphere; `curves` is the hair between them. Wire a
+    /// Shape-List Curl after it, with its length at `fibre` or `span`, to curl the puff without losing its outline.
+    "sphere_puff", version 1, label "Sphere Puff",
+        words "puff afro ball bun pom sphere silhouette bunches", thins;
+    inputs {
+        /// Head that the puff grows on.
+        scalp: Arc<Scalp>;
+        /// Curves whose roots are the middles of puffs, one puff a root. Without them there is one puff at `position`.
+        placements: Option<Curves>, words("points roots several");
+        /// Where the puff is, in head units (cm on a head of average size) from the middle of the cranium: the place on the
+        /// scalp that lies in this direction.
+        position: Vec3 = Vec3::new(0.0, 8.0, -4.0), handle(Handle::Point), words("place pick centre");
+        /// Radius on the scalp within which hair is rooted.
+        root_radius: f32 = 3.0, hard(0.01, 30.0), soft(0.5, 8.0), unit(Length), handle(Handle::Radius), words("base section");
+        /// Radius of the sphere.
+        sphere_radius: f32 = 6.0, hard(0.1, 60.0), soft(2.0, 15.0), unit(Length), handle(Handle::Radius), words("size ball");
+        /// Height of the sphere's middle over the scalp. Unset: the sphere's radius, so that it rests on the scalp.
+        offset: Option<f32>, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), handle(Handle::Length), words("height centre");
+        /// Angle from the top of the sphere down to which tips reach: 90 degrees is the upper half, 180 all of it.
+        coverage: f32 = 140.0, hard(10.0, 175.0), soft(60.0, 160.0), unit(Angle), handle(Handle::Angle), words("cap cone");
+        /// Rows of guides from the top down, each as far in area from the next.
+        rows: i64 = 6, hard(1.0, 200.0), soft(2.0, 16.0), unit(Count);
+        /// Guides in a row.
+        columns: i64 = 16, hard(3.0, 400.0), soft(6.0, 40.0), unit(Count);
+        /// Height over the scalp at which the hair is tied.
+        tie_height: f32 = 0.8, hard(0.0, 30.0), soft(0.0, 4.0), unit(Length), handle(Handle::Length), words("root gather band elastic");
+        /// How tightly the tie gathers the hair, from 0 (as wide as its roots) to 1 (to a point, nearly).
+        tightness: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("root gather band elastic");
+        /// How the hair runs from the tie to the sphere, from 0 (straight) to 1 (through the middle, ending square to the sphere).
+        bulge: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("round swell");
+        /// Whether the number of hairs is given, or how densely they are rooted.
+        fill: Fill = Fill::Count;
+        /// Hairs in a puff, when given by count. More only adds hairs.
+        count: i64 = 6000, hard(0.0, 1000000.0), soft(500.0, 20000.0), unit(Count), words("amount hairs strands");
+        /// Hairs to each square centimetre of roots, when given by density.
+        density: f32 = 200.0, hard(0.0, 5000.0), soft(20.0, 600.0), unit(PerCm2), words("amount hairs strands");
+        /// How deep under the sphere the outermost tips end, as a share of its radius.
+        depth_from: f32 = 0.0, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("tip depth soft");
+        /// How deep under the sphere the innermost tips end, as a share of its radius.
+        depth_to: f32 = 0.1, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("tip depth soft");
+        /// By which share hair will shrink when it is curled: `fibre_length` is so much longer than the hair's way to the sphere. A curl
+        /// that keeps the fibre's length then ends at the sphere, unless it shrinks more.
+        shrinkage: f32 = 0.75, hard(0.0, 0.95), soft(0.0, 0.9), unit(Ratio), words("fibre length curl");
+        /// Points on each curve.
+        points: i64 = 24, hard(6.0, 1000.0), soft(8.0, 64.0), unit(Count), words("cvs resolution segments");
+        /// Whether lengths follow the head's size.
+        scale_with_head: bool = true;
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
+    }
+    outputs {
+        /// Rows and columns of curves that end on the sphere. Their parent is the puff.
+        guides: Curves;
+        /// The hair. Its parents are the nearest guides, so that a curl clumps by guide.
+        curves: Curves;
+    }
+}
+
+choice! {
+    /// What decides the number of hairs.
+    Fill {
+        /// So many in a puff.
+        Count = "count",
+        /// So many to a square centimetre of roots.
+        Density = "density",
+    }
+}
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = &*inputs.scalp;
+    let skin = cx.skin(scalp);
+    let unit = if inputs.scale_with_head { scalp.frame().unit() } else { 1.0 };
+    if unit != 1.0 {
+        cx.remark(format!("lengths are multiplied by {unit:.3}, the size of the head"));
+    }
+    let count = match inputs.fill {
+        Fill::Count => inputs.count as usize,
+        Fill::Density => (inputs.density * PI * inputs.root_radius * inputs.root_radius) as usize,
+    };
+    let count = cx.thinned(count.min(MOST_HAIRS));
+    let dice = cx.dice(inputs.seed, "puff");
+    let middles = match &inputs.placements {
+        Some(placements) => placed(cx, scalp, placements),
+        None => picked(scalp, inputs.position).map(|middle| (middle, 0)).into_iter().collect(),
+    };
+    if middles.is_empty() && inputs.placements.is_none() {
+        return Err(NodeError::failed("the scalp has no surface to place a puff on"));
+    }
+    let puffs: Vec<Puff> = middles
+        .into_iter()
+        .map(|(middle, parent)| Puff::new(&inputs, skin, unit, middle, parent))
+        .collect();
+    // Each puff is one piece of work for its guides and one for each so many hairs.
+    let pieces = 1 + count.div_ceil(HAIRS_A_PIECE);
+    let key = |i: usize| {
+        let puff = &puffs[i / pieces];
+        let key = KeyBuilder::new("puff").int(puff.id).vec3(puff.middle.point);
+        key.vec3(puff.middle.normal).int((i % pieces) as u64).finish()
+    };
+    let [guides, curves] = cx.each_item(puffs.len() * pieces, key, |i, piece| {
+        let puff = &puffs[i / pieces];
+        let none = || TuftBuilder::new().build();
+        Ok(match i % pieces {
+            0 => [puff.guides(piece)?, none()],
+            part => {
+                let from = (part - 1) * HAIRS_A_PIECE;
+                [none(), puff.hair(from..count.min(from + HAIRS_A_PIECE), dice, piece)?]
+            }
+        })
+    })?;
+    Ok(Outputs { guides, curves })
+}
+
+/// The roots of placements and their ids.
+fn placed(cx: &EvalCx, scalp: &Scalp, placements: &Curves) -> Vec<(Root, u64)> {
+    let mut out = vec![];
+    for (tuft, i) in placements.each() {
+        let at = tuft.curve(i).first().copied().unwrap_or(Vec3::NAN);
+        match scalp.closest_root(at) {
+            Some(middle) => out.push((middle, tuft.id(i))),
+            None => cx.trouble(tuft.id(i), "a placement without a root was left out"),
+        }
+    }
+    out
+}
+
+/// Hairs that are made in one piece of work.
+const HAIRS_A_PIECE: usize = 1024;
+/// The most hairs of one puff, whatever the density asks.
+const MOST_HAIRS: usize = 1_000_000;
+/// Samples of a path before its CVs are spread evenly.
+const SAMPLES: usize = 24;
+
+/// The scalp in a direction (head units) from the middle of the cranium: the outermost surface there, else the closest.
+fn picked(scalp: &Scalp, position: Vec3) -> Option<Root> {
+    let frame = scalp.frame();
+    let to = frame.point_from_head(position);
+    let out = (to - frame.origin).try_normalize().unwrap_or(frame.up);
+    let (low, high) = scalp.surface().bounds();
+    let reach = low.distance(high) + frame.origin.distance(0.5 * (low + high));
+    let hit = scalp.surface().ray(frame.origin + out * reach, -out * reach, 1.0);
+    hit.map(|hit| scalp.root(hit.triangle, hit.bary)).or_else(|| scalp.closest_root(to))
+}
+
+/// One puff: its place and sizes in cm, and where its guides point.
+struct Puff<'a> {
+    inputs: &'a Inputs,
+    skin: Skin<'a>,
+    id: u64,
+    middle: Root,
+    /// Axes of the root disc; azimuth 0 is `right`.
+    right: Vec3,
+    ahead: Vec3,
+    centre: Vec3,
+    root_radius: f32,
+    radius: f32,
+    tie_height: f32,
+    /// By row and column, from the sphere's centre. Unit.
+    directions: Vec<Vec3>,
+}
+
+impl<'a> Puff<'a> {
+    fn new(inputs: &'a Inputs, skin: Skin<'a>, unit: f32, middle: Root, parent: u64) -> Self {
+        let (up, frame) = (middle.normal, inputs.scalp.frame());
+        let ahead = across(frame.forward, up)
+            .or_else(|| across(frame.up, up))
+            .unwrap_or_else(|| any_normal(up));
+        let offset = inputs.offset.unwrap_or(inputs.sphere_radius);
+        let mut puff = Self {
+            inputs,
+            skin,
+            id: curve_id(parent, inputs.seed as u64, 0),
+            middle,
+            right: ahead.cross(up),
+            ahead,
+            centre: middle.point + up * (offset * unit),
+            root_radius: inputs.root_radius * unit,
+            radius: inputs.sphere_radius * unit,
+            tie_height: inputs.tie_height * unit,
+            directions: vec![],
+        };
+        let (rows, columns) = (inputs.rows as usize, inputs.columns as usize);
+        puff.directions = (0..rows * columns)
+            .map(|i| {
+                let polar = puff.polar((i / columns + 1) as f32 / rows as f32);
+                puff.direction(polar, (i % columns) as f32 / columns as f32)
+            })
+            .collect();
+        puff
+    }
+
+    /// The angle from the top within which lies the share `area` of the covered cap.
+    fn polar(&self, area: f32) -> f32 {
+        acos(1.0 - area * (1.0 - cos(self.inputs.coverage.to_radians())))
+    }
+
+    /// The direction from the sphere's centre at an angle from the top and an azimuth in turns.
+    fn direction(&self, polar: f32, azimuth: f32) -> Vec3 {
+        let ((sin, cos), (y, x)) = (sin_cos(polar), sin_cos_turns(azimuth));
+        self.middle.normal * cos + (self.right * x + self.ahead * y) * sin
+    }
+
+    /// The root under a place of the unit disc.
+    fn root(&self, place: Vec2) -> Option<Root> {
+        let place = place * self.root_radius;
+        let over = self.middle.point + self.right * place.x + self.ahead * place.y;
+        self.inputs.scalp.closest_root(over)
+    }
+
+    /// The id of the guide in a row and column.
+    fn guide_id(&self, row: usize, column: usize) -> u64 {
+        let number = (1 << 40) | (row << 20) | column;
+        curve_id(self.id, self.inputs.seed as u64, number as u64)
+    }
+
+    fn guides(&self, piece: &mut Piece) -> Result<Tuft, NodeError> {
+        let columns = self.inputs.columns as usize;
+        let mut out = Bundle::default();
+        for (i, direction) in self.directions.iter().enumerate() {
+            piece.tick()?;
+            let (row, column) = (i / columns, i % columns);
+            let area = (row + 1) as f32 / self.inputs.rows as f32;
+            let (y, x) = sin_cos_turns(column as f32 / columns as f32);
+            let tip = self.centre + *direction * self.radius;
+            let id = self.guide_id(row, column);
+            if self.skin.distance(tip) < 0.0 {
+                piece.trouble(id, DIPS);
+            }
+            self.grow(Vec2::new(x, y) * area.sqrt(), tip, (id, self.id), &mut out);
+        }
+        Ok(out.build())
+    }
+
+    fn hair(&self, which: Range<usize>, dice: Dice, piece: &mut Piece) -> Result<Tuft, NodeError> {
+        let shift = [dice.unit(self.id, 0), dice.unit(self.id, 1)];
+        let (from, to) = (self.inputs.depth_from, self.inputs.depth_to);
+        let mut out = Bundle::default();
+        for k in which {
+            piece.tick()?;
+            let place = Vec2::from(disc(k as u32, shift));
+            let (direction, (row, column)) = self.between(place);
+            let id = curve_id(self.id, self.inputs.seed as u64, k as u64);
+            let depth = dice.range(id, 2, from.min(to), from.max(to));
+            let tip = self.centre + direction * (self.radius * (1.0 - depth));
+            // Where the sphere dips into the head, hair ends on the skin.
+            let tip = self.skin.push_out(tip, 0.0).0;
+            self.grow(place, tip, (id, self.guide_id(row, column)), &mut out);
+        }
+        Ok(out.build())
+    }
+
+    /// The direction at a place of the unit disc, by slerp between the four guides around it (the axis stands for
+    /// the row within the first), and the row and column of the nearest guide.
+    fn between(&self, place: Vec2) -> (Vec3, (usize, usize)) {
+        let (rows, columns) = (self.inputs.rows as usize, self.inputs.columns as usize);
+        let area = place.length_squared().min(1.0);
+        let rows_out = area * rows as f32;
+        let row = (rows_out as usize).min(rows - 1);
+        let column = (atan2(place.y, place.x) / TAU).rem_euclid(1.0) * columns as f32;
+        let (first, beside) = (column as usize % columns, column.fract());
+        let at = |row: usize, column: usize| match row {
+            0 => self.middle.normal,
+            row => self.directions[(row - 1) * columns + column % columns],
+        };
+        // Rows lie evenly in area, not in angle.
+        let angle = |row: usize| self.polar(row as f32 / rows as f32);
+        let (inner, outer) = (angle(row), angle(row + 1));
+        let out = ((self.polar(area) - inner) / (outer - inner)).clamp(0.0, 1.0);
+        let along = |row| slerp(at(row, first), at(row, first + 1), beside);
+        let nearest = (rows_out.round() as usize).clamp(1, rows) - 1;
+        let nearest_column = (first + usize::from(beside >= 0.5)) % columns;
+        (slerp(along(row), along(row + 1), out), (nearest, nearest_column))
+    }
+
+    /// Adds the curve from a place of the unit disc to a tip.
+    fn grow(&self, place: Vec2, tip: Vec3, ids: (u64, u64), out: &mut Bundle) {
+        let Some(root) = self.root(place) else { return };
+        let up = self.middle.normal;
+        let aside = (self.right * place.x + self.ahead * place.y) * self.root_radius;
+        let tie_width = 1.0 - 0.98 * self.inputs.tightness;
+        let tie = self.middle.point + up * self.tie_height + aside * tie_width;
+        // Leaving the tie towards the axis by `bulge` of the way's angle from it, a parabola ends as much away from
+        // it: square to a sphere that rests on the tie, when `bulge` is 1. Angles that grow with the distance
+        // from the axis keep their order, so hairs do not cross.
+        let way = tip - tie;
+        let straight = way.normalize_or(up);
+        let angle = acos(straight.dot(up)) * self.inputs.bulge;
+        let bend = tie
+            + slerp(straight, up, self.inputs.bulge) * (0.5 * way.length() / cos(angle).max(0.2));
+        // From the root along the normal to the tie (a cubic), then to the tip (a parabola).
+        let reach = root.point.distance(tie);
+        let (leaving, passing) =
+            (root.normal * (1.2 * reach), (bend - tie).normalize_or(up) * reach);
+        out.path.clear();
+        for k in 0..SAMPLES / 2 {
+            let t = k as f32 / (SAMPLES / 2) as f32;
+            let (t2, t3) = (t * t, t * t * t);
+            out.path.push(
+                root.point * (2.0 * t3 - 3.0 * t2 + 1.0)
+                    + leaving * (t3 - 2.0 * t2 + t)
+                    + tie * (3.0 * t2 - 2.0 * t3)
+                    + passing * (t3 - t2),
+            );
+        }
+        for k in 0..=SAMPLES / 2 {
+            let t = k as f32 / (SAMPLES / 2) as f32;
+            let s = 1.0 - t;
+            out.path.push(tie * (s * s) + bend * (2.0 * s * t) + tip * (t * t));
+        }
+        let n = out.path.len();
+        for p in &mut out.path[1..n - 1] {
+            *p = self.skin.push_out(*p, 0.0).0;
+        }
+        if out.spline.rebuild(&out.path).is_err() {
+            return;
+        }
+        out.points.clear();
+        let Bundle { spline, points, .. } = out;
+        spline.resample(self.inputs.points as usize, |p| points.push(p));
+        let last = points.len() - 1;
+        points[0] = root.point;
+        points[last] = tip;
+        for p in &mut points[1..last] {
+            *p = self.skin.push_out(*p, 0.0).0;
+        }
+        out.tuft.push_curve(&out.points);
+        out.ids.push(ids);
+        out.fibres.push(out.spline.length() / (1.0 - self.inputs.shrinkage));
+        out.roots.push(root);
+    }
+}
+
+const DIPS: &str =
+    "guides end inside the head: raise the offset or lower the coverage or the sphere's radius";
+
+/// Between two unit vectors, at an even pace along the shortest arc.
+fn slerp(a: Vec3, b: Vec3, t: f32) -> Vec3 {
+    let angle = acos(a.dot(b));
+    if angle < 1e-3 {
+        return a.lerp(b, t).normalize_or(a);
+    }
+    ((a * sin((1.0 - t) * angle) + b * sin(t * angle)) / sin(angle)).normalize_or(a)
+}
+
+/// Curves of one puff while they are made.
+#[derive(Default)]
+struct Bundle {
+    tuft: TuftBuilder,
+    /// Own id and parent's.
+    ids: Vec<(u64, u64)>,
+    roots: Vec<Root>,
+    fibres: Vec<f32>,
+    path: Vec<Vec3>,
+    points: Vec<Vec3>,
+    spline: Spline,
+}
+
+impl Bundle {
+    fn build(self) -> Tuft {
+        let mut tuft = self.tuft;
+        fn each<T>(roots: &[Root], of: impl Fn(&Root) -> T) -> Vec<T> {
+            roots.iter().map(of).collect()
+        }
+        let roots = &self.roots;
+        tuft.set(ID, Domain::Curve, self.ids.iter().map(|(id, _)| *id).collect());
+        tuft.set(PARENT, Domain::Curve, self.ids.iter().map(|(_, parent)| *parent).collect());
+        tuft.set(ROOT_TRIANGLE, Domain::Curve, each(roots, |root| root.triangle as i32));
+        tuft.set(ROOT_BARY, Domain::Curve, each(roots, |root| root.bary));
+        tuft.set(ROOT_UV, Domain::Curve, each(roots, |root| root.uv));
+        tuft.set(SCALP_NORMAL, Domain::Curve, each(roots, |root| root.normal));
+        tuft.set(FIBRE, Domain::Curve, self.fibres);
+        tuft.build()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::scalp::tests::ball;
+    use crate::define::Value;
+    use crate::eval::{Log, PlainHost, Quality};
+    use crate::testing::{curves_of, run, run_on};
+    use std::collections::BTreeSet;
+
+    fn puff(set: &[(&str, Value)]) -> (Curves, Curves, Vec<String>) {
+        let (out, said) = run(&NODE, &[&[("scalp", ball().into())], set].concat());
+        (curves_of(&out[0]).clone(), curves_of(&out[1]).clone(), said)
+    }
+
+    /// The ball's place for a puff, its normal there, and the sphere's centre for a radius of 6.
+    fn middle(scalp: &Scalp) -> (Root, Vec3) {
+        let root = picked(scalp, Vec3::new(0.0, 8.0, -4.0)).unwrap();
+        (root, root.point + root.normal * 6.0)
+    }
+
+    #[test]
+    fn guides_end_on_the_sphere_leave_along_the_normal_and_stay_outside() {
+        let scalp = ball();
+        let skin = scalp.skin();
+        let (_, centre) = middle(&scalp);
+        let (mut off, mut leaving, mut deepest, mut uneven) = (0.0f32, 1.0f32, 0.0f32, 1.0f32);
+        for (tightness, bulge, tie) in [(0.5, 0.5, 0.8), (0.9, 0.0, 2.0), (0.0, 1.0, 0.5)] {
+            let (guides, _, said) = puff(&[
+                ("tightness", Value::Float(tightness)),
+                ("bulge", Value::Float(bulge)),
+                ("tie_height", Value::Float(tie)),
+                ("count", Value::Int(0)),
+            ]);
+            assert_eq!(guides.curve_count(), 96);
+            assert!(said.is_empty(), "{said:?}");
+            for (tuft, i) in guides.each() {
+                let points = tuft.curve(i);
+                let spline = Spline::new(points).unwrap();
+                off = off.max((points[points.len() - 1].distance(centre) / 6.0 - 1.0).abs());
+                let normal = tuft.view(SCALP_NORMAL).at(i, 0);
+                leaving = leaving.min(spline.tangent_at(0.0).dot(normal));
+                for k in 0..=200 {
+                    deepest = deepest.min(skin.distance(spline.at(k as f32 / 200.0)));
+                }
+                for pair in
+                    points.windows(2).map(|w| w[0].distance(w[1])).collect::<Vec<_>>().windows(2)
+                {
+                    uneven = uneven.max(pair[0].max(pair[1]) / pair[0].min(pair[1]));
+                }
+            }
+        }
+        assert!(off < 1e-4 && leaving > 0.99 && deepest > -1e-3, "{off} {leaving} {deepest}");
+        assert!(uneven <= 1.2, "{uneven}");
+    }
+
+    #[test]
+    fn guides_keep_their_order() {
+        let scalp = ball();
+        let (root, _) = middle(&scalp);
+        let (guides, _, _) = puff(&[("count", Value::Int(0))]);
+        let tuft = &guides.tufts()[0];
+        let (up, right) = (root.normal, any_normal(root.normal));
+        let ahead = up.cross(right);
+        let across = |row: usize, column: usize| -> Vec<Vec3> {
+            let points = tuft.curve(row * 16 + column).iter().map(|p| *p - root.point);
+            points.map(|p| Vec3::new(p.dot(right), p.dot(ahead), p.dot(up))).collect()
+        };
+        for row in 0..6 {
+            for column in 0..16 {
+                // One column on, always the same way round.
+                for (a, b) in across(row, column).iter().zip(across(row, (column + 1) % 16)) {
+                    let step = atan2(b.y, b.x) - atan2(a.y, a.x);
+                    let step = step - TAU * (step / TAU).round();
+                    assert!((step.abs() - TAU / 16.0).abs() < 0.15, "{row} {column}: {step}");
+                }
+            }
+        }
+        // Rows of a column lie in one half plane and do not cross there.
+        for (row, other) in (0..5).flat_map(|row| (row + 1..6).map(move |other| (row, other))) {
+            for column in 0..16 {
+                let flat = |row| -> Vec<Vec2> {
+                    let points = across(row, column).into_iter();
+                    points.map(|p| Vec2::new(p.truncate().length(), p.z)).collect()
+                };
+                let side = |a: Vec2, b: Vec2, p: Vec2| (b - a).perp_dot(p - a) > 0.0;
+                for a in flat(row).windows(2) {
+                    for b in flat(other).windows(2) {
+                        let crossed = side(a[0], a[1], b[0]) != side(a[0], a[1], b[1])
+                            && side(b[0], b[1], a[0]) != side(b[0], b[1], a[1]);
+                        assert!(!crossed, "rows {row} and {other} of column {column} cross");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_fill_covers_the_sphere() {
+        let scalp = ball();
+        let (root, centre) = middle(&scalp);
+        let (_, hair, _) = puff(&[("count", Value::Int(22_000))]);
+        let curled = run(
+            &crate::by_id("shape_list_curl").unwrap(),
+            &[("curves", hair.clone().into()), ("preset", "4a".into())],
+        );
+        for (what, hair) in [("straight", &hair), ("4a", curves_of(&curled.0[0]))] {
+            // Rings of 5 degrees cut into cells of one area, as near as whole numbers allow.
+            let cells = |ring: usize| {
+                let area = cos(ring as f32 * PI / 36.0) - cos((ring + 1) as f32 * PI / 36.0);
+                (area * TAU / (PI / 36.0 * PI / 36.0)).round().max(1.0) as usize
+            };
+            let near = hair
+                .each()
+                .filter(|(t, i)| {
+                    let p = t.curve(*i);
+                    (p[p.len() - 1].distance(centre) / 6.0 - 1.0).abs() < 0.11
+                })
+                .count();
+            println!("all near {near} of {} {}", hair.curve_count(), root.point);
+            let mut held = BTreeSet::new();
+            for (tuft, i) in hair.each() {
+                let far = |p: &&Vec3| p.distance(centre);
+                let points = tuft.curve(i).iter();
+                let outermost = points.max_by(|a, b| far(a).total_cmp(&far(b))).unwrap();
+                if (outermost.distance(centre) / 6.0 - 1.0).abs() <= 0.03 {
+                    let d = (outermost - centre).normalize();
+                    let ring = (acos(d.dot(root.normal)) * 36.0 / PI) as usize;
+                    let right = any_normal(root.normal);
+                    let azimuth = atan2(d.dot(right), d.dot(root.normal.cross(right))) / TAU;
+                    let cell = (azimuth.rem_euclid(1.0) * cells(ring) as f32) as usize;
+                    held.insert((ring, cell));
+                }
+            }
+            // Rings whose far border lies 5 degrees or more inside 140 degrees.
+            let asked: usize = (0..27).map(cells).sum();
+            let held = held.iter().filter(|(ring, _)| *ring < 27).count();
+            println!("{what}: {held} of {asked} cells, {:.1} hairs a cell", 22_000.0 / 1457.0);
+            assert!(held as f32 >= 0.95 * asked as f32, "{what}: {held} of {asked}");
+        }
+    }
+
+    #[test]
+    fn more_hair_only_adds_hair_and_preview_makes_the_first_of_it() {
+        let ids = |hair: &Curves| hair.each().map(|(tuft, i)| tuft.id(i)).collect::<Vec<_>>();
+        let point = |hair: &Curves, n: usize| {
+            let (tuft, i) = hair.each().nth(n).unwrap();
+            tuft.curve(i).to_vec()
+        };
+        let (_, few, _) = puff(&[("count", Value::Int(300))]);
+        let (_, many, _) = puff(&[("count", Value::Int(2500))]);
+        assert_eq!(ids(&few), ids(&many)[..300]);
+        assert_eq!(ids(&many).into_iter().collect::<BTreeSet<_>>().len(), 2500);
+        assert_eq!(point(&few, 250), point(&many, 250));
+        let set = [("scalp", ball().into()), ("count", Value::Int(2500))];
+        let out = run_on(&NODE, &set, &PlainHost, &Log::default(), Quality::Preview).unwrap();
+        assert_eq!(ids(curves_of(&out[1])), ids(&many)[..250]);
+    }
+
+    #[test]
+    fn each_placement_has_its_puff_and_hair_is_bound_and_outside() {
+        let mut b = TuftBuilder::new();
+        b.push_curve(&[Vec3::new(-5.0, 7.5, 0.0), Vec3::new(-9.0, 12.0, 0.0)]);
+        b.push_curve(&[Vec3::new(5.0, 7.5, 0.0), Vec3::new(9.0, 12.0, 0.0)]);
+        b.push_curve(&[Vec3::NAN]);
+        b.set(ID, Domain::Curve, vec![7, 8, 9]);
+        let placements = Curves::new(vec![b.build().into()]);
+        let (guides, hair, said) =
+            puff(&[("placements", placements.into()), ("count", Value::Int(500))]);
+        assert_eq!((guides.curve_count(), hair.curve_count()), (192, 1000));
+        assert_eq!(said, ["a placement without a root was left out (curve 0000000000000009)"]);
+        let scalp = ball();
+        let skin = scalp.skin();
+        let parents: BTreeSet<u64> = guides.each().map(|(tuft, i)| tuft.id(i)).collect();
+        for (tuft, i) in hair.each() {
+            let points = tuft.curve(i);
+            let triangle = tuft.view(ROOT_TRIANGLE).at(i, 0) as u32;
+            let root = scalp.root(triangle, tuft.view(ROOT_BARY).at(i, 0));
+            assert!(root.point.distance(points[0]) < 1e-3);
+            assert!(parents.contains(&tuft.view(PARENT).at(i, 0)));
+            assert!(points.iter().all(|p| skin.distance(*p) > -1e-3));
+            let length = Spline::new(points).unwrap().length();
+            assert!((tuft.view(FIBRE).at(i, 0) * 0.25 / length - 1.0).abs() < 0.02);
+        }
+    }
+
+    #[test]
+    fn a_sphere_in_the_head_is_said() {
+        let (_, _, said) = puff(&[("offset", Value::Float(0.0)), ("count", Value::Int(20))]);
+        assert!(said.iter().any(|text| text.starts_with(DIPS)), "{said:?}");
+    }
+}
