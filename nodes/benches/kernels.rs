@@ -214,6 +214,20 @@ fn b_cluster_to_strands(bencher: Bencher, n: usize) {
     bencher.bench(|| run("cluster_to_strands", &set, &host));
 }
 
+/// Clusters that lie on the head, so that four points of ten have to be pushed out of it.
+#[divan::bench(args = STRANDS, sample_count = 10)]
+fn b_cluster_to_strands_lying(bencher: Bencher, n: usize) {
+    let lying = [
+        ("scalp", head().into()),
+        ("count", Value::Int(CLUSTERS as i64)),
+        ("lie", Value::Float(5.0)),
+        ("length", Value::Float(8.0)),
+    ];
+    let mut set = clusters(n);
+    set[0].1 = run("scatter_guides", &lying, &Pool).into();
+    bencher.bench(|| run("cluster_to_strands", &set, &Pool));
+}
+
 #[divan::bench(args = STRANDS, sample_count = 20)]
 fn c_root_projections(bencher: Bencher, n: usize) {
     let (scalp, host) = (head(), Pool);

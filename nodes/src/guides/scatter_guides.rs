@@ -207,8 +207,8 @@ struct Grower<'a> {
 }
 
 impl Grower<'_> {
-    /// A guide, step by step: along the flow at the lie's angle to the skin below, less and less as it bends, pulled down as it
-    /// gets free.
+    /// A guide, step by step: along the flow at the lie's angle to the skin below, less and less as it bends,
+    /// pulled down as it gets free.
     fn grow(&self, root: &Root, length: f32, lie: f32, [turn, tilt]: [f32; 2]) -> Vec<Vec3> {
         let count = self.inputs.points as usize;
         let steps = (count - 1) * SUBSTEPS;

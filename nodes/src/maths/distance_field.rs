@@ -2,12 +2,12 @@
 //!
 //! Samples every 2 mm within 1 cm of the surface, in blocks of 8 x 8 x 8 cells that carry their own
 //! border, so that one lookup touches one block. Exact distances are computed beside the surface
-//! and handed on from sample to sample (the nearest triangle of a neighbour is a candidate), which needs about one exact
-//! distance a sample instead of a search. Blocks away from the band only know their side.
+//! and handed on from sample to sample (the nearest triangle of a neighbour is a candidate), which needs about one
+//! exact distance a sample instead of a search. Blocks away from the band only know their side.
 //!
 //! Guarantees: the same bits for any number of threads; error under a tenth of a cell where the
-//! surface is smooth on the scale of a cell, under half a cell at sharp creases. Within a cell of the surface callers who
-//! need more ask [`Surface::closest`](super::closest::Surface::closest).
+//! surface is smooth on the scale of a cell, under half a cell at sharp creases. Within a cell of the surface
+//! callers who need more ask [`Surface::closest`](super::closest::Surface::closest).
 
 use super::closest::{Hit, Surface, closest_on_triangle};
 use glam::{IVec3, Vec3};
