@@ -92,7 +92,7 @@ fn head() -> Arc<Scalp> {
         let region = surface.points.iter().map(|p| f32::from(p.y > 0.0)).collect();
         let scalp =
             Scalp::new(surface, None, HeadFrame::IDENTITY, [(REGION.to_owned(), region)].into());
-        scalp.skin(&|n, f| Pool.for_each(n, f));
+        scalp.skin();
         Arc::new(scalp)
     })
     .clone()
@@ -214,6 +214,20 @@ fn b_cluster_to_strands(bencher: Bencher, n: usize) {
     bencher.bench(|| run("cluster_to_strands", &set, &host));
 }
 
+/// Clusters that lie on the head, so that four points of ten have to be pushed out of it.
+#[divan::bench(args = STRANDS, sample_count = 10)]
+fn b_cluster_to_strands_lying(bencher: Bencher, n: usize) {
+    let lying = [
+        ("scalp", head().into()),
+        ("count", Value::Int(CLUSTERS as i64)),
+        ("lie", Value::Float(5.0)),
+        ("length", Value::Float(8.0)),
+    ];
+    let mut set = clusters(n);
+    set[0].1 = run("scatter_guides", &lying, &Pool).into();
+    bencher.bench(|| run("cluster_to_strands", &set, &Pool));
+}
+
 #[divan::bench(args = STRANDS, sample_count = 20)]
 fn c_root_projections(bencher: Bencher, n: usize) {
     let (scalp, host) = (head(), Pool);
@@ -227,7 +241,7 @@ fn c_root_projections(bencher: Bencher, n: usize) {
         })
         .collect();
     bencher.bench(|| {
-        let skin = scalp.skin(&|n, f| host.for_each(n, f));
+        let skin = scalp.skin();
         asked
             .par_chunks(512)
             .map(|c| c.iter().filter_map(|p| skin.closest(*p)).count())

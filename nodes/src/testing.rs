@@ -76,25 +76,3 @@ pub(crate) fn curves_of(value: &Value) -> &Curves {
         other => panic!("a {}", other.type_name()),
     }
 }
-
-/// A host without threads that forgets nothing, for tests of what is made again.
-#[derive(Default)]
-pub(crate) struct Memory(
-    std::sync::Mutex<std::collections::BTreeMap<crate::maths::hash::Key, crate::eval::Kept>>,
-);
-
-impl Host for Memory {
-    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
-        (0..n).for_each(f);
-    }
-    fn cancelled(&self) -> bool {
-        false
-    }
-    fn find(&self, key: crate::maths::hash::Key) -> Option<crate::eval::Kept> {
-        self.0.lock().unwrap().get(&key).cloned()
-    }
-    fn keep(&self, key: crate::maths::hash::Key, value: crate::eval::Kept, _: usize) {
-        self.0.lock().unwrap().insert(key, value);
-    }
-    fn progress(&self, _: usize, _: usize) {}
-}

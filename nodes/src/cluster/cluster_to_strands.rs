@@ -33,37 +33,39 @@ node! {
     "cluster_to_strands", version 1, label "Cluster to strands",
         words "fill wisp clump lock generate hair strands sketch frizz twist rope density tube", thins;
     inputs {
-        /// Clusters to fill. Their attributes radius, density, frizz, roll, colour and allow_depth count where the inputs
-        /// below read them.
+        /// Clusters to fill. Their attributes radius, density, frizz, roll, colour and allow_depth count where the
+        /// inputs below read them.
         curves: Curves;
-        /// The head. Roots are put on it and strands kept out of it; without one, roots fill the disc across the cluster's
-        /// root.
+        /// The head. Roots are put on it and strands kept out of it; without one, roots fill the disc across the
+        /// cluster's root.
         scalp: Option<Arc<Scalp>>;
         /// Strands in a cluster of density 1 and radius 1 cm. The number grows with density and with the area of the
         /// cross-section.
         strands: i64 = 512, hard(0.0, 65536.0), soft(16.0, 2048.0), unit(Count), words("amount number");
         /// Exactly so many strands in every cluster, whatever its density and radius. 0: as density and radius ask.
         count: i64 = 0, hard(0.0, 65536.0), soft(0.0, 2000.0), unit(Count), words("amount number");
-        /// Radius of the cross-section. May vary along the cluster, which makes tapered locks; the radius at the root decides
-        /// where roots lie and how many.
-        radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()), hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), words("thickness size"), handle(Handle::Radius);
+        /// Radius of the cross-section. May vary along the cluster, which makes tapered locks; the radius at the
+        /// root decides where roots lie and how many.
+        radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()),
+            hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), words("thickness size"), handle(Handle::Radius);
         /// How full the cluster is: 0 has no strands, 1 has all. Read at the root.
         density: FieldInput = Field::Attribute(DENSITY.name.to_owned()), hard(0.0, 1.0), unit(Ratio), words("fullness");
-        /// How much each strand wanders within the cluster: 0 runs parallel to it, 1 may cross all of it from one step to
-        /// the next.
-        frizz: FieldInput = Field::Attribute(FRIZZ.name.to_owned()), hard(0.0, 1.0), unit(Ratio), words("noise messy flyaway random");
+        /// How much each strand wanders within the cluster: 0 runs parallel to it, 1 may cross all of it from one
+        /// step to the next.
+        frizz: FieldInput = Field::Attribute(FRIZZ.name.to_owned()),
+            hard(0.0, 1.0), unit(Ratio), words("noise messy flyaway random");
         /// Distance along the cluster between two random steps of frizz. 0: one step at each of the cluster's points.
         frizz_step: f32 = 2.0, hard(0.0, 1000.0), soft(0.5, 5.0), unit(Length), words("scale frequency");
         /// Turn of the cross-section at each point of the cluster but the root, added up towards the tip and to the
         /// cluster's own roll. 45 at every point is a rope; negative turns the other way.
         twist: FieldInput = 0.0, hard(-3600.0, 3600.0), soft(-90.0, 90.0), unit(Angle), words("rope twirl spin roll");
-        /// Points on each strand, root and tip included. A strongly twisted cluster gets as many more as keep its turn under
-        /// 30 degrees from point to point.
+        /// Points on each strand, root and tip included. A strongly twisted cluster gets as many more as keep its
+        /// turn under 30 degrees from point to point.
         points: i64 = 16, hard(2.0, 1024.0), soft(4.0, 64.0), unit(Count), words("cvs segments resolution");
         /// Diameter of a hair at its root.
         width_root: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
-        /// Diameter of a hair at its tip. The same as at the root takes less memory; Set width can taper at the end of the
-        /// graph.
+        /// Diameter of a hair at its tip. The same as at the root takes less memory; Set width can taper at the
+        /// end of the graph.
         width_tip: f32 = 0.008, hard(0.0001, 1.0), soft(0.0005, 0.05), unit(Length), words("thickness diameter taper");
         /// Whether strands have the colour of their cluster.
         inherit_colour: bool = true, words("color");
@@ -209,8 +211,8 @@ impl Filler<'_> {
         Ok(out)
     }
 
-    /// A strand's place in the unit disc at each knot, between one more value at both ends: at every knot it takes a step
-    /// in a random direction, up to the wall and never farther than `steps` says.
+    /// A strand's place in the unit disc at each knot, between one more value at both ends: at every knot it takes
+    /// a step in a random direction, up to the wall and never farther than `steps` says.
     #[inline]
     fn wander(&self, id: u64, start: Vec2, steps: &[f32], walk: &mut [Vec2]) {
         let mut d = start;

@@ -25,8 +25,8 @@ use std::sync::Arc;
 node! {
     /// Grow hair all over the scalp that follows the guides around it.
     ///
-    /// Each hair is a blend of the guides nearest to its root, turned with the scalp from theirs to its own. Combing a guide
-    /// makes only the hair around it again; raising the density only adds hair.
+    /// Each hair is a blend of the guides nearest to its root, turned with the scalp from theirs to its own.
+    /// Combing a guide makes only the hair around it again; raising the density only adds hair.
     "interpolate", version 1, label "Interpolate",
         words "hair generate fill grow children between guides density populate", thins;
     inputs {
@@ -44,9 +44,11 @@ node! {
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region paint thin");
         /// How many guides shape a hair. More is smoother, fewer keeps the guides' own character; 1 copies the nearest.
         guides_per_hair: i64 = 3, hard(1.0, 16.0), soft(1.0, 8.0), unit(Count), words("neighbours blend");
-        /// Guides whose root is farther from the hair's than this do not count, and hair without any is not grown. 0: no limit.
+        /// Guides whose root is farther from the hair's than this do not count, and hair without any is not grown.
+        /// 0: no limit.
         reach: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 10.0), unit(Length), words("distance radius"), handle(Handle::Radius);
-        /// How much shorter a hair may be than its guides, drawn for each: 0 none, 1 down to nothing. It is cut, not shrunk.
+        /// How much shorter a hair may be than its guides, drawn for each: 0 none, 1 down to nothing. It is cut,
+        /// not shrunk.
         length_variation: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("random vary cut");
         /// How much hair is drawn to the nearest guide.
         clump: FieldInput = 0.0, hard(0.0, 1.0), unit(Ratio), words("gather wisp lock bunch");

@@ -144,8 +144,8 @@ impl Plan {
         let keep = cx.dice(asked.seed, "mask");
         let wanted =
             asked.count.unwrap_or_else(|| (f64::from(asked.density) * even.area()) as usize);
-        // By density: the list is gone through once. By count: until as many are found as asked for, which a soft edge, a
-        // mask or a reach may make more than that; ten times is where one gives up.
+        // By density: the list is gone through once. By count: until as many are found as asked for, which a soft
+        // edge, a mask or a reach may make more than that; ten times is where one gives up.
         let last = if asked.count.is_some() { wanted.saturating_mul(10) } else { wanted };
         let last = last.min(20_000_000);
         let mut hairs: Vec<Found> = vec![];
@@ -251,8 +251,8 @@ fn masked(
     Ok(kept.map(|(_, root)| root).collect())
 }
 
-/// The guides of a hair with their weights, nearest first: (1/d - 1/R)^2 with R the distance of the first guide that does not
-/// count, so that a guide's weight is zero when another takes its place.
+/// The guides of a hair with their weights, nearest first: (1/d - 1/R)^2 with R the distance of the first guide
+/// that does not count, so that a guide's weight is zero when another takes its place.
 fn weigh(
     tree: &Nearest,
     p: Vec3,

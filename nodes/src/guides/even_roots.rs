@@ -2,8 +2,8 @@
 //!
 //! Triangles are put in the order in which a Hilbert curve visits them, and the curve is continued within
 //! each triangle by bisection, so that one number from 0 to 1 tells a place and equal lengths have equal
-//! area. Numbers then come from van der Corput's sequence with its digits scrambled (Owen 1995), which spreads over any start of
-//! it. Where the region is soft, a place counts with the region's value as its chance.
+//! area. Numbers then come from van der Corput's sequence with its digits scrambled (Owen 1995), which spreads
+//! over any start of it. Where the region is soft, a place counts with the region's value as its chance.
 //!
 //! Guarantees: the list depends on scalp, seed and nothing else; as many places a cm2 everywhere that the region is 1.
 
@@ -15,7 +15,8 @@ use glam::{Vec2, Vec3};
 pub(crate) struct EvenRoots<'a> {
     scalp: &'a Scalp,
     dice: Dice,
-    /// Triangles with any region, in their order along the curve, and the sum of area times highest region up to and with each.
+    /// Triangles with any region, in their order along the curve, and the sum of area times highest region up to
+    /// and with each.
     triangles: Vec<u32>,
     sums: Vec<f64>,
 }
@@ -83,8 +84,8 @@ fn highest(scalp: &Scalp, region: &[f32], triangle: u32) -> f32 {
     a.max(b).max(c).min(1.0)
 }
 
-/// Van der Corput's sequence in base 2 as a 32-bit fraction, scrambled digit by digit in dependence of the digits before
-/// (the hash of Laine and Karras 2011).
+/// Van der Corput's sequence in base 2 as a 32-bit fraction, scrambled digit by digit in dependence of the digits
+/// before (the hash of Laine and Karras 2011).
 fn scrambled(i: u32, seed: u64) -> u32 {
     let mut x = i;
     let seed = mix(seed);
@@ -142,8 +143,8 @@ fn hilbert(mut cell: [u32; 3]) -> u32 {
         .fold(0, |key, bit| key << 3 | (x >> bit & 1) << 2 | (y >> bit & 1) << 1 | z >> bit & 1)
 }
 
-/// Places of the list of which no two are close: the list with those left out that lie too near to an earlier one. What is too
-/// near shrinks as places are taken, so every start of it is even and more only adds.
+/// Places of the list of which no two are close: the list with those left out that lie too near to an earlier one.
+/// What is too near shrinks as places are taken, so every start of it is even and more only adds.
 pub(crate) struct Apart {
     /// Taken places and the distance that each demanded.
     taken: Vec<Vec3>,

@@ -207,8 +207,8 @@ struct Grower<'a> {
 }
 
 impl Grower<'_> {
-    /// A guide, step by step: along the flow at the lie's angle to the skin below, less and less as it bends, pulled down as it
-    /// gets free.
+    /// A guide, step by step: along the flow at the lie's angle to the skin below, less and less as it bends,
+    /// pulled down as it gets free.
     fn grow(&self, root: &Root, length: f32, lie: f32, [turn, tilt]: [f32; 2]) -> Vec<Vec3> {
         let count = self.inputs.points as usize;
         let steps = (count - 1) * SUBSTEPS;
@@ -316,7 +316,7 @@ mod tests {
     fn check_laws(set: &[(&str, Value)], count: usize) {
         let (scalp, curves) = (shared_ball(), scatter(set));
         assert_eq!(curves.curve_count(), count);
-        let skin = scalp.skin(&crate::data::scalp::tests::in_order);
+        let skin = scalp.skin();
         for (tuft, i) in curves.each() {
             let points = tuft.curve(i);
             let triangle = tuft.view(ROOT_TRIANGLE).at(i, 0);

@@ -5,8 +5,8 @@
 //! 10 degrees of turn. A wanted direction (an axis, the scalp's normal) pulls the normal towards
 //! itself, at most 20 degrees a step.
 //!
-//! Guarantees: orthonormal to 1e-5; the normal of each step keeps `dot > 0.999` with the last one carried by the smallest
-//! rotation where nothing is wanted; corners and repeated points never make NaN.
+//! Guarantees: orthonormal to 1e-5; the normal of each step keeps `dot > 0.999` with the last one carried by the
+//! smallest rotation where nothing is wanted; corners and repeated points never make NaN.
 
 use super::closest::Surface;
 use super::spline::Spline;
@@ -63,8 +63,8 @@ pub fn carry(normal: Vec3, from: Vec3, to: Vec3) -> Vec3 {
     across(carried, to).unwrap_or_else(|| any_normal(to))
 }
 
-/// The smallest rotation that takes one unit vector to another. Between opposite ones, where there are many, it is that of
-/// [`carry`].
+/// The smallest rotation that takes one unit vector to another. Between opposite ones, where there are many, it is
+/// that of [`carry`].
 #[inline]
 pub fn smallest_rotation(from: Vec3, to: Vec3) -> Mat3 {
     let cos = from.dot(to);
@@ -113,7 +113,8 @@ pub const STEP_COS: f32 = 0.984_807_8;
 ///
 /// `start` is the wanted normal at the root ([`any_normal`] without one). `wish` is asked at every
 /// step, with the fraction, the point and the tangent; it never changes a frame by more than 20 degrees
-/// a step, and counts with the squared sine of its angle to the tangent, so that a direction along the curve asks nothing.
+/// a step, and counts with the squared sine of its angle to the tangent, so that a direction along the curve asks
+/// nothing.
 pub fn frames(
     spline: &Spline,
     us: &[f32],

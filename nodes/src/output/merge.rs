@@ -1,6 +1,7 @@
 //! Merge: several lots of curves as one, every id once.
 //!
-//! Guarantees: nothing is copied but the ids of tufts that hold a repeated one; of curves with one id the first keeps it.
+//! Guarantees: nothing is copied but the ids of tufts that hold a repeated one; of curves with one id the first
+//! keeps it.
 
 use crate::data::attributes::{Domain, ID};
 use crate::data::curves::{Curves, Tuft};

@@ -1,7 +1,7 @@
 //! Set colour: the colour of hair from root to tip.
 //!
-//! Guarantees: nothing else changes and nothing else is copied; a colour that is the same everywhere is stored once. Colours are
-//! linear Rec.709.
+//! Guarantees: nothing else changes and nothing else is copied; a colour that is the same everywhere is stored
+//! once. Colours are linear Rec.709.
 
 use super::set_width::fractions;
 use crate::data::attributes::{COLOUR, Domain};

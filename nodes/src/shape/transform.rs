@@ -1,8 +1,8 @@
 //! Transform: curves moved, turned and scaled.
 //!
-//! Guarantees: ids stay; attributes that are directions turn, those that are lengths scale; at the identity the input is handed on as it
-//! is. Not promised: that roots still lie on the scalp; the binding keeps telling where the curve grew
-//! unless it is made anew.
+//! Guarantees: ids stay; attributes that are directions turn, those that are lengths scale; at the identity the
+//! input is handed on as it is. Not promised: that roots still lie on the scalp; the binding keeps telling where
+//! the curve grew unless it is made anew.
 
 use crate::data::attributes::{
     ALLOW_DEPTH, Domain, FIBRE, Item, NORMAL, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
@@ -46,7 +46,8 @@ node! {
 choice! {
     /// Whose axes are meant.
     Space {
-        /// The head's: x to its left, y up, z forward, from the centre of the cranium, in centimetres on a head of average size.
+        /// The head's: x to its left, y up, z forward, from the centre of the cranium, in centimetres on a head of
+        /// average size.
         Head = "head",
         /// The file's axes and true centimetres.
         World = "world",
