@@ -28,7 +28,7 @@ node! {
     /// Choose a preset and change what you like: every number left unset is the preset's, every number that is set
     /// replaces it. What was used is told in the node's messages. Hairs of one parent share a curl as far as
     /// `definition` says.
-    "shape_list_curl", version 1, label "Shape-List Curl",
+    "shape_list_curl", version 1, label "Shape-list curl",
         words "curl wave coil kink ringlet helix spiral perm texture type cross-section uniformity";
     inputs {
         /// Curves to wind, one curl along each.

@@ -193,7 +193,9 @@ mod tests {
         let dice = Dice::new(6, 0, "query");
         let p =
             |id: u64| Vec3::new(dice.signed(id, 0), dice.signed(id, 1), dice.signed(id, 2)) * 4.0;
-        (0..1000).rev().for_each(|id| drop(b.depth(&surface, p(id))));
+        for id in (0..1000).rev() {
+            b.depth(&surface, p(id));
+        }
         for id in 0..1000 {
             assert_eq!(a.depth(&surface, p(id)), b.depth(&surface, p(id)));
         }
