@@ -576,7 +576,7 @@ mod tests {
     use super::*;
     use crate::data::attributes::{ROOT_BARY, ROOT_TRIANGLE};
     use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION};
-    use crate::define::Value;
+    use crate::define::{FileData, Value};
     use crate::eval::{Log, Quality};
     use crate::maths::closest::Surface;
     use crate::maths::spline::Spline;
@@ -594,16 +594,38 @@ mod tests {
         on(crate::maths::closest::tests::sphere(radius, 64), radius)
     }
 
+    /// One for all tests, for its distance field takes a second.
     fn bust() -> Arc<Scalp> {
-        let mesh = crate::scalp::bust::adult();
-        on(Surface::new(mesh.points, mesh.triangles), HEAD_RADIUS)
+        static BUST: std::sync::OnceLock<Arc<Scalp>> = std::sync::OnceLock::new();
+        let make = || {
+            let mesh = crate::scalp::bust::adult();
+            on(Surface::new(mesh.points, mesh.triangles), HEAD_RADIUS)
+        };
+        BUST.get_or_init(make).clone()
+    }
+
+    /// A scanned head with its default region; none where it is not on this machine.
+    fn scanned() -> Option<Arc<Scalp>> {
+        let path =
+            concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/lps_head/LeePerrySmith.glb");
+        let bytes = std::fs::read(path).ok()?.into();
+        let (path, extension) = ("head.glb".to_owned(), "glb".to_owned());
+        let file = FileData { path, extension, bytes, sides: BTreeMap::new() };
+        let head = crate::by_id("head")?;
+        match run(head, &[("mesh", Value::File(Arc::new(file)))]).0.remove(0) {
+            Value::Scalp(scalp) => Some(scalp),
+            _ => None,
+        }
     }
 
     /// A row over the scalp through the directions that `way` gives for 0 to 1, `radius` cm thick, 0.1 cm off it.
     fn row(scalp: &Scalp, id: u64, radius: f32, way: impl Fn(f32) -> Vec3) -> Arc<Tuft> {
         let unit = scalp.frame().unit();
         let points: Vec<Vec3> = (0..=24)
-            .map(|k| lay::laid(scalp, way(k as f32 / 24.0) * 9.5 * unit, 0.1 * unit).0)
+            .map(|k| {
+                let p = scalp.frame().point_from_head(way(k as f32 / 24.0) * 9.5);
+                lay::laid(scalp, p, 0.1 * unit).0
+            })
             .collect();
         let mut b = TuftBuilder::new();
         b.push_curve(&points);
@@ -691,7 +713,8 @@ mod tests {
             w.out_of_braid = w.out_of_braid.max(own.nearest(end).1 - source.view(RADIUS).at(0, 0));
             let spline = Spline::new(points).unwrap();
             for k in 1..60 {
-                w.depth = w.depth.max(-skin.distance(spline.at(k as f32 / 60.0)));
+                let d = -skin.distance(spline.at(k as f32 / 60.0));
+                w.depth = w.depth.max(d);
             }
             for p in points.windows(3) {
                 let ratio = p[0].distance(p[1]) / p[1].distance(p[2]);
@@ -713,7 +736,12 @@ mod tests {
     #[test]
     fn hairs_run_from_the_scalp_into_their_braid_and_stay_out_of_the_skin() {
         let mut all = vec![];
-        for (name, scalp) in [("ball", ball(HEAD_RADIUS)), ("bust", bust())] {
+        let mut heads = vec![("ball", ball(HEAD_RADIUS)), ("bust", bust())];
+        match scanned() {
+            Some(scalp) => heads.push(("scanned", scalp)),
+            None => println!("skipped: hairs_run_from_the_scalp (scanned head) needs ../shared"),
+        }
+        for (name, scalp) in heads {
             let sets = [
                 ("rows", rows(&scalp, 6)),
                 ("wild", wild(&scalp, 1)),
@@ -734,10 +762,10 @@ mod tests {
         for (name, what, w) in all {
             assert!(w.root < 1e-3 && w.bound < 1e-3, "{name} {what}: {w:?}");
             assert!(w.out_of_braid < 1e-3, "{name} {what}: {w:?}");
-            assert!(w.depth < 2e-3, "{name} {what}: {w:?}");
+            assert!(w.depth < 5e-4, "{name} {what}: {w:?}");
             assert!(w.spacing < 1.2, "{name} {what}: {w:?}");
             assert!(w.margin > 0.15 - 2e-3, "{name} {what}: {w:?}");
-            assert!(w.trespass < 0.02, "{name} {what}: {w:?}");
+            assert!(w.trespass < 0.01, "{name} {what}: {w:?}");
         }
     }
 
@@ -855,8 +883,8 @@ mod tests {
                 }
                 assert!(groups == 0 || ends.len() == groups * 3, "{grouping}: {}", ends.len());
                 let w = worst(&scalp, &rows, &curves);
-                assert!(w.out_of_braid < 1e-3 && w.depth < 2e-3, "{grouping}: {w:?}");
-                assert!(w.spacing < 1.2 && w.trespass < 0.02, "{grouping}: {w:?}");
+                assert!(w.out_of_braid < 1e-3 && w.depth < 5e-4, "{grouping}: {w:?}");
+                assert!(w.spacing < 1.2 && w.trespass < 0.01, "{grouping}: {w:?}");
             }
         }
     }

@@ -14,7 +14,7 @@
 use super::territory::{Row, Station, neighbour};
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Root, Scalp, Skin};
-use crate::maths::spline::Spline;
+use crate::maths::spline::{Place, Spline};
 use crate::maths::transcendental::{sin_cos, tan};
 use crate::scalp::lay::laid;
 use glam::Vec3;
@@ -226,6 +226,8 @@ pub(crate) fn way(
     };
     let surface = rules.scalp.surface();
     let end_height = surface.closest(end).map_or(0.0, |hit| surface.signed_distance(end, &hit));
+    // On a bumpy scalp the smooth normal does not quite point at the end.
+    let aside = end - laid(rules.scalp, end, end_height).0;
     let fine = rules.cvs + 2;
     // The middle hair is met where it is as far from the end, so that a hair rooted nearer to the braid does not first
     // run back to the middle hair's root.
@@ -252,12 +254,12 @@ pub(crate) fn way(
         if !rules.crossing {
             p = kept_at_home(ground, p, 0.25 * rules.parting);
         }
-        points.push(laid(rules.scalp, p, height).0);
+        points.push(laid(rules.scalp, p, height).0 + aside * (s * s));
     }
     points.push(end);
     let mut spline = Spline::default();
     // Lifting a point makes its neighbours uneven, and evening out may sink one: a few rounds settle both.
-    for round in 0..4 {
+    for round in 0..6 {
         if spline.rebuild(points).is_err() {
             return false;
         }
@@ -265,7 +267,7 @@ pub(crate) fn way(
         spline.resample(rules.cvs, |p| points.push(p));
         points[0] = root.point;
         points[rules.cvs - 1] = end;
-        if round == 3 || !lifted(rules, &mut spline, points) {
+        if round == 5 || !lifted(rules, &mut spline, points) {
             break;
         }
     }
@@ -294,12 +296,16 @@ fn lifted(rules: &Rules, spline: &mut Spline, points: &mut [Vec3]) -> bool {
     }
     let mut any = false;
     for span in 0..n - 1 {
-        for t in [0.33, 0.67] {
-            let p = spline.point(crate::maths::spline::Place { span, t });
-            let low = 0.1 * rules.clear - rules.skin.distance(p);
+        // The root stays, so its span is moved by its other end alone, and needs a look close to the root.
+        let at: &[f32] = if span == 0 { &[0.08, 0.2, 0.5] } else { &[0.33, 0.67] };
+        for &t in at {
+            let p = spline.point(Place { span, t });
+            let wanted = rules.clear * if span == 0 { 0.1 * t } else { 0.1 };
+            let low = wanted - rules.skin.distance(p);
             if low > 0.0 {
                 any = true;
-                let up = laid(rules.scalp, p, 0.0).1 * (1.5 * low + 0.2 * rules.clear);
+                let lever = if span == 0 { (1.0 / t).min(6.0) } else { 1.5 };
+                let up = laid(rules.scalp, p, 0.0).1 * (lever * low + 0.2 * rules.clear);
                 for k in [span, span + 1] {
                     if k > 0 && k < n - 1 {
                         points[k] += up;
