@@ -159,7 +159,7 @@ const HAIRS_A_PIECE: usize = 1024;
 /// The most hairs of one puff, whatever the density asks.
 const MOST_HAIRS: usize = 1_000_000;
 /// Samples of a path before its CVs are spread evenly.
-const SAMPLES: usize = 24;
+const SAMPLES: usize = 64;
 
 /// The scalp in a direction (head units) from the middle of the cranium: the outermost surface there, else the closest.
 fn picked(scalp: &Scalp, position: Vec3) -> Option<Root> {
