@@ -7,7 +7,7 @@ use coif_nodes::data::scalp::{HeadFrame, REGION, Scalp};
 use coif_nodes::define::Value;
 use coif_nodes::eval::{EvalCx, Host, Kept, Log, Quality};
 use coif_nodes::maths::closest::Surface;
-use coif_nodes::maths::distance_field::DistanceField;
+use coif_nodes::maths::distance_field::{Depth, DistanceField};
 use coif_nodes::maths::hash::{Dice, Key, KeyBuilder};
 use coif_nodes::maths::low_discrepancy::r2;
 use coif_nodes::maths::transcendental::sin_cos_turns;
@@ -230,7 +230,7 @@ fn b_cluster_to_strands_lying(bencher: Bencher, n: usize) {
 
 #[divan::bench(args = STRANDS, sample_count = 20)]
 fn c_root_projections(bencher: Bencher, n: usize) {
-    let (scalp, host) = (head(), Pool);
+    let scalp = head();
     let dice = Dice::new(0, 0, "roots");
     let at = falling(CLUSTERS);
     let asked: Vec<Vec3> = (0..n as u64)
@@ -286,8 +286,36 @@ fn g_chain(bencher: Bencher, n: usize) {
     });
 }
 
+/// What a full head of hair needs of the field: lookups all over the upper half, up to 1 cm over the skin.
 #[divan::bench(sample_count = 5)]
 fn h_distance_field_of_25_000_triangles(bencher: Bencher) {
-    let (surface, host) = (bumpy_ball(112), Pool);
-    bencher.bench(|| DistanceField::new(&surface, &|n, f| host.for_each(n, f)));
+    let surface = bumpy_ball(112);
+    let dice = Dice::new(0, 0, "field");
+    let asked: Vec<Vec3> = (0..40_000)
+        .map(|i| {
+            let p = surface.points[dice.below(i, 0, surface.points.len() as u32) as usize];
+            Vec3::new(p.x, p.y.abs(), p.z) * (1.0 + dice.unit(i, 1) / 9.0)
+        })
+        .collect();
+    bencher.bench(|| {
+        let field = DistanceField::new(&surface);
+        let near = |p: &Vec3| matches!(field.depth(&surface, *p), Depth::Near(..));
+        asked.par_chunks(512).map(|c| c.iter().filter(|p| near(p)).count()).sum::<usize>()
+    });
+}
+
+/// 50 braids of three strands, free and as cornrows on the head.
+#[divan::bench(args = ["free", "cornrow"], sample_count = 20)]
+fn i_braids_of_50_guides(bencher: Bencher, how: &str) {
+    let mut set: Vec<(&str, Value)> = vec![("source", falling(50).into())];
+    if how == "cornrow" {
+        set.push(("scalp", head().into()));
+    }
+    bencher.bench(|| run("lissajous_braid", &set, &Pool));
+}
+
+#[divan::bench(args = STRANDS, sample_count = 10)]
+fn j_curl_to_about_60_points(bencher: Bencher, n: usize) {
+    let set = [("curves", strands(n).into()), ("preset", Value::from("3b"))];
+    bencher.bench(|| run("shape_list_curl", &set, &Pool));
 }

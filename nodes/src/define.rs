@@ -1,4 +1,4 @@
-//! How a node describes itself: one [`node!`] block and one `eval`.
+//! How a node describes itself: one `node!` block and one `eval`.
 //!
 //! The block turns doc comments into tooltips and the manual, defaults and ranges into widgets, and names into typed
 //! `Inputs` and `Outputs`, so a name is written once. Every parameter is an input: it has a value, or a wire.

@@ -230,7 +230,7 @@ const CLEAR: f32 = 1e-4;
 const OVERSHOOT: f32 = 0.03;
 
 impl Skin<'_> {
-    /// Signed distance of `p` from the skin, cm, negative inside; exact within [`DOUBT`] of it, from the field
+    /// Signed distance of `p` from the skin, cm, negative inside; exact within `DOUBT` of it, from the field
     /// beyond, and +-1 cm or more beyond the field's band.
     pub fn distance(&self, p: Vec3) -> f32 {
         match self.field.depth(self.surface, p) {
@@ -354,7 +354,7 @@ impl Skin<'_> {
                 hit.point + outward * (height.max(0.0) + clear)
             });
             let free = |p: &Vec3| self.exact(*p).is_none_or(|(d, _)| d >= height);
-            beyond.clone().find(free).or_else(|| beyond.last()).unwrap_or(p)
+            beyond.clone().find(free).or_else(|| beyond.clone().next_back()).unwrap_or(p)
         })
     }
 }

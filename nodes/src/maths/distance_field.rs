@@ -15,7 +15,7 @@ use super::closest::Surface;
 use glam::{IVec3, Vec3};
 use std::sync::OnceLock;
 
-/// Distance between samples, cm. Doubled as often as needed for a mesh of more than [`MOST_BLOCKS`].
+/// Distance between samples, cm. Doubled as often as needed for a mesh of more than `MOST_BLOCKS`.
 pub const CELL: f32 = 0.2;
 /// How many cells from the surface distances are known: 1 cm.
 const BAND_CELLS: f32 = 5.0;

@@ -507,7 +507,7 @@ mod tests {
         let (root, centre) = middle(&scalp);
         let (_, hair, _) = puff(&[("count", Value::Int(22_000))]);
         let curled = run(
-            &crate::by_id("shape_list_curl").unwrap(),
+            crate::by_id("shape_list_curl").unwrap(),
             &[("curves", hair.clone().into()), ("preset", "4a".into())],
         );
         for (what, hair) in [("straight", &hair), ("4a", curves_of(&curled.0[0]))] {

@@ -11,11 +11,11 @@
 //!
 //! Layout of `bust.bin`, little-endian, without padding:
 //! - 8 bytes `COIFBUST`; u32 counts: points, wedges, triangles, materials; u32 triangles of each
-//!   material, in the order of [`MATERIALS`] (triangles are sorted by it); u32 masks;
-//! - points, then the landmarks in the order of [`LANDMARKS`]: f32 x, y, z each;
+//!   material, in the order of `MATERIALS` (triangles are sorted by it); u32 masks;
+//! - points, then the landmarks in the order of `LANDMARKS`: f32 x, y, z each;
 //! - wedges (a point with a uv): u32 point, f32 u, f32 v;
 //! - triangles: three u16 wedge numbers each, counter-clockwise seen from outside;
-//! - masks in the order of [`MASKS`]: one u8 a point, in 255ths.
+//! - masks in the order of `MASKS`: one u8 a point, in 255ths.
 
 use crate::data::mesh::Mesh;
 use glam::{Vec2, Vec3};

@@ -1,0 +1,107 @@
+//! Laws of methods.md on whole grooms, on the built-in head and on real ones, measured on what was written.
+
+use coif_nodes::formats::usd::read::{ReadCurves, read_curves};
+use coif_tests::{Folder, HEADS, eval, run, shared};
+use glam::DVec3;
+use serde_json::Value as Json;
+use std::path::PathBuf;
+
+/// Calls `check` for the built-in head and for every real one, with the arguments that choose it.
+fn on_every_head(test: &str, check: impl Fn(&str, &[&str])) {
+    check("adult", &[]);
+    for (name, path) in HEADS {
+        if let Some(path) = shared(&format!("{test}:{name}"), path) {
+            check(name, &["--scalp", &path.display().to_string()]);
+        }
+    }
+}
+
+/// The curves of one output, as a reader of the written file finds them.
+fn written(graph: &str, output: &str, head: &[&str]) -> (Vec<ReadCurves>, PathBuf, Folder) {
+    let folder = Folder::new(&format!("laws-{graph}-{}", output.replace('.', "-")));
+    let file = folder.path("groom.usdc");
+    let out = file.display().to_string();
+    eval(graph, &[&["--output", output, "--out", &out], head].concat());
+    let curves = read_curves(&std::fs::read(&file).unwrap(), "usdc").unwrap();
+    (curves, file, folder)
+}
+
+#[test]
+fn strands_of_a_braid_touch_and_never_pass_through_each_other_on_any_head() {
+    let test = "strands_of_a_braid_touch_and_never_pass_through_each_other_on_any_head";
+    let cases = [
+        ("cornrows", "braid.curves", 12, 3),
+        ("braids", "braid_3.curves", 2, 3),
+        ("braids", "braid_4.curves", 2, 4),
+        ("braids", "braid_5.curves", 2, 5),
+        ("braids", "braid_6.curves", 2, 6),
+    ];
+    on_every_head(test, |head, scalp| {
+        for (graph, output, braids, strands) in cases {
+            let (_, file, _folder) = written(graph, output, scalp);
+            let ran = run(["measure".as_ref(), file.as_os_str(), "--json".as_ref()]);
+            let measured: Json = serde_json::from_str(&ran.out).unwrap();
+            let found = &measured[0]["braids"];
+            assert_eq!(found["braids"], braids, "{graph} {output} on {head}");
+            assert_eq!(found["strands"], braids * strands, "{graph} {output} on {head}");
+            let overlap = found["worst_overlap"].as_f64().unwrap();
+            assert!((0.9..=1.02).contains(&overlap), "{graph} {output} on {head}: {overlap}");
+        }
+    });
+}
+
+#[test]
+fn guides_of_a_puff_end_on_one_sphere_on_any_head() {
+    on_every_head("guides_of_a_puff_end_on_one_sphere_on_any_head", |head, scalp| {
+        let (curves, _, _folder) = written("puffs", "left.guides", scalp);
+        let mut first = 0;
+        let tips: Vec<DVec3> = curves[0]
+            .counts
+            .iter()
+            .map(|count| {
+                first += *count as usize;
+                curves[0].points[first - 1].as_dvec3()
+            })
+            .collect();
+        assert_eq!(tips.len(), 96, "{head}");
+        let (centre, radius) = sphere(&tips);
+        let worst =
+            tips.iter().map(|tip| (tip.distance(centre) / radius - 1.0).abs()).fold(0.0, f64::max);
+        assert!(worst < 1e-4, "{head}: {worst:e} of a radius of {radius}");
+    });
+}
+
+/// The sphere nearest to points: |p|^2 = 2 c.p + k, by least squares about their mean.
+fn sphere(points: &[DVec3]) -> (DVec3, f64) {
+    let n = points.len() as f64;
+    let mean = points.iter().copied().sum::<DVec3>() / n;
+    let mut normal = glam::DMat3::ZERO;
+    let mut right = DVec3::ZERO;
+    for p in points.iter().map(|p| *p - mean) {
+        normal += glam::DMat3::from_cols(p * p.x, p * p.y, p * p.z);
+        right += p * (0.5 * p.length_squared());
+    }
+    let centre = mean + normal.inverse() * right;
+    let radius = points.iter().map(|p| p.distance(centre)).sum::<f64>() / n;
+    (centre, radius)
+}
+
+#[test]
+fn more_density_only_adds_strands_and_the_rest_keeps_its_ids() {
+    let ids = |count: &str| {
+        let folder = Folder::new(&format!("laws-density-{count}"));
+        let out = folder.path("hair.usda").display().to_string();
+        eval("clusters", &["--set", &format!("hair.count={count}"), "--out", &out]);
+        let curves = read_curves(&std::fs::read(&out).unwrap(), "usda").unwrap();
+        let id = curves[0].primvars.iter().find(|p| p.name == "id").unwrap();
+        match &id.values {
+            coif_nodes::formats::usd::read::ReadValues::Int(ids) => {
+                ids.iter().copied().collect::<std::collections::BTreeSet<i32>>()
+            }
+            other => panic!("{other:?}"),
+        }
+    };
+    let (few, many) = (ids("20"), ids("40"));
+    assert_eq!((few.len(), many.len()), (3000, 6000));
+    assert!(few.is_subset(&many));
+}
