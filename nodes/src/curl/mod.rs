@@ -1,5 +1,7 @@
 //! Curls.
 
+#[cfg(test)]
+mod laws;
 mod preset;
 mod section;
 mod shape_list_curl;
