@@ -34,8 +34,19 @@ def flat(value):
     return [number for part in value for number in flat(part)]
 
 
+def raw(value):
+    """The bytes of an array of numbers as it lies in memory, without a detour over Python numbers; None for others."""
+    try:
+        return bytes(memoryview(value)) if sys.byteorder == "little" else None
+    except TypeError:
+        return None
+
+
 def little_endian(type_name, value):
     """The values as our arrays lie in memory; texts end in NUL."""
+    data = raw(value)
+    if data is not None and not isinstance(value, (str, bytes)):
+        return data
     values = flat(value)
     if values and isinstance(values[0], str):
         return b"".join(text.encode() + b"\0" for text in values)
@@ -123,7 +134,8 @@ def layer_values(path):
             return {key: exact(item) for key, item in sorted(value.items())}
         if isinstance(value, (str, bytes, bool, int)) or not hasattr(value, "__len__"):
             return repr(value)
-        return [type(value).__name__, [exact(item) for item in value]]
+        data = raw(value)
+        return [type(value).__name__, data or [exact(item) for item in value]]
 
     def visit(spec_path):
         spec = layer.GetObjectAtPath(spec_path)
