@@ -370,3 +370,49 @@ impl Host for PlainHost {
     fn keep(&self, _: Key, _: Kept, _: usize) {}
     fn progress(&self, _: usize, _: usize) {}
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Memory;
+
+    /// Replays numbers on a sum; gives the sum, and how many steps ran and were reused.
+    fn replay(host: &Memory, numbers: &[u64]) -> (u64, u32, u32) {
+        let log = Log::default();
+        let cx = EvalCx { seed: 0, quality: Quality::Final, node: Key(1), host, log: &log };
+        let items: Vec<(Key, u64)> =
+            numbers.iter().map(|n| (KeyBuilder::new("item").int(*n).finish(), *n)).collect();
+        let sum = cx.fold((Key(2), || Ok(0u64)), &items, |sum, n| Ok(sum * 10 + n), |_| 8).unwrap();
+        (*sum, log.tufts_run.into_inner(), log.tufts_reused.into_inner())
+    }
+
+    #[test]
+    fn a_fold_runs_on_from_the_longest_known_beginning() {
+        let host = Memory::default();
+        assert_eq!(replay(&host, &[1, 2, 3]), (123, 3, 0));
+        assert_eq!(replay(&host, &[1, 2, 3]), (123, 0, 3));
+        assert_eq!(replay(&host, &[1, 2, 3, 4]), (1234, 1, 3), "one more at the end");
+        assert_eq!(replay(&host, &[1, 2]), (12, 0, 2), "undo");
+        assert_eq!(replay(&host, &[1, 5, 3]), (153, 2, 1), "changed in the middle");
+    }
+
+    #[test]
+    fn messages_join_repeats_and_name_the_first_few() {
+        let log = Log::default();
+        let host = PlainHost;
+        let cx = EvalCx { seed: 0, quality: Quality::Final, node: Key(1), host: &host, log: &log };
+        (1..=20).for_each(|curve| cx.trouble(curve, "was left out"));
+        let said: Vec<String> = log.messages().iter().map(ToString::to_string).collect();
+        assert_eq!(said, ["was left out (20 curves, first 0000000000000001)"]);
+        assert_eq!(log.messages()[0].curves.len(), MOST_NAMED);
+    }
+
+    #[test]
+    fn preview_makes_a_tenth_but_never_under_sixteen() {
+        let (log, host) = (Log::default(), PlainHost);
+        let cx = |quality| EvalCx { seed: 0, quality, node: Key(1), host: &host, log: &log };
+        let thinned = |n| cx(Quality::Preview).thinned(n);
+        assert_eq!([10, 100, 1000].map(thinned), [10, 16, 100]);
+        assert_eq!(cx(Quality::Final).thinned(1000), 1000);
+    }
+}
