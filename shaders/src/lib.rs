@@ -1,1 +1,14 @@
-//! Shaders, the Rust twins of their structs and the passes. Empty until the renderer lands.
+//! Everything of coif that talks to the GPU: WGSL, the Rust twins of its structs, and the passes.
+//!
+//! Strands, surfaces, lights and a camera go in; a scene-linear picture comes out, refined sample by
+//! sample. No window is needed: the command line and the viewport use the same [`Renderer`].
+//!
+//! Guaranteed: the same scene gives the same bytes on one adapter, whatever its number of threads.
+//! Not guaranteed: the same bytes on two different adapters.
+
+mod frame;
+mod gpu;
+mod source;
+mod twins;
+
+pub use gpu::{Gpu, GpuError, Precision};
