@@ -6,9 +6,11 @@
 //! Guaranteed: the same scene gives the same bytes on one adapter, whatever its number of threads.
 //! Not guaranteed: the same bytes on two different adapters.
 
+pub mod camera;
 mod frame;
 mod gpu;
 mod source;
 mod twins;
 
+pub use camera::{Camera, Sphere, Subject, Viewpoint};
 pub use gpu::{Gpu, GpuError, Precision};
