@@ -15,6 +15,7 @@ macro_rules! files {
 }
 files![
     "common", "frame",
+    "environment", "display",
 ];
 
 /// A shader put together from files.
