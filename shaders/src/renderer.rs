@@ -16,7 +16,7 @@
 //! **Invariant:** all sums over strands are integer sums and every pixel is shaded on its own, so that pictures are the same
 //! to the last bit for any number of threads and any slicing.
 
-use crate::camera::{Camera, PORTRAIT_FOCAL};
+use crate::camera::{Camera, PORTRAIT_FOCAL, Sphere};
 use crate::frame::Frame;
 use crate::gpu::Gpu;
 use crate::hair::{Model, ScatterTable};
@@ -640,8 +640,11 @@ impl Renderer {
             (hair, solids) => hair.or(solids),
         };
         let (lo, hi) = all.unwrap_or((Vec3::splat(-10.0), Vec3::splat(10.0)));
-        let radius = (hi - lo).length() * 0.5 + 0.5;
-        self.frame.lights = self.rig.lights_for(&self.camera, (lo + hi) * 0.5, radius, OPACITY_MAP);
+        let bounds = Sphere::around(lo, hi);
+        self.frame.lights = self.rig.lights_for(&self.camera, bounds);
+        for light in &mut self.frame.lights {
+            light.extent[2] = OPACITY_MAP as f32;
+        }
         let run = |pass, part, end| Step::Run { pass, part, next: 0, end };
         let blocks = |shadowing: &[Blocks], pass, light: usize| -> Vec<Step> {
             let parts = shadowing.iter().enumerate();
@@ -703,12 +706,12 @@ impl Renderer {
             self.samples,
             self.look.model as u32,
             shading,
-            self.rig.environment.backdrop_number(),
+            self.rig.environment.backdrop_kind(),
         ];
         let look = &self.look;
         frame.hair = [look.beta_m, look.beta_n, look.tilt_degrees.to_radians(), look.specular];
         frame.cover = [look.opacity, 0.0, look.scalp_tint, 0.0];
-        frame.sky = self.rig.environment.sky();
+        frame.sky = self.rig.environment_in_world(&self.camera).sky();
         self.gpu.queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(frame));
     }
 
@@ -1057,7 +1060,7 @@ fn lookups(
         );
         texture.create_view(&Default::default())
     };
-    let (w, h, map) = rig.environment.backdrop_map().unwrap_or((1, 1, vec![[0.0; 4]]));
+    let (w, h, map) = rig.environment.backdrop_map();
     let map: Vec<half::f16> = map.iter().flatten().map(|x| half::f16::from_f32(*x)).collect();
     let backdrop = texture(
         "backdrop",
