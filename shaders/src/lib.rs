@@ -14,7 +14,9 @@ mod gpu;
 pub mod light;
 pub mod picture;
 mod source;
+pub mod surface;
 mod twins;
+pub mod view;
 
 pub use camera::{Camera, Sphere, Subject, Viewpoint};
 pub use display::Transform;
@@ -22,3 +24,5 @@ pub use environment::{Backdrop, Environment};
 pub use gpu::{Gpu, GpuError, Precision};
 pub use light::{Light, Rig};
 pub use picture::{Picture, PictureError, Samples};
+pub use surface::{Material, RootGrid, Solid};
+pub use view::{GroomColours, Legend, Paint, Ramp, Shading, View};

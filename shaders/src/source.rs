@@ -16,6 +16,7 @@ macro_rules! files {
 files![
     "common", "frame",
     "environment", "display",
+    "skin",
 ];
 
 /// A shader put together from files.
