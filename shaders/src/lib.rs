@@ -32,3 +32,5 @@ pub use hair::Model;
 pub use picture::{Picture, PictureError, Samples};
 pub use renderer::{Look, Pass, Progress, RenderError, Renderer};
 pub use strands::Uploaded;
+pub use surface::{Material, RootGrid, Solid};
+pub use view::{GroomColours, Legend, Paint, Ramp, Shading, View};

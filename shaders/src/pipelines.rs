@@ -162,10 +162,9 @@ impl Pipelines {
             })
         };
         let visibility = if gpu.wide { "visibility_wide" } else { "visibility_narrow" };
-        let words = [("words", if gpu.wide { 2.0 } else { 1.0 })];
         std::thread::scope(|scope| {
             let shade =
-                scope.spawn(|| compute("shade", "shade", true, &layouts.shade, &words));
+                scope.spawn(|| compute("shade", "shade", true, &layouts.shade, &[]));
             let own = &layouts.visibility;
             let clear = compute(visibility, "clear", false, own, &[]);
             let splat = compute(visibility, "splat", false, own, &[]);

@@ -710,7 +710,8 @@ impl Renderer {
         ];
         let look = &self.look;
         frame.hair = [look.beta_m, look.beta_n, look.tilt_degrees.to_radians(), look.specular];
-        frame.cover = [look.opacity, 0.0, look.scalp_tint, 0.0];
+        let darkness = self.roots.as_ref().map_or(0.0, |roots| roots.darkness);
+        frame.cover = [look.opacity, 0.0, look.scalp_tint * darkness, 0.0];
         frame.sky = self.rig.environment_in_world(&self.camera).sky();
         self.gpu.queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(frame));
     }
@@ -745,6 +746,7 @@ impl Renderer {
                 if pass == Pass::Shade {
                     slice.base = self.strands.chunks[part].base;
                     slice.points = self.strands.capacity(part);
+                    slice.words = if self.gpu.wide { 2 } else { 1 };
                 }
                 slices.push(slice);
                 let (pipeline, own) = match pass {

@@ -27,7 +27,7 @@ twins! { "points":
         light: u32,
         stride: u32,
         groups: u32,
-        spare: u32,
+        words: u32,
     }
 }
 

@@ -20,9 +20,6 @@
 // Linear rgb and coverage, summed over samples.
 @group(3) @binding(1) var<storage, read_write> sums: array<vec4f>;
 
-// Words from one pixel to the next in `shown`.
-override words: u32 = 2u;
-
 const TAPS: u32 = 4u;
 // Ends of the first three layers of the opacity maps, cm: those of `opacity.wgsl`.
 const ENDS: vec3f = vec3f(0.12, 0.5, 1.6);
@@ -182,7 +179,7 @@ fn shade(@builtin(global_invocation_id) thread: vec3u) {
   let pixel = vec2u(thread.x, thread.y + S.first);
   if f32(pixel.x) >= F.viewport.x || f32(pixel.y) >= F.viewport.y || thread.y >= S.count { return; }
   let i = pixel.y * u32(F.viewport.x) + pixel.x;
-  let id = shown[i * words];
+  let id = shown[i * S.words];
   let seed = hash_u(i * 31u + hash_u(F.mode.x * 0x9E3779B9u + 1u));
   let at = vec2f(pixel) + 0.5;
   var c: vec4f;
