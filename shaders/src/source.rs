@@ -16,6 +16,7 @@ macro_rules! files {
 files![
     "common", "frame",
     "environment", "display",
+    "hair", "hair_chiang", "hair_fibre", "hair_kajiya_kay", "hair_karis", "hair_scatter",
 ];
 
 /// A shader put together from files.
