@@ -7,13 +7,13 @@
 //#include "hair.wgsl"
 //#include "skin.wgsl"
 
-@group(1) @binding(5) var openness: texture_3d<f32>;
-@group(1) @binding(6) var<storage, read> nearness: array<u32>;
-@group(1) @binding(7) var<storage, read> layers: array<vec4u>;
-@group(1) @binding(8) var solid_from_light: texture_depth_2d_array;
-@group(1) @binding(9) var solid_normal: texture_2d<f32>;
-@group(1) @binding(10) var solid_albedo: texture_2d<f32>;
-@group(1) @binding(11) var solid_depth: texture_depth_2d;
+@group(1) @binding(4) var openness: texture_3d<f32>;
+@group(1) @binding(5) var<storage, read> nearness: array<u32>;
+@group(1) @binding(6) var<storage, read> layers: array<vec4u>;
+@group(1) @binding(7) var solid_from_light: texture_depth_2d_array;
+@group(1) @binding(8) var solid_normal: texture_2d<f32>;
+@group(1) @binding(9) var solid_albedo: texture_2d<f32>;
+@group(1) @binding(10) var solid_depth: texture_depth_2d;
 
 // Ids of what each pixel shows: the low words of wide visibility, or the ids of the narrow.
 @group(3) @binding(0) var<storage, read> shown: array<u32>;
