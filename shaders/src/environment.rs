@@ -290,22 +290,20 @@ impl Environment {
     /// Turned as a whole, but for the backdrop, which is seen and not cast.
     pub fn turned(&self, turn: Quat) -> Self {
         let m = Mat3::from_quat(turn);
-        let mut sh = self.sh;
-        // Band 1 is a vector; band 2 is a symmetric matrix without trace: f(d) = d M d.
-        for axis in 0..3 {
-            let vector = turn * Vec3::new(self.sh[3][axis], self.sh[1][axis], self.sh[2][axis]);
-            (sh[3][axis], sh[1][axis], sh[2][axis]) = (vector.x, vector.y, vector.z);
-            let c = |k: usize| self.sh[k][axis] * BASIS[k];
+        // One channel: band 1 is a vector; band 2 is a symmetric matrix without trace, f(d) = d M d.
+        let turned = |sh: [f32; 9]| -> [f32; 9] {
+            let v = turn * Vec3::new(sh[3], sh[1], sh[2]);
+            let c = |k: usize| sh[k] * BASIS[k];
             let (xx, yy, zz) = (c(8) - c(6), -c(8) - c(6), 2.0 * c(6));
             let (xy, yz, xz) = (0.5 * c(4), 0.5 * c(5), 0.5 * c(7));
-            let band = Mat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
-            let band = m * band * m.transpose();
-            sh[4][axis] = 2.0 * band.x_axis.y / BASIS[4];
-            sh[5][axis] = 2.0 * band.y_axis.z / BASIS[5];
-            sh[6][axis] = 0.5 * band.z_axis.z / BASIS[6];
-            sh[7][axis] = 2.0 * band.x_axis.z / BASIS[7];
-            sh[8][axis] = 0.5 * (band.x_axis.x - band.y_axis.y) / BASIS[8];
-        }
+            let band = m * Mat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+            let [x, y, z] = (band * m.transpose()).to_cols_array_2d();
+            let shapes = [2.0 * x[1], 2.0 * y[2], 0.5 * z[2], 2.0 * x[2], 0.5 * (x[0] - y[1])];
+            let [xy, yz, zz, xz, xx] = std::array::from_fn(|k| shapes[k] / BASIS[4 + k]);
+            [sh[0], v.y, v.z, v.x, xy, yz, zz, xz, xx]
+        };
+        let [r, g, b] = std::array::from_fn(|channel| turned(self.sh.map(|c| c[channel])));
+        let sh = std::array::from_fn(|k| Vec3::new(r[k], g[k], b[k]));
         Self { sh, backdrop: self.backdrop.clone() }
     }
 
