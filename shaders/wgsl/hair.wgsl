@@ -19,7 +19,7 @@
 fn hair_light(m: Hair, L: vec3f, V: vec3f, T: vec3f, fibres: f32, xi: f32) -> vec3f {
   let a = hair_angles(L, V, T);
   let n = max(fibres, 0.0);
-  let hairs = hair_scatter(m.sigma, a.cos_o);
+  let hairs = hair_scatter(m.sigma, a.sin_o);
   let direct = exp(-n);
   if m.model == 0u {
     // The hairs behind have this colour too and light this one from there.
@@ -44,7 +44,7 @@ fn hair_light(m: Hair, L: vec3f, V: vec3f, T: vec3f, fibres: f32, xi: f32) -> ve
 // what the hairs return of it from the other. `open` in 0..1: how much of it nothing stands before.
 fn hair_sky(m: Hair, V: vec3f, T: vec3f, facing: vec3f, open: f32, xi: f32) -> vec3f {
   let sin_o = clamp(dot(T, V), -1.0, 1.0);
-  let hairs = hair_scatter(m.sigma, hair_cosine(sin_o));
+  let hairs = hair_scatter(m.sigma, sin_o);
   // The middles of the two lobes: mirrored at the hair, and straight on.
   let across = V - T * sin_o;
   let near = normalize(across - T * sin_o + facing * 1e-4);

@@ -5,7 +5,7 @@
 //#include "hair_fibre.wgsl"
 
 // Share of the light that the highlight returns at most.
-const HAIR_HIGHLIGHT: f32 = 0.1;
+const HAIR_HIGHLIGHT: f32 = 0.07;
 
 fn hair_kajiya_kay_diffuse(colour: vec3f, a: HairAngles) -> vec3f {
   return colour * ((1.0 - HAIR_HIGHLIGHT) * a.cos_i / (PI * PI));

@@ -3,7 +3,7 @@
 //!
 //! Both terms are the paper's; the constants that it leaves open are ours: the diffuse term returns the
 //! colour of many such hairs (`Scatter::deep`), the highlight is white, has the width of Chiang's R lobe
-//! and a tenth of the light. The model has no azimuth: a hair is as bright
+//! and about its share of the light. The model has no azimuth: a hair is as bright
 //! with the light behind it as before it.
 
 use glam::Vec3;
@@ -12,7 +12,7 @@ use std::f32::consts::PI;
 use super::fibre::{Angles, Hair, variances};
 
 /// Share of the light that the highlight returns at most.
-pub(crate) const HIGHLIGHT: f32 = 0.1;
+pub(crate) const HIGHLIGHT: f32 = 0.07;
 /// The diffuse term, f cos(theta_i) with the cosine of the paper: the sine of light and hair.
 pub(crate) fn diffuse(colour: Vec3, a: &Angles) -> Vec3 {
     colour * ((1.0 - HIGHLIGHT) * a.cos_i / (PI * PI))
