@@ -1,6 +1,8 @@
 // What hair sends to the viewer: of a light (`hair_light`) and of the sky (`hair_sky`), by one of three
-// models. The Rust twins are in `hair/mod.rs`. White hair returns the light that falls on it, within 3
-// per cent, and no hair returns more (tests); every result is finite and >= 0.
+// models. The Rust twins are in `hair/mod.rs`. A deep layer of white hair returns the light of an even
+// sky within 3 per cent (Karis, Chiang) and none returns more (tests); every result is finite and >= 0. Not
+// known here: whether hairs lie behind the one that is seen. They always do, so that a lone hair far from
+// its head is brighter than it should be.
 //
 // A hair that is seen gets light that met no hair (the model of one hair), light that came through the
 // hairs in front and light that the hairs behind send back (`hair_scatter.wgsl`, equal for Karis and

@@ -12,7 +12,8 @@ fn hair_kajiya_kay_diffuse(colour: vec3f, a: HairAngles) -> vec3f {
 }
 
 fn hair_kajiya_kay_highlight(m: Hair, a: HairAngles) -> f32 {
-  let exponent = max(1.0 / hair_variances(m.beta_m).x, 1.0);
+  let b = clamp(m.beta_m, 0.1, 0.84);
+  let exponent = 0.5 / (b * b * b * b);
   let apart = a.cos_i - a.cos_o;
   let across = a.sin_i + a.sin_o;
   // cos(theta_i + theta_o), with all digits near 1.

@@ -2,12 +2,17 @@
 //! bakes the table that the shaders read ([`ScatterTable`]); the rest is the twin of `hair*.wgsl`, which
 //! tests hold them to.
 
+#[cfg(test)]
 mod chiang;
+#[cfg_attr(not(test), expect(dead_code, reason = "twins of shaders, for tests"))]
 mod fibre;
+#[cfg(test)]
 mod kajiya_kay;
+#[cfg_attr(not(test), expect(dead_code, reason = "twins of shaders, for tests"))]
 mod karis;
 #[cfg(test)]
 mod reference;
+#[cfg_attr(not(test), expect(dead_code, reason = "twins of shaders, for tests"))]
 mod scatter;
 #[cfg(test)]
 mod tests;

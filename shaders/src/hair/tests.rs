@@ -103,7 +103,7 @@ fn chiang_is_what_the_published_definitions_say() {
 /// The share of light from everywhere that one hair sends to a viewer.
 fn returned(m: &Hair, gains: &ScatterTable, sin_o: f32, xi: f32) -> f32 {
     const ALONG: usize = 160;
-    const AROUND: usize = 160;
+    const AROUND: usize = 96;
     let viewer = towards(sin_o, 0.0);
     let of = gains.at(m.sigma, sin_o);
     let mut sum = 0.0;
