@@ -26,8 +26,9 @@ fn hair_light(m: Hair, L: vec3f, V: vec3f, T: vec3f, fibres: f32, xi: f32) -> ve
   if m.model == 0u {
     // The hairs behind have this colour too and light this one from there.
     let near = 0.5 + 0.5 * a.cos_phi;
-    let behind = vec3f(1.0) + hairs.deep * (1.6 * near * near * near);
-    return scatter_reaches(hairs, n) * hair_kajiya_kay_diffuse(hairs.deep, a) * behind
+    let colour = hair_kajiya_kay_colour(hairs.deep, hairs.surface);
+    let behind = vec3f(1.0) + colour * (1.6 * near * near * near);
+    return scatter_reaches(hairs, n) * hair_kajiya_kay_diffuse(colour, a) * behind
       + vec3f(direct * hair_kajiya_kay_highlight(m, a));
   }
   var one = vec3f(0.0);
@@ -57,8 +58,9 @@ fn hair_sky(m: Hair, V: vec3f, T: vec3f, facing: vec3f, open: f32, xi: f32) -> v
   let wide = vec2f(0.55, 0.15);
   let front = sky(normalize(near + facing * 0.5 + T * 1e-4), wide);
   if m.model == 0u {
+    let colour = hair_kajiya_kay_colour(hairs.deep, hairs.surface);
     return reached
-      * (hairs.deep * all * (1.0 - HAIR_HIGHLIGHT) + front * (HAIR_HIGHLIGHT * m.specular));
+      * (colour * all * (1.0 - HAIR_HIGHLIGHT) + front * (HAIR_HIGHLIGHT * m.specular));
   }
   let rim = sky(normalize(far + facing * 0.5 + T * 1e-4), wide);
   let inner = hairs.deep * all;

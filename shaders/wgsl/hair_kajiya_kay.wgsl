@@ -7,6 +7,12 @@
 // Share of the light that the highlight returns at most.
 const HAIR_HIGHLIGHT: f32 = 0.07;
 
+// The colour of many hairs without what their surfaces reflect, which is the highlight's.
+fn hair_kajiya_kay_colour(deep: vec3f, surface: f32) -> vec3f {
+  let shine = 0.2 * surface;
+  return max(deep - vec3f(shine), vec3f(0.0)) / (1.0 - shine);
+}
+
 fn hair_kajiya_kay_diffuse(colour: vec3f, a: HairAngles) -> vec3f {
   return colour * ((1.0 - HAIR_HIGHLIGHT) * a.cos_i / (PI * PI));
 }

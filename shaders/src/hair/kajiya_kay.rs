@@ -2,7 +2,7 @@
 //! a cone of highlight. Twin of `hair_kajiya_kay.wgsl`.
 //!
 //! Both terms are the paper's; the constants that it leaves open are ours: the diffuse term returns the
-//! colour of many such hairs (`Scatter::deep`), the highlight is white, has the width of Karis' R lobe and
+//! colour of many such hairs (`Scatter::deep`) less their shine, the highlight is white, has the width of Karis' R lobe and
 //! a share of the light that looks usual. The model has no azimuth: a hair is as bright with the light
 //! behind it as before it.
 
@@ -13,6 +13,12 @@ use super::fibre::{Angles, Hair};
 
 /// Share of the light that the highlight returns at most.
 pub(crate) const HIGHLIGHT: f32 = 0.07;
+/// The colour of many hairs, `deep`, without what their surfaces reflect, which is the highlight's.
+pub(crate) fn colour(deep: Vec3, surface: f32) -> Vec3 {
+    let shine = 0.2 * surface;
+    (deep - Vec3::splat(shine)).max(Vec3::ZERO) / (1.0 - shine)
+}
+
 /// The diffuse term, f cos(theta_i) with the cosine of the paper: the sine of light and hair.
 pub(crate) fn diffuse(colour: Vec3, a: &Angles) -> Vec3 {
     colour * ((1.0 - HIGHLIGHT) * a.cos_i / (PI * PI))

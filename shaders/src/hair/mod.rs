@@ -83,7 +83,8 @@ mod twin {
         match m.model {
             Model::KajiyaKay => {
                 let highlight = kajiya_kay::highlight(m, a);
-                kajiya_kay::diffuse(of.deep(), a) + Vec3::splat(highlight)
+                kajiya_kay::diffuse(kajiya_kay::colour(of.deep(), of.surface), a)
+                    + Vec3::splat(highlight)
             }
             Model::Karis => karis::karis(m, a, of.gains),
             Model::Chiang => chiang::chiang(m, a, (2.0 * xi - 1.0).clamp(-1.0, 1.0)),
@@ -105,7 +106,7 @@ mod twin {
         let direct = (-fibres).exp();
         if m.model == Model::KajiyaKay {
             let near = 0.5 + 0.5 * a.cos_phi;
-            let colour = of.deep();
+            let colour = kajiya_kay::colour(of.deep(), of.surface);
             let behind = Vec3::ONE + colour * (1.6 * near * near * near);
             return of.reaches(fibres) * kajiya_kay::diffuse(colour, &a) * behind
                 + Vec3::splat(direct * kajiya_kay::highlight(m, &a));
@@ -134,7 +135,7 @@ mod twin {
         let all = sky(facing, Vec2::new(2.0 / 3.0, 0.25));
         let front = sky((near + facing * 0.5 + tangent * 1e-4).normalize(), Vec2::new(0.55, 0.15));
         if m.model == Model::KajiyaKay {
-            let c = of.deep();
+            let c = kajiya_kay::colour(of.deep(), of.surface);
             let highlight = kajiya_kay::HIGHLIGHT * m.specular;
             return reached * (c * all * (1.0 - kajiya_kay::HIGHLIGHT) + front * highlight);
         }
