@@ -720,7 +720,7 @@ impl Renderer {
                 None => (lo, hi),
             };
             let cell = ((high - low).max_element() / VOXELS).max(0.05);
-            let size = ((high - low) / cell).ceil().to_array().map(|n| n as u32 + 1);
+            let size = ((high - low) / cell).ceil().to_array().map(|n| (n as u32 + 1) | 1);
             self.frame.grid = low.extend(cell).to_array();
             self.frame.grid_size = [size[0], size[1], size[2], u32::from(hair.is_some())];
             // Opacity maps are thinned so that their walks stay within a budget.

@@ -72,9 +72,10 @@ fn shadow(number: u32, p: vec3f, bias: f32, seed: u32) -> Shadow {
   return Shadow(sum.fibres / f32(TAPS), sum.passed / f32(TAPS), sum.clear_ / f32(TAPS));
 }
 
-// xyz: towards the open (unit), w: how open.
-fn open_at(p: vec3f, otherwise: vec3f) -> vec4f {
-  let uvw = (p - F.grid.xyz) / (F.grid.w * vec3f(F.grid_size.xyz));
+// xyz: towards the open (unit), w: how open. Read somewhere within a voxel and a half, so that over the samples voxels do not show.
+fn open_at(p: vec3f, otherwise: vec3f, seed: u32) -> vec4f {
+  let shake = (vec3f(rnd(seed + 91u), rnd(seed + 92u), rnd(seed + 93u)) - 0.5) * 3.0;
+  let uvw = ((p - F.grid.xyz) / F.grid.w + shake) / vec3f(F.grid_size.xyz);
   let v = textureSampleLevel(openness, root_sampler, uvw, 0.0);
   // Towards the grid's border what it holds fades to open, so that no edge shows.
   let deep = min(uvw, 1.0 - uvw) * 8.0;
@@ -108,7 +109,7 @@ fn groom(base: vec3f, p: vec3f, T: vec3f, V: vec3f, seed: u32) -> vec3f {
     c += lit * light.irradiance.rgb * (base * across * 0.8 / PI + shine * 0.5 / PI);
   }
   let out_ = normalize(V - T * dot(V, T) + vec3f(1e-6));
-  let o = open_at(p, out_);
+  let o = open_at(p, out_, seed);
   return c + base * sky(o.xyz, vec2f(0.667, 0.25)) * o.w;
 }
 
@@ -124,7 +125,7 @@ fn pigmented(sigma: vec3f, p: vec3f, T: vec3f, V: vec3f, seed: u32) -> vec3f {
     c += s.passed * light.irradiance.rgb * hair_light(m, light.towards.xyz, V, T, s.fibres, xi);
   }
   let out_ = normalize(V - T * dot(V, T) + vec3f(1e-6));
-  let o = open_at(p, out_);
+  let o = open_at(p, out_, seed);
   return c + hair_sky(m, V, T, o.xyz, o.w, xi);
 }
 
@@ -156,7 +157,7 @@ fn solid(pixel: vec2u, depth: f32, behind: vec3f, seed: u32) -> vec3f {
   var albedo = root * root;
   if material == 3u { return albedo; }
   if material == 0u { albedo = scalp_tint(p, albedo); }
-  let o = open_at(p + N * F.grid.w * 1.5, N);
+  let o = open_at(p + N * F.grid.w * 2.0, N, seed);
   var c = vec3f(0.0);
   // What the ground would get without hair and head, so that it only darkens the backdrop.
   var whole = vec3f(0.0);
