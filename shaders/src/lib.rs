@@ -11,6 +11,7 @@ pub mod display;
 pub mod environment;
 mod frame;
 mod gpu;
+pub mod legend;
 pub mod light;
 pub mod picture;
 mod source;
