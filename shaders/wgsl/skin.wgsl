@@ -23,7 +23,7 @@ const DULL_SHARE: f32 = 0.8;
 // What both lobes together mirror of even light, by the cosine of the view: our own fit, nowhere below and at most 0.015 over what the
 // lobes add up to.
 fn skin_mirror(nv: f32) -> f32 {
-  return 0.024 + 0.172 * pow(1.0 - nv, 2.6);
+  return 0.0245 + 0.174 * pow(1.0 - nv, 2.6);
 }
 
 fn skin_lobe(alpha: f32, nh: f32, nl: f32, nv: f32) -> f32 {
