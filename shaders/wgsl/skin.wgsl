@@ -9,8 +9,8 @@
 //#include "common.wgsl"
 //#include "environment.wgsl"
 
-@group(1) @binding(3) var root_grid: texture_3d<f32>;
-@group(1) @binding(4) var root_sampler: sampler;
+@group(1) @binding(2) var root_grid: texture_3d<f32>;
+@group(1) @binding(3) var root_sampler: sampler;
 
 // How far light of each channel reaches around the terminator, as a cosine.
 const WRAP: vec3f = vec3f(0.16, 0.07, 0.04);
