@@ -14,6 +14,7 @@ mod frame;
 mod gpu;
 mod hair;
 pub mod hdri;
+pub mod legend;
 pub mod light;
 pub mod picture;
 mod pipelines;

@@ -186,7 +186,8 @@ pub fn head_solid(scalp: &Scalp, tone: Tone) -> Solid {
             *copies.entry((v, part)).or_insert_with(|| {
                 let colour = if part == Part::Skin && holds(Part::Lips, v) {
                     let share = if holds(Part::Skin, v) { 0.4 } else { 1.0 };
-                    tone.of_part(Part::Skin).lerp(tone.of_part(Part::Lips), share)
+                    let (skin, lips) = (tone.of_part(Part::Skin), tone.of_part(Part::Lips));
+                    skin + (lips - skin) * share
                 } else {
                     tone.of_part(part)
                 };
@@ -235,4 +236,202 @@ pub fn ground(solids: &[Solid]) -> Option<Solid> {
         }
     }
     Some(disc)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Frame;
+    use crate::gpu::{Gpu, Precision};
+    use coif_nodes::data::scalp::{HeadFrame, REGION};
+    use coif_nodes::maths::closest::Surface;
+    use coif_nodes::scalp::bust;
+
+    /// The bust with its materials as masks, as the head node makes them.
+    fn bust_with_materials() -> Scalp {
+        let mesh = bust::adult();
+        let mut masks: BTreeMap<String, Vec<f32>> =
+            [(REGION.to_owned(), vec![1.0; mesh.points.len()])].into();
+        for (t, m) in mesh.triangles.iter().zip(&mesh.material_of) {
+            let name = format!("material:{}", mesh.materials[*m as usize]);
+            let mask = masks.entry(name).or_insert_with(|| vec![0.0; mesh.points.len()]);
+            t.iter().for_each(|v| mask[*v as usize] = 1.0);
+        }
+        let surface = Surface::new(mesh.points, mesh.triangles);
+        Scalp::new(surface, None, HeadFrame::IDENTITY, masks)
+    }
+
+    #[test]
+    fn a_head_is_its_surface_with_eyes_of_their_own() {
+        let scalp = bust_with_materials();
+        let head = head_solid(&scalp, Tone::Monk(4));
+        assert_eq!(head.triangles.len(), scalp.surface().triangles.len());
+        assert_eq!((head.material, head.casts), (Material::Skin, true));
+        for (ours, theirs) in head.triangles.iter().zip(&scalp.surface().triangles) {
+            for (v, w) in ours.iter().zip(theirs) {
+                let (v, w) = (*v as usize, *w as usize);
+                assert_eq!(head.points[v], scalp.surface().points[w]);
+                assert!(head.normals[v].is_normalized());
+            }
+        }
+        let mut triangles_of: BTreeMap<Part, usize> = BTreeMap::new();
+        for t in &head.triangles {
+            for part in [Part::White, Part::Iris] {
+                let colour = Tone::Monk(4).of_part(part);
+                if t.iter().all(|v| head.colours[*v as usize] == colour) {
+                    *triangles_of.entry(part).or_default() += 1;
+                }
+                // No triangle runs from one colour of the eye into another.
+                let any = t.iter().any(|v| head.colours[*v as usize] == colour);
+                assert!(!any || t.iter().all(|v| head.colours[*v as usize] == colour));
+            }
+        }
+        let mesh = bust::adult();
+        for (part, name) in [(Part::White, "eyes"), (Part::Iris, "iris")] {
+            let m = mesh.materials.iter().position(|n| n == name).unwrap() as u32;
+            let there = mesh.material_of.iter().filter(|x| **x == m).count();
+            let ours = triangles_of[&part];
+            assert!(ours * 10 >= there * 9 && ours <= there, "{name}: {ours} of {there}");
+        }
+        let clay = head_solid(&scalp, Tone::Clay);
+        assert!(clay.colours.iter().all(|c| *c == CLAY) && clay.material == Material::Clay);
+    }
+
+    #[test]
+    fn tones_go_from_light_to_dark_as_skin_does() {
+        let all: Vec<Vec3> = (1..=10).map(|n| Tone::Monk(n).albedo()).collect();
+        for pair in all.windows(2) {
+            // The scale's third tone is a little lighter than its second, and yellower.
+            assert!(luminance(pair[1]) < luminance(pair[0]) * 1.03, "{pair:?}");
+        }
+        for c in &all {
+            assert!((0.04..0.47).contains(&luminance(*c)), "{c}");
+            assert!(c.x > c.y && c.y > c.z, "skin is redder than green and greener than blue: {c}");
+            assert!(c.x / c.z < 5.0 && c.max_element() < 0.75, "{c}");
+        }
+        assert!((luminance(all[0]) / luminance(all[9]) - 0.46 / 0.045).abs() < 0.3);
+        assert_eq!(Tone::Monk(0).albedo(), Tone::Monk(1).albedo());
+        assert_eq!(Tone::Monk(99).albedo(), Tone::Monk(10).albedo());
+    }
+
+    #[test]
+    fn the_ground_lies_under_what_casts() {
+        let head = head_solid(&bust_with_materials(), Tone::Clay);
+        let lowest = head.points.iter().fold(f32::MAX, |y, p| y.min(p.y));
+        let ghost = Solid { casts: false, points: vec![Vec3::NEG_Y * 99.0], ..head.clone() };
+        let disc = ground(&[head, ghost.clone()]).unwrap();
+        assert!(disc.points.iter().all(|p| p.y == lowest));
+        assert!(!disc.casts && disc.material == Material::Ground);
+        assert_eq!((disc.colours[0], *disc.colours.last().unwrap()), (Vec3::ONE, Vec3::ZERO));
+        for t in &disc.triangles {
+            let [a, b, c] = t.map(|v| disc.points[v as usize]);
+            assert!((b - a).cross(c - a).y > 0.0);
+        }
+        assert_eq!(ground(&[]), None);
+        assert_eq!(ground(&[ghost]), None);
+    }
+
+    #[test]
+    fn skin_returns_no_more_light_than_it_gets() {
+        let Ok(gpu) = Gpu::new(Precision::Best) else {
+            println!("skipped: skin_returns_no_more_light_than_it_gets needs a graphics adapter");
+            return;
+        };
+        // For 32 cosines of the view: what a white and a black skin send back of light that is even all around, summed
+        // over distant lights; the same by the surroundings; and by surroundings of which a half arrives.
+        let out = furnace(&gpu);
+        for (i, [white, black, sky, half]) in out.iter().enumerate() {
+            let nv = (i as f32 + 0.5) / 32.0;
+            assert!(*white <= 1.0 && *sky <= 1.0, "{nv}: {white} {sky}");
+            if nv > 0.2 {
+                assert!(*white > 0.98 && *sky > 0.99, "{nv}: {white} {sky}");
+            }
+            assert!(*black > 0.015 && *black < 0.25, "{nv}: {black}");
+            assert!((white - sky).abs() < 0.02, "{nv}: {white} {sky}");
+            assert!(*half < 0.5 + 0.05 && *half > 0.3, "{nv}: {half}");
+        }
+        assert!(out[1][1] > 3.0 * out[31][1], "the surface mirrors more at its edge");
+    }
+
+    /// Runs the skin in even light.
+    fn furnace(gpu: &Gpu) -> Vec<[f32; 4]> {
+        use bytemuck::Zeroable;
+        use wgpu::util::DeviceExt;
+        // Fewer than 256 steps a loop: software adapters were seen to stop there.
+        const BODY: &str = "
+            @group(0) @binding(9) var<storage, read_write> result: array<vec4f>;
+            @compute @workgroup_size(32) fn main(@builtin(global_invocation_id) id: vec3u) {
+                let nv = (f32(id.x) + 0.5) / 32.0;
+                let N = vec3f(0.0, 0.0, 1.0);
+                let V = vec3f(sqrt(1.0 - nv * nv), 0.0, nv);
+                var sum = vec4f(0.0);
+                for (var i = 0u; i < 200u; i++) {
+                    let z = (f32(i) + 0.5) / 100.0 - 1.0;
+                    for (var j = 0u; j < 200u; j++) {
+                        let turn = (f32(j) + 0.5) / 200.0 * 2.0 * PI;
+                        let r = sqrt(1.0 - z * z);
+                        let L = vec3f(r * cos(turn), r * sin(turn), z);
+                        sum += vec4f(skin_light(vec3f(1.0), N, V, L), skin_light(vec3f(0.0), N, V, L).r);
+                    }
+                }
+                let white = skin_sky(vec3f(1.0), N, V, 1.0).r;
+                let half = skin_sky(vec3f(1.0), N, V, 0.5).r;
+                sum *= 4.0 * PI / 40000.0;
+                result[id.x] = vec4f(max(sum.r, max(sum.g, sum.b)), sum.a, white, half);
+            }";
+        let device = &gpu.device;
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: None,
+            source: wgpu::ShaderSource::Wgsl(
+                format!("{}{BODY}", crate::source::Source::of("skin").text).into(),
+            ),
+        });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: None,
+            layout: None,
+            module: &module,
+            entry_point: None,
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        let mut frame = Frame::zeroed();
+        // Radiance 1 from everywhere.
+        frame.sky[0] = [1.0 / 0.282_095; 4];
+        let uniform = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: None,
+            contents: bytemuck::bytes_of(&frame),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let buffer = |usage| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size: 32 * 16,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let result = buffer(wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+        let staging = buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+        let bind = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 9, resource: result.as_entire_binding() },
+            ],
+        });
+        let mut encoder = device.create_command_encoder(&Default::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(&pipeline);
+            pass.set_bind_group(0, &bind, &[]);
+            pass.dispatch_workgroups(1, 1, 1);
+        }
+        encoder.copy_buffer_to_buffer(&result, 0, &staging, 0, 32 * 16);
+        gpu.queue.submit([encoder.finish()]);
+        staging.slice(..).map_async(wgpu::MapMode::Read, |_| {});
+        gpu.wait();
+        let bytes = staging.slice(..).get_mapped_range().unwrap();
+        bytemuck::cast_slice::<u8, [f32; 4]>(&bytes).to_vec()
+    }
 }

@@ -600,3 +600,305 @@ pub fn guides_paint() -> Paint {
         out
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::colour::tests::{unpack_absorption, unpack_colour};
+    use super::*;
+    use coif_nodes::data::attributes::{ID, RADIUS, ROLL};
+    use coif_nodes::data::curves::TuftBuilder;
+    use coif_nodes::data::scalp::{HeadFrame, REGION};
+    use coif_nodes::maths::closest::Surface;
+    use coif_nodes::scalp::bust;
+
+    /// Four hairs on x = 0, 1, 2, 3, of 1, 2, 3, 4 cm, in two tufts, with all that views ask for.
+    fn groom_of_four() -> Curves {
+        let tuft = |first: u64| {
+            let mut b = TuftBuilder::new();
+            for k in first..first + 2 {
+                let at = |j: u64| Vec3::new(k as f32, j as f32 * (k + 1) as f32 / 4.0, 0.0);
+                b.push_curve(&(0..5).map(at).collect::<Vec<_>>());
+            }
+            b.set(ID, Domain::Curve, vec![first + 10, first + 11]);
+            b.set(PARENT, Domain::Curve, vec![7 + first / 2]);
+            b.set(BRAID, Domain::Curve, vec![50 + first / 2]);
+            b.set(STRAND, Domain::Curve, vec![first as i32, first as i32 + 1]);
+            b.set(GROUP, Domain::Curve, vec![0, 1]);
+            b.set(ROLL, Domain::Point, (0..10).map(|k| 10.0 * k as f32).collect());
+            b.set(COLOUR, Domain::Curve, vec![Vec3::splat(0.2), Vec3::new(0.4, 0.2, 0.1)]);
+            Arc::new(b.build())
+        };
+        Curves::new(vec![tuft(0), tuft(2)])
+    }
+
+    fn bust() -> Scalp {
+        let mesh = bust::adult();
+        let surface = Surface::new(mesh.points, mesh.triangles);
+        let region = [(REGION.to_owned(), vec![1.0; surface.points.len()])].into();
+        Scalp::new(surface, None, HeadFrame::IDENTITY, region)
+    }
+
+    fn all_views() -> Vec<View> {
+        let names = NAMES.iter().chain(&["roll", "id", "strand", "colour", "length:0..9", "cvs:3"]);
+        names.map(|name| name.parse().unwrap()).collect()
+    }
+
+    #[test]
+    fn every_view_has_a_word_for_every_point_of_any_curve() {
+        let mut odd = TuftBuilder::new();
+        odd.push_curve(&[]);
+        odd.push_curve(&[Vec3::ONE]);
+        odd.push_curve(&[Vec3::ONE; 4]);
+        odd.push_curve(&[Vec3::ZERO, Vec3::X, Vec3::ZERO]);
+        odd.push_curve(&[Vec3::splat(f32::NAN), Vec3::X]);
+        odd.push_curve(&[Vec3::splat(f32::INFINITY), Vec3::splat(1e30)]);
+        let odd = Curves::new(vec![Arc::new(odd.build())]);
+        let scalp = bust();
+        for view in all_views() {
+            for curves in [&groom_of_four(), &odd, &Curves::default()] {
+                let paint = match view.paint(curves, Some(&scalp)) {
+                    Ok(paint) => paint,
+                    Err(why) => {
+                        assert!(matches!(view, View::Attribute(_)), "{view:?}: {why}");
+                        continue;
+                    }
+                };
+                // Curves that the paint was not made for have words too.
+                for tuft in curves.tufts().iter().chain(odd.tufts()) {
+                    assert_eq!(paint.of(tuft).len(), tuft.points().len(), "{view:?}");
+                }
+                let again = view.paint(curves, Some(&scalp)).unwrap();
+                assert_eq!(again.key, paint.key, "{view:?}");
+                if let Some(legend) = &paint.legend {
+                    assert!(legend.lowest <= legend.highest, "{view:?}: {legend:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn names_and_ranges_are_read() {
+        for (text, want) in [
+            ("hair", Ok(View::Hair)),
+            ("cluster", Ok(View::Groom(GroomColours::Cluster))),
+            ("cvs", Ok(View::Cvs(255))),
+            ("cvs:64", Ok(View::Cvs(64))),
+            ("my own", Ok(View::Attribute("my own".into()))),
+            (
+                "roll:-10..10",
+                Ok(View::Between(Box::new(View::Attribute("roll".into())), -10.0, 10.0)),
+            ),
+            ("length:3..1", Err("a range is LOW..HIGH")),
+            ("cvs:some", Err("a range is LOW..HIGH")),
+            ("hair:0..1", Err("hair has no range")),
+            ("", Err("a view has a name")),
+        ] {
+            match (text.parse::<View>(), want) {
+                (Ok(view), Ok(want)) => assert_eq!(view, want),
+                (Err(why), Err(want)) => assert!(why.contains(want), "{why}"),
+                (got, want) => panic!("{text:?}: {got:?}, not {want:?}"),
+            }
+        }
+        let why = View::Attribute("rol".into()).paint(&groom_of_four(), None).unwrap_err();
+        assert!(
+            why.ends_with("attributes braid, colour, group, id, parent, roll, strand"),
+            "{why}"
+        );
+        assert!(View::Penetration.paint(&groom_of_four(), None).is_err());
+        let ranged = View::Between(Box::new(View::Attribute("colour".into())), 0.0, 1.0);
+        assert!(ranged.paint(&groom_of_four(), None).is_err());
+    }
+
+    /// The colours of a view, one a point of all tufts.
+    fn shown(view: &str, curves: &Curves) -> (Vec<Vec3>, Option<Legend>) {
+        let paint = view.parse::<View>().unwrap().paint(curves, Some(&bust())).unwrap();
+        assert_eq!(paint.shading, Shading::Colour);
+        let words = curves.tufts().iter().flat_map(|t| paint.of(t));
+        (words.map(unpack_colour).collect(), paint.legend)
+    }
+
+    #[test]
+    fn numbers_are_the_colours_that_the_legend_says() {
+        // View, unit, range, and the number at some points.
+        let cases: [(&str, &str, [f32; 2], &[(usize, f32)]); 6] = [
+            ("length", "cm", [1.0, 4.0], &[(0, 1.0), (5, 2.0), (19, 4.0)]),
+            ("length:0..8", "cm", [0.0, 8.0], &[(4, 1.0), (12, 3.0)]),
+            ("roll", "degrees", [0.0, 90.0], &[(3, 30.0), (9, 90.0), (13, 30.0)]),
+            ("u", "", [0.0, 1.0], &[(0, 0.0), (2, 0.5), (19, 1.0)]),
+            ("cvs", "", [0.0, 255.0], &[(0, 5.0)]),
+            ("curvature:0..1", "1/cm", [0.0, 1.0], &[(0, 0.0), (2, 0.0)]),
+        ];
+        for (view, unit, range, points) in cases {
+            let (colours, legend) = shown(view, &groom_of_four());
+            let legend = legend.unwrap();
+            assert_eq!(
+                (legend.unit.as_str(), [legend.lowest, legend.highest]),
+                (unit, range),
+                "{view}"
+            );
+            for (k, number) in points {
+                let want = legend.ramp.at((number - range[0]) / (range[1] - range[0]));
+                let off = (colours[*k] - want).abs().max_element();
+                assert!(off < 0.012, "{view} {k}: {} {want}", colours[*k]);
+            }
+        }
+    }
+
+    #[test]
+    fn too_many_points_are_loud() {
+        let (colours, legend) = shown("cvs:4", &groom_of_four());
+        assert!(colours.iter().all(|c| (*c - over()).abs().max_element() < 0.005));
+        assert_eq!(legend.unwrap().limit, Some(4.0));
+        let (colours, _) = shown("cvs:5", &groom_of_four());
+        assert!((colours[0] - Ramp::Viridis.at(1.0)).abs().max_element() < 0.01);
+    }
+
+    #[test]
+    fn a_few_outliers_do_not_spoil_a_range() {
+        let mut b = TuftBuilder::new();
+        (0..1000).for_each(|_| b.push_curve(&[Vec3::ZERO]));
+        let mut values: Vec<f32> = (0..1000).map(|k| k as f32 * 0.001).collect();
+        (values[3], values[500], values[7]) = (1e9, -1e9, f32::NAN);
+        b.set_named("mine".into(), Domain::Curve, values);
+        let curves = Curves::new(vec![Arc::new(b.build())]);
+        let legend = View::Attribute("mine".into()).paint(&curves, None).unwrap().legend.unwrap();
+        assert!((legend.lowest - 0.01).abs() < 0.003 && (legend.highest - 0.99).abs() < 0.003);
+    }
+
+    #[test]
+    fn hair_is_what_its_colour_absorbs() {
+        let curves = groom_of_four();
+        let paint = Paint::hair();
+        assert_eq!(paint.shading, Shading::Hair);
+        let words = paint.of(&curves.tufts()[0]);
+        let want = colour::absorption_of(Vec3::new(0.4, 0.2, 0.1));
+        let off = unpack_absorption(words[7]).map(f32::sqrt) - want.map(f32::sqrt);
+        assert!(off.abs().max_element() < 0.0023, "{off}");
+        // A colour at each point reads like one a curve.
+        let mut edit = curves.tufts()[0].edit();
+        let (a, b) = (Vec3::splat(0.2), Vec3::new(0.4, 0.2, 0.1));
+        edit.set(COLOUR, Domain::Point, [[a; 5], [b; 5]].concat());
+        assert_eq!(paint.of(&edit.build()), words);
+    }
+
+    #[test]
+    fn groom_colours_follow_what_hair_belongs_to() {
+        let curves = groom_of_four();
+        let same = |view: &str, a: usize, b: usize| {
+            let (colours, legend) = shown(view, &curves);
+            assert_eq!(legend, None);
+            colours[a] == colours[b]
+        };
+        // Points 0 and 5 are of the first tuft's two hairs, 10 and 15 of the second's.
+        for (view, within, across) in [
+            ("groom", true, true),
+            ("cluster", true, false),
+            ("braid", true, false),
+            ("strand", false, false),
+            ("section", false, false),
+            ("id", false, false),
+            ("parent", true, false),
+        ] {
+            assert_eq!(same(view, 0, 5), within, "{view}");
+            assert_eq!(same(view, 0, 10), across, "{view}");
+            assert!(same(view, 0, 4), "{view}");
+        }
+        // A cluster's hair, its tube and its guide have one colour.
+        let mut guide = TuftBuilder::new();
+        guide.push_curve(&[Vec3::ZERO, Vec3::Y]);
+        guide.set(ID, Domain::Curve, vec![7]);
+        guide.set(RADIUS, Domain::Curve, vec![0.5]);
+        let guide = Curves::new(vec![Arc::new(guide.build())]);
+        let guides = guides_paint().of(&guide.tufts()[0])[0];
+        assert_eq!(guides, colour::pack_colour(crate::surface::tubes(&guide).colours[0]));
+        let hair = View::Groom(GroomColours::Cluster).paint(&curves, None).unwrap();
+        assert_eq!(guides, hair.of(&curves.tufts()[0])[0]);
+        assert_eq!(drawn_as(&guide, 0.1).tufts()[0].view(WIDTH).at(0, 1), 0.1);
+    }
+
+    #[test]
+    fn directions_and_colours_are_shown_as_they_are() {
+        let (colours, _) = shown("tangent", &groom_of_four());
+        assert!((colours[0] - Vec3::new(0.5, 1.0, 0.5)).abs().max_element() < 0.005);
+        let (colours, _) = shown("colour", &groom_of_four());
+        assert!((colours[6] - Vec3::new(0.4, 0.2, 0.1)).abs().max_element() < 0.005);
+    }
+
+    #[test]
+    fn curvature_of_a_circle_is_one_over_its_radius() {
+        let at = |k: usize| {
+            let (sin, cos) = (k as f32 * 0.4).sin_cos();
+            Vec3::new(2.5 * cos, 0.0, 2.5 * sin)
+        };
+        let mut b = TuftBuilder::new();
+        b.push_curve(&(0..9).map(at).collect::<Vec<_>>());
+        for k in measure::curvature(&b.build()) {
+            assert!((k - 0.4).abs() < 1e-4, "{k}");
+        }
+    }
+
+    #[test]
+    fn density_is_hairs_across_a_square_centimetre() {
+        // 20 x 20 straight hairs, 1 mm apart, 10 cm long: 100 on a square centimetre.
+        let mut b = TuftBuilder::new();
+        for k in 0..400 {
+            let root = Vec3::new((k % 20) as f32 * 0.1, 0.0, (k / 20) as f32 * 0.1);
+            b.push_curve(&[root, root + Vec3::Y * 4.0, root + Vec3::Y * 10.0]);
+        }
+        let grid = measure::Density::of(&Curves::new(vec![Arc::new(b.build())]));
+        for y in [2.0, 4.4, 7.9] {
+            let density = grid.at(Vec3::new(0.95, y, 0.95));
+            assert!((density / 100.0 - 1.0).abs() < 0.05, "{density}");
+        }
+        assert!(grid.at(Vec3::new(0.0, 5.0, 0.95)) < 70.0);
+        assert_eq!(grid.at(Vec3::splat(50.0)), 0.0);
+    }
+
+    #[test]
+    fn depth_is_the_distance_from_the_skin() {
+        let scalp = bust();
+        let mut b = TuftBuilder::new();
+        let inwards = |k: usize| Vec3::new(0.3, 10.0 - 0.5 * k as f32, 0.1);
+        b.push_curve(&(0..8).map(inwards).collect::<Vec<_>>());
+        let tuft = b.build();
+        let depths = measure::depths(&tuft, &scalp);
+        assert!(depths[0] == 0.0 && depths[7] > 1.0, "{depths:?}");
+        for (p, depth) in tuft.points().iter().zip(&depths) {
+            assert_eq!(*depth, (-scalp.skin().distance(*p)).max(0.0));
+        }
+        let curves = Curves::new(vec![Arc::new(tuft)]);
+        let paint = View::Penetration.paint(&curves, Some(&scalp)).unwrap();
+        let words = paint.of(&curves.tufts()[0]);
+        assert_eq!(unpack_colour(words[0]), unpack_colour(colour::pack_colour(colour::NONE)));
+        assert_ne!(words[7], words[0]);
+    }
+
+    #[test]
+    fn the_parting_lies_half_way_between_braids() {
+        // Two fields of roots, 1 cm apart between x = -0.5 and 0.5; one wide and one narrow.
+        let mut b = TuftBuilder::new();
+        let mut braids = vec![];
+        for i in 0..60 {
+            for j in 0..20 {
+                let x = if i < 40 { -0.5 - i as f32 * 0.1 } else { 0.5 + (i - 40) as f32 * 0.1 };
+                let root = Vec3::new(x, 0.0, j as f32 * 0.1);
+                b.push_curve(&[root, root + Vec3::Y]);
+                braids.push(if i < 40 { 5u64 } else { 6 });
+            }
+        }
+        b.set(BRAID, Domain::Curve, braids);
+        let tuft = Arc::new(b.build());
+        let known = measure::partings(&Curves::new(vec![tuft.clone()]));
+        let distances = known.of_tuft(&tuft);
+        for (i, curve) in (0..tuft.len()).map(|i| (i, tuft.curve(i))) {
+            let got = distances[tuft.range(i).start];
+            let want = curve[0].x.abs();
+            assert!((got - want).abs() < 1e-4, "{}: {got}", curve[0]);
+        }
+        // One braid alone has no parting.
+        let mut one = tuft.edit();
+        one.set(BRAID, Domain::Curve, vec![5]);
+        let one = Arc::new(one.build());
+        assert!(measure::partings(&Curves::new(vec![one.clone()])).of_tuft(&one)[0].is_nan());
+    }
+}

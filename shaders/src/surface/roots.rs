@@ -35,15 +35,13 @@ pub struct RootGrid {
 impl RootGrid {
     /// The grid of these curves' first points, blurred over `spread` cm; none without roots or for a spread that is not over 0.
     pub fn of(curves: &Curves, spread: f32) -> Option<Self> {
-        let roots = || {
-            let first = curves.each().filter_map(|(tuft, i)| tuft.curve(i).first());
-            first.copied().filter(|p| p.is_finite())
-        };
-        let one = roots().next()?;
+        let first = curves.each().filter_map(|(tuft, i)| tuft.curve(i).first().copied());
+        let roots: Vec<Vec3> = first.filter(|p| p.is_finite()).collect();
+        let one = *roots.first()?;
         if !(spread.is_finite() && spread > 0.0) {
             return None;
         }
-        let (least, most) = roots().fold((one, one), |(lo, hi), p| (lo.min(p), hi.max(p)));
+        let (least, most) = roots.iter().fold((one, one), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
         let extent = most - least;
         let mut cell = spread * CELL_OVER_SPREAD;
         // Two cells around, so that what is blurred fades before the grid ends.
@@ -54,7 +52,7 @@ impl RootGrid {
         // Odd, never a power of two: software adapters compile shaders anew for those.
         let size = count(cell).to_array().map(|n| n as u32 | 1);
         let lower = least - cell * 2.0;
-        let counts = spread_out(roots(), lower, cell, size);
+        let counts = spread_out(&roots, lower, cell, size);
         // A root on a flat skin gives its weight to layers of cells across it; what trilinear reading finds on the skin is
         // on average the middle value of the quartic B-spline, 115 / 192.
         let scale = 255.0 / (FULL * cell * cell * (115.0 / 192.0));
@@ -64,19 +62,14 @@ impl RootGrid {
 }
 
 /// Every root spread over 27 cells by the quadratic B-spline, which adds up to 1 wherever the root lies in its cell.
-fn spread_out(
-    roots: impl Iterator<Item = Vec3>,
-    lower: Vec3,
-    cell: f32,
-    size: [u32; 3],
-) -> Vec<f32> {
+fn spread_out(roots: &[Vec3], lower: Vec3, cell: f32, size: [u32; 3]) -> Vec<f32> {
     let [row, rows, layers] = size.map(|n| n as usize);
     let layer = row * rows;
     let mut counts = vec![0.0; layer * layers];
     let weights = |t: f32| [0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)];
     let inverse = 1.0 / cell;
     for p in roots {
-        let at = (p - lower) * inverse;
+        let at = (*p - lower) * inverse;
         let own = at.floor();
         let off = at - own - 0.5;
         let [x, y, z] = [weights(off.x), weights(off.y), weights(off.z)];

@@ -18,8 +18,9 @@ pub(crate) fn solid_voxels(solids: &[Solid], lower: Vec3, cell: f32, size: [u32;
     if !(cell > 0.0 && cell.is_finite()) {
         return marks;
     }
+    let inverse = 1.0 / cell;
     let index = |p: Vec3| {
-        let at = ((p - lower) / cell).floor().to_array();
+        let at = ((p - lower) * inverse).to_array();
         let inside = (0..3).all(|axis| at[axis] >= 0.0 && at[axis] < size[axis] as f32);
         let [x, y, z] = at.map(|n| n as usize);
         inside.then(|| (z * size[1] + y) * size[0] + x)
@@ -35,7 +36,7 @@ pub(crate) fn solid_voxels(solids: &[Solid], lower: Vec3, cell: f32, size: [u32;
     }
     for solid in solids.iter().filter(|s| s.casts) {
         samples(solid, cell, |p, n| {
-            let Some(i) = index(p - n * (DEEP * cell)) else { return };
+            let Some(i) = index(p - n * (DEEP * cell)).filter(|i| marks[*i] == 0) else { return };
             // Another side of the sheet lies on the way, or where it ends.
             let against = facing_away(n);
             let thin = [0.5, 1.0, 1.5, 2.0].into_iter().any(|depth| {

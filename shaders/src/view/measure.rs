@@ -117,37 +117,38 @@ impl Density {
                 if !length.is_finite() || length <= 0.0 {
                     continue;
                 }
-                let pieces = (length / (0.5 * cell)).ceil().min(4096.0);
+                let pieces = (length / cell).ceil().min(4096.0);
                 for k in 0..pieces as u32 {
                     let p = pair[0] + way * ((k as f32 + 0.5) / pieces);
-                    grid.corners(p, |at, weight, lengths| lengths[at] += weight * length / pieces);
+                    let Some((at, weights)) = grid.around(p) else { continue };
+                    for (at, weight) in at.into_iter().zip(weights) {
+                        grid.lengths[at] += weight * length / pieces;
+                    }
                 }
             }
         }
         grid
     }
 
-    fn corners(&mut self, p: Vec3, mut put: impl FnMut(usize, f32, &mut Vec<f32>)) {
-        let mut lengths = std::mem::take(&mut self.lengths);
-        self.around(p, |at, weight| put(at, weight, &mut lengths));
-        self.lengths = lengths;
-    }
-
-    /// The eight cells whose centres are around `p`, with their trilinear weights.
-    fn around(&self, p: Vec3, mut each: impl FnMut(usize, f32)) {
+    /// The eight cells whose middles are around `p`, with their trilinear weights; none outside the grid.
+    fn around(&self, p: Vec3) -> Option<([usize; 8], [f32; 8])> {
         let at = (p - self.lower) / self.cell - 0.5;
         let first = at.floor();
         let part = at - first;
-        for corner in 0..8u8 {
-            let step = [0, 1, 2].map(|axis| f32::from(corner >> axis & 1));
-            let cell = (first + Vec3::from(step)).to_array();
-            if (0..3).any(|axis| cell[axis] < 0.0 || cell[axis] >= self.size[axis] as f32) {
-                continue;
-            }
-            let [x, y, z] = cell.map(|n| n as usize);
-            let share = |axis: usize| if step[axis] > 0.0 { part[axis] } else { 1.0 - part[axis] };
-            each((z * self.size[1] + y) * self.size[0] + x, share(0) * share(1) * share(2));
+        let first = first.to_array();
+        if (0..3).any(|axis| !(first[axis] >= 0.0 && first[axis] + 1.0 < self.size[axis] as f32)) {
+            return None;
         }
+        let [x, y, z] = first.map(|n| n as usize);
+        let (row, layer) = (self.size[0], self.size[0] * self.size[1]);
+        let start = z * layer + y * row + x;
+        let (b, a) = (part, 1.0 - part);
+        let cells = [0, 1, row, row + 1].map(|step| start + step);
+        let [c, d, e, f] = cells;
+        let sides = [a.x * a.y, b.x * a.y, a.x * b.y, b.x * b.y];
+        let [p, q, r, s] = sides.map(|w| w * a.z);
+        let [t, u, v, w] = sides.map(|w| w * b.z);
+        Some(([c, d, e, f, c + layer, d + layer, e + layer, f + layer], [p, q, r, s, t, u, v, w]))
     }
 
     /// Hairs across a square centimetre at `p`.
@@ -155,8 +156,9 @@ impl Density {
         if !p.is_finite() {
             return f32::NAN;
         }
-        let mut sum = 0.0;
-        self.around(p, |at, weight| sum += self.lengths[at] * weight);
+        let Some((at, weights)) = self.around(p) else { return 0.0 };
+        let sum: f32 =
+            at.into_iter().zip(weights).map(|(at, weight)| self.lengths[at] * weight).sum();
         sum / (self.cell * self.cell * self.cell)
     }
 }
