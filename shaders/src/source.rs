@@ -13,9 +13,7 @@ macro_rules! files {
             &[$(($name, include_str!(concat!("../wgsl/", $name, ".wgsl")))),*];
     };
 }
-files![
-    "common", "frame",
-];
+files!["common", "frame",];
 
 /// A shader put together from files.
 #[derive(Debug)]

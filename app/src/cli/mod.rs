@@ -6,6 +6,7 @@
 mod check;
 mod eval;
 mod files;
+mod groom;
 mod measure;
 mod nodes;
 mod progress;
@@ -54,7 +55,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Nodes(args)) => nodes::run(args),
         Some(Command::Measure(args)) => measure::run(args),
-        None => eval::run(eval::EvalArgs::start_up()),
+        None => Exit::Refused,
     };
     ExitCode::from(exit as u8)
 }
