@@ -1,9 +1,10 @@
 //! What whole-program tests share: the program itself, the heads they run on, and how they say that they cannot run.
 
+use coif_shaders::{Gpu, Precision};
 use serde_json::Value as Json;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// The repository.
 pub fn repository() -> &'static Path {
@@ -36,6 +37,22 @@ pub fn usd_python(test: &str) -> Option<PathBuf> {
     }
     println!("skipped: {test} needs usd-core in target/venv (tests/run.sh installs it)");
     None
+}
+
+/// The one device that a test program draws on; none where there is no adapter. The caller returns then, having named
+/// itself.
+pub fn gpu(test: &str) -> Option<Arc<Gpu>> {
+    static GPU: OnceLock<Option<Arc<Gpu>>> = OnceLock::new();
+    let gpu = GPU.get_or_init(|| Gpu::new(Precision::Best).ok().map(Arc::new));
+    if gpu.is_none() {
+        println!("skipped: {test} needs a graphics adapter (libvulkan1 mesa-vulkan-drivers)");
+    }
+    gpu.clone()
+}
+
+/// Whether there is an adapter to draw on. The caller returns where there is none, having named itself.
+pub fn adapter(test: &str) -> bool {
+    gpu(test).is_some()
 }
 
 /// The `coif` program of the profile that this test was built in, built anew if need be.
