@@ -6,9 +6,19 @@
 //! Guaranteed: the same scene gives the same bytes on one adapter, whatever its number of threads.
 //! Not guaranteed: the same bytes on two different adapters.
 
+pub mod camera;
+pub mod display;
+pub mod environment;
 mod frame;
 mod gpu;
+pub mod light;
+pub mod picture;
 mod source;
 mod twins;
 
+pub use camera::{Camera, Sphere, Subject, Viewpoint};
+pub use display::Transform;
+pub use environment::{Backdrop, Environment};
 pub use gpu::{Gpu, GpuError, Precision};
+pub use light::{Light, Rig};
+pub use picture::{Picture, PictureError, Samples};

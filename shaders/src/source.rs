@@ -13,7 +13,10 @@ macro_rules! files {
             &[$(($name, include_str!(concat!("../wgsl/", $name, ".wgsl")))),*];
     };
 }
-files!["common", "frame",];
+files![
+    "common", "frame",
+    "environment", "display",
+];
 
 /// A shader put together from files.
 #[derive(Debug)]

@@ -83,6 +83,16 @@ impl Drop for Pending {
     }
 }
 
+/// Why a file cannot be read, without the system's error number.
+#[cfg(feature = "render")]
+pub(crate) fn said(err: &io::Error) -> String {
+    match err.kind() {
+        io::ErrorKind::NotFound => "no such file".to_owned(),
+        io::ErrorKind::PermissionDenied => "may not be read".to_owned(),
+        _ => err.to_string(),
+    }
+}
+
 /// Writes a small text file in one go.
 pub(crate) fn write_text(target: &Path, text: &str) -> Result<(), String> {
     let mut pending = Pending::default();

@@ -71,6 +71,11 @@ impl Stop {
     pub(crate) fn lines(&self) -> &[String] {
         &self.1
     }
+    /// Whether a person ended it.
+    #[cfg(feature = "render")]
+    pub(crate) fn is_interruption(&self) -> bool {
+        self.0 == Exit::Interrupted
+    }
     /// Ended by a person.
     pub(crate) fn interrupted() -> Self {
         Self(Exit::Interrupted, vec!["interrupted; nothing was written".to_owned()])
@@ -137,8 +142,10 @@ pub(crate) struct Evaluated {
     /// Each output, as it is written to files.
     pub(crate) groups: Vec<export::Group>,
     /// The heads that the outputs stand on.
+    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "pictures show them"))]
     pub(crate) scalps: Vec<Arc<Scalp>>,
     /// What was asked for besides, in that order.
+    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "pictures show it"))]
     pub(crate) more: Vec<Value>,
 }
 

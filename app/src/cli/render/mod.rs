@@ -6,22 +6,34 @@
 mod feeders;
 mod options;
 
-use super::files::Pending;
+use super::files::{Pending, said};
 use super::groom::{Evaluated, GroomArgs, Opened, QualityArg, Stop, carry_out};
 use super::progress::Bar;
 use super::report::{Picture as About, Report, rounded};
-use super::Exit;
+use super::{Exit, extension_of};
 use clap::Args;
 use coif_graphs::document::{NodeId, Socket};
 use coif_graphs::schedule::result::document_hash;
 use coif_graphs::schedule::run::CancelToken;
-use coif_nodes::data::curves::Curves;
-use coif_nodes::data::scalp::HeadFrame;
+use coif_nodes::data::attributes::{Domain, ID, WIDTH};
+use coif_nodes::data::curves::{Curves, Tuft};
+use coif_nodes::data::scalp::{HeadFrame, Scalp};
 use coif_nodes::define::{Type, Value};
-use coif_shaders::{Camera, Gpu, Look, Precision, Renderer, Subject, Viewpoint, camera};
+use coif_shaders::camera::{self, Camera, Subject, Viewpoint};
+use coif_shaders::display::Transform;
+use coif_shaders::environment::Environment;
+use coif_shaders::hair::Model;
+use coif_shaders::light::Rig;
+use coif_shaders::picture::Samples;
+use coif_shaders::surface::{RootGrid, SPREAD, Solid, Tone, ground, head_solid, tubes};
+use coif_shaders::view::{Paint, View};
+use coif_shaders::{Gpu, Look, Precision, Renderer};
+use glam::Vec3;
 use options::Format;
+use std::cell::Cell;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::thread::JoinHandle;
 use std::time::Instant;
 
 #[derive(Args)]
@@ -88,6 +100,17 @@ pub(crate) struct RenderArgs {
     report: Option<PathBuf>,
 }
 
+/// The most pictures of a turntable, and the most samples in a pixel.
+const MOST_FRAMES: u32 = 9999;
+const MOST_SAMPLES: u32 = 65536;
+
+/// Names of the models that scatter light in hair.
+const MODELS: [(&str, Model); 3] =
+    [("karis", Model::Karis), ("chiang", Model::Chiang), ("kajiya-kay", Model::KajiyaKay)];
+
+/// How thick guides are drawn, cm: thin against a lock, thick against a pixel.
+const GUIDE_WIDTH: f32 = 0.06;
+
 /// What the words ask for.
 struct Asked {
     size: [u32; 2],
@@ -95,46 +118,111 @@ struct Asked {
     frames: u32,
     samples: u32,
     focal_mm: f32,
+    show: Show,
     rig: Rig,
     transform: Transform,
     look: Look,
-    skin: SkinTone,
+    tone: Tone,
+}
+
+/// What is drawn.
+enum Show {
+    /// The outputs, in the colours of a view.
+    Hair(View),
+    /// The curves that the outputs' hair follows, as lines.
+    Guides,
+    /// The same as tubes.
+    Clusters,
 }
 
 impl RenderArgs {
+    /// What lights the picture, in words.
+    fn lit_by(&self) -> String {
+        match &self.hdri {
+            Some(path) => format!("{} in {}", self.light, path.display()),
+            None => self.light.clone(),
+        }
+    }
+
     /// Refuses words that mean nothing, in one line each.
     fn understood(&self) -> Result<Asked, Stop> {
-        use options::{counted, files, named, size, within};
-        let mut rig = named("--light", &self.light, &Rig::NAMES, Rig::named)?;
-        rig.exposure += within("--exposure", self.exposure, -20.0, 20.0, " stops")?;
-        if self.hdri_rotation.is_some() && self.hdri.is_none() {
-            return Err(Stop::refused("--hdri-rotation turns the picture of --hdri, and there is none"));
-        }
-        if let Some(path) = &self.hdri {
-            let degrees = self.hdri_rotation.unwrap_or(0.0);
-            let degrees = within("--hdri-rotation", degrees, -36000.0, 36000.0, " degrees")?;
-            rig.environment = environment(path)?.rotated(degrees);
-        }
+        let rig = options::named("--light", &self.light, &Rig::NAMES, Rig::named)?;
+        let exposure = options::within("--exposure", self.exposure, -20.0, 20.0, " stops")?;
+        let show = match &*self.view {
+            "guides" => Show::Guides,
+            "clusters" => Show::Clusters,
+            other => Show::Hair(
+                other.parse().map_err(|reason| Stop::refused(format!("--view {reason}")))?,
+            ),
+        };
+        let models = MODELS.map(|(name, _)| name);
+        let model = |text: &str| models.iter().position(|name| *name == text).map(|i| MODELS[i].1);
+        let displays = Transform::ALL.map(|t| t.name().to_lowercase().replace('.', ""));
+        let displays = displays.each_ref().map(String::as_str);
+        let display =
+            |text: &str| displays.iter().position(|name| *name == text).map(|i| Transform::ALL[i]);
+        let tones: Vec<String> = (1..=10).map(|n: u8| n.to_string()).collect();
+        let tones: Vec<&str> = tones.iter().map(String::as_str).chain(["clay"]).collect();
+        let tone = |text: &str| match tones.iter().position(|name| *name == text)? {
+            10 => Some(Tone::Clay),
+            n => Some(Tone::Monk(n as u8 + 1)),
+        };
         Ok(Asked {
-            size: size(&self.size)?,
-            formats: files(&self.out, self.turntable.is_some())?,
-            frames: self.turntable.map_or(Ok(1), |n| counted("--turntable", n, MOST_FRAMES))?,
-            samples: counted("--samples", self.samples, MOST_SAMPLES)?,
-            focal_mm: within("--focal", self.focal, 1.0, 10_000.0, " mm")?,
-            rig,
-            transform: named("--display", &self.display, &Transform::NAMES, Transform::named)?,
+            size: options::size(&self.size)?,
+            formats: options::files(&self.out, self.turntable.is_some())?,
+            frames: match self.turntable {
+                Some(n) => options::counted("--turntable", n, MOST_FRAMES)?,
+                None => 1,
+            },
+            samples: options::counted("--samples", self.samples, MOST_SAMPLES)?,
+            focal_mm: options::within("--focal", self.focal, 1.0, 10_000.0, " mm")?,
+            show,
+            rig: Rig {
+                environment: self.environment(rig.environment)?,
+                exposure: rig.exposure + exposure,
+                ..rig
+            },
+            transform: options::named("--display", &self.display, &displays, display)?,
             look: Look {
-                model: named("--model", &self.model, &MODELS.map(|(name, _)| name), |text| {
-                    MODELS.iter().find(|(name, _)| *name == text).map(|(_, model)| *model)
-                })?,
-                opacity: within("--opacity", self.opacity, 0.0, 1.0, "")?,
-                share: within("--share", self.share, 0.001, 1.0, "")?,
+                model: options::named("--model", &self.model, &models, model)?,
+                opacity: options::within("--opacity", self.opacity, 0.0, 1.0, "")?,
+                share: options::within("--share", self.share, 0.001, 1.0, "")?,
                 ..Look::default()
             },
-            skin: skin(&self.skin)?,
+            tone: options::named("--skin", &self.skin, &tones, tone)?,
         })
     }
+
+    /// The surroundings: those of a file, if one is named.
+    fn environment(&self, of_rig: Environment) -> Result<Environment, Stop> {
+        let degrees = self.hdri_rotation.unwrap_or(0.0);
+        let degrees =
+            options::within("--hdri-rotation", degrees, -36000.0, 36000.0, " degrees")?;
+        let Some(path) = &self.hdri else {
+            return match self.hdri_rotation {
+                Some(_) => {
+                    let text = "--hdri-rotation turns the picture of --hdri, and there is none";
+                    Err(Stop::refused(text))
+                }
+                None => Ok(of_rig),
+            };
+        };
+        let fault = |reason: String| Stop::refused(format!("--hdri {}: {reason}", path.display()));
+        let about = std::fs::metadata(path).map_err(|err| fault(said(&err)))?;
+        if !about.is_file() {
+            return Err(fault("is not a file".to_owned()));
+        }
+        if about.len() > MOST_HDRI {
+            return Err(fault(format!("is larger than {} GiB", MOST_HDRI >> 30)));
+        }
+        let bytes = std::fs::read(path).map_err(|err| fault(said(&err)))?;
+        Environment::from_hdri(&bytes, &extension_of(path), degrees)
+            .map_err(|err| fault(err.to_string()))
+    }
 }
+
+/// The largest picture of surroundings that is read: 16384 x 8192 floats.
+const MOST_HDRI: u64 = 2 << 30;
 
 pub(crate) fn run(args: RenderArgs) -> Exit {
     carry_out(
@@ -149,26 +237,116 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     let asked = args.understood()?;
     let opened = args.groom.open(report)?;
     let place = Place::of(&args.camera, &opened)?;
-    let followed = match &*args.view {
-        "guides" | "clusters" => feeders::feeders(
+    let followed = match asked.show {
+        Show::Hair(_) => vec![],
+        Show::Guides | Show::Clusters => feeders::feeders(
             &opened.document,
             opened.outputs.iter().map(|output| &output.socket.node),
         ),
-        _ => vec![],
     };
-    let more: Vec<Socket> = place.socket.iter().chain(&followed).cloned().collect();
+    let more: Vec<Socket> = followed.iter().chain(&place.socket).cloned().collect();
+    if followed.is_empty() && !matches!(asked.show, Show::Hair(_)) {
+        return Err(Stop::refused(format!(
+            "--view {}: no node on the way to the outputs makes hair that follows curves",
+            args.view
+        )));
+    }
     opened.refuse_problems(&more, &mut report.warnings)?;
     let device = Device::start(asked.size, cancel);
     let began = Instant::now();
     let evaluated = args.groom.evaluate(&opened, &more, cancel, report);
-    let evaluation_ms = began.elapsed().as_secs_f64() * 1e3;
-    // An evaluation that the device's failure ended is no interruption.
-    let evaluated = match evaluated {
+    let evaluation_ms = since(began);
+    let mut evaluated = match evaluated {
+        // What the device's failure ended was not interrupted by anybody.
         Err(stop) if stop.is_interruption() => return Err(device.failure().unwrap_or(stop)),
         evaluated => evaluated?,
     };
     let (mut renderer, device_ms) = device.wait()?;
-    todo!()
+    let began = Instant::now();
+    let frame = evaluated.scalps.first().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
+    let closest = evaluated.more.split_off(followed.len());
+    let scene = Scene::of(&asked, args, evaluated)?;
+    let camera = place.camera(&asked, &scene, closest.first())?;
+    renderer.set_look(&asked.look);
+    renderer.set_rig(&asked.rig);
+    renderer.set_solids(scene.solids);
+    renderer.set_roots(scene.roots);
+    renderer.set_hair(&scene.drawn, &scene.paint);
+
+    let adapter = adapter(&renderer);
+    let description = describe(args, &asked, &scene, report);
+    let mut texts = vec![
+        ("Software".to_owned(), format!("coif {}", env!("CARGO_PKG_VERSION"))),
+        ("Title".to_owned(), opened.document.title.clone()),
+        ("Description".to_owned(), description.clone()),
+        ("graph".to_owned(), document_hash(&opened.document)),
+        ("hair".to_owned(), hashes(report)),
+        ("view".to_owned(), args.view.clone()),
+        ("camera".to_owned(), format!("{}, {} mm", place.name, asked.focal_mm)),
+        ("light".to_owned(), args.lit_by()),
+        ("samples".to_owned(), asked.samples.to_string()),
+        ("adapter".to_owned(), adapter.clone()),
+    ];
+    texts.retain(|(_, text)| !text.is_empty());
+    let first_sample_ms = Cell::new(None);
+    let mut files = vec![];
+    let mut pending = Pending::default();
+    let bar = Bar::new("samples");
+    let total = (asked.frames * asked.samples) as usize;
+    for frame in 0..asked.frames {
+        let turn = 360.0 * frame as f32 / asked.frames as f32;
+        renderer.set_camera(&camera.turned(frame.origin, frame.up, turn));
+        let whole = renderer.render(asked.samples, &|progress| {
+            if progress.samples > 0 && first_sample_ms.get().is_none() {
+                first_sample_ms.set(Some(since(began)));
+            }
+            bar.count((frame * asked.samples + progress.samples) as usize, total);
+            cancel.is_cancelled()
+        });
+        if !whole {
+            return Err(Stop::interrupted());
+        }
+        let picture = renderer.picture();
+        for (path, format) in args.out.iter().zip(&asked.formats) {
+            let path = options::numbered(path, frame + 1);
+            bar.say(format!("writing {}", path.display()));
+            let written = pending.write(&path, cancel, |out| {
+                let written = match format {
+                    Format::Png => {
+                        picture.write_png(out, asked.transform, asked.rig.exposure, &texts)
+                    }
+                    Format::Exr => picture.write_exr(out, Samples::Half, &texts),
+                };
+                written.map_err(|err| err.to_string())
+            });
+            if cancel.is_cancelled() {
+                return Err(Stop::interrupted());
+            }
+            written.map_err(|reason| Stop::failed(format!("{}: {reason}", path.display())))?;
+            files.push(path.display().to_string());
+        }
+    }
+    bar.clear();
+    pending
+        .place()
+        .map_err(|(path, reason)| Stop::failed(format!("{}: {reason}", path.display())))?;
+    report.picture = Some(About {
+        files,
+        width: asked.size[0],
+        height: asked.size[1],
+        description,
+        view: args.view.clone(),
+        camera: place.name,
+        light: args.lit_by(),
+        samples: asked.samples,
+        transform: asked.transform.name(),
+        adapter,
+        evaluation_ms: rounded(evaluation_ms),
+        device_ms: rounded(device_ms),
+        first_sample_ms: rounded(first_sample_ms.get().unwrap_or_default()),
+        draw_ms: rounded(since(began)),
+    });
+    Ok(())
 }
 
 /// Where the picture is seen from.
@@ -181,6 +359,7 @@ struct Place {
 }
 
 impl Place {
+    /// What a name means in a graph.
     fn of(text: &str, opened: &Opened) -> Result<Self, Stop> {
         let fault = |reason: String| Stop::refused(format!("--camera {text}: {reason}"));
         let name = text.to_owned();
@@ -206,6 +385,114 @@ impl Place {
     }
 }
 
+impl Place {
+    /// The camera there; `closest` is what `socket` gave.
+    fn camera(
+        self,
+        asked: &Asked,
+        scene: &Scene,
+        closest: Option<&Value>,
+    ) -> Result<Camera, Stop> {
+        let points = match closest {
+            Some(Value::Curves(curves)) => {
+                curves.tufts().iter().flat_map(|tuft| tuft.points()).copied().collect()
+            }
+            _ => vec![],
+        };
+        let view = match self.view {
+            Some(view) => view,
+            None if points.is_empty() => {
+                return Err(Stop::failed(format!("--camera {}: it gives no curves", self.name)));
+            }
+            None => Viewpoint::Close(points),
+        };
+        let subject = Subject {
+            frame: scene.frame,
+            surface: scene.scalp.as_deref().map(Scalp::surface),
+            hair: &scene.hair,
+        };
+        let [width, height] = asked.size.map(|side| side as f32);
+        Ok(camera::frame(&view, &subject, asked.focal_mm, width / height))
+    }
+}
+
+/// What stands before the camera.
+struct Scene {
+    frame: HeadFrame,
+    scalp: Option<Arc<Scalp>>,
+    /// All hair of the outputs, and how many curves it follows where these are shown.
+    hair: Curves,
+    followed: usize,
+    /// What is drawn of it, or of what it follows, and its colours.
+    drawn: Curves,
+    paint: Paint,
+    solids: Vec<Solid>,
+    roots: Option<RootGrid>,
+}
+
+impl Scene {
+    fn of(asked: &Asked, args: &RenderArgs, evaluated: Evaluated) -> Result<Self, Stop> {
+        let Evaluated { groups, scalps, more } = evaluated;
+        // Guides that are handed out besides hair are no hair.
+        let only_guides = groups.iter().all(|group| group.guides);
+        let hair = together(
+            groups.into_iter().filter(|group| only_guides || !group.guides).map(|g| g.curves),
+        );
+        let followed = || {
+            together(more.iter().filter_map(|value| match value {
+                Value::Curves(curves) => Some(curves.clone()),
+                _ => None,
+            }))
+        };
+        let scalp = scalps.first().cloned();
+        let mut solids = vec![];
+        if !args.no_head {
+            solids.extend(scalps.iter().map(|scalp| head_solid(scalp, asked.tone)));
+            solids.extend(ground(&solids));
+        }
+        let of_view = |view: &View, curves: &Curves| {
+            view.paint(curves, scalp.as_deref())
+                .map_err(|reason| Stop::failed(format!("--view {}: {reason}", args.view)))
+        };
+        let by_id = View::Attribute(ID.name.to_owned());
+        let mut count = 0;
+        let (drawn, paint, roots) = match &asked.show {
+            Show::Hair(view) => {
+                let roots = RootGrid::of(&hair, SPREAD);
+                (hair.clone(), of_view(view, &hair)?, roots)
+            }
+            Show::Guides => {
+                let guides = thick(&followed());
+                count = guides.curve_count();
+                let paint = of_view(&by_id, &guides)?;
+                (guides, paint, None)
+            }
+            Show::Clusters => {
+                let clusters = followed();
+                count = clusters.curve_count();
+                solids.push(tubes(&clusters));
+                (Curves::default(), Paint::plain(Vec3::ONE), None)
+            }
+        };
+        let frame = scalp.as_ref().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
+        Ok(Self { frame, scalp, hair, followed: count, drawn, paint, solids, roots })
+    }
+}
+
+fn together(all: impl Iterator<Item = Curves>) -> Curves {
+    Curves::new(all.flat_map(|curves| curves.tufts().to_vec()).collect())
+}
+
+/// The same curves, thick enough to be seen one by one.
+fn thick(curves: &Curves) -> Curves {
+    let thick = |tuft: &Arc<Tuft>| {
+        let mut edited = tuft.edit();
+        edited.set(WIDTH, Domain::Curve, vec![GUIDE_WIDTH]);
+        Arc::new(edited.build())
+    };
+    Curves::new(curves.tufts().iter().map(thick).collect())
+}
+
 /// A renderer in the making.
 struct Device {
     thread: JoinHandle<Result<(Renderer, f64), Stop>>,
@@ -226,7 +513,7 @@ impl Device {
             if made.is_err() {
                 cancel.cancel();
             }
-            made.map(|renderer| (renderer, began.elapsed().as_secs_f64() * 1e3))
+            made.map(|renderer| (renderer, since(began)))
         });
         Self { thread }
     }
@@ -240,5 +527,99 @@ impl Device {
     /// Why it could not be made, if it could not.
     fn failure(self) -> Option<Stop> {
         self.wait().err()
+    }
+}
+
+/// Name and driver of what draws.
+fn adapter(renderer: &Renderer) -> String {
+    let info = &renderer.gpu().info;
+    let driver = [&*info.driver, &*info.driver_info];
+    let driver: Vec<&str> = driver.into_iter().filter(|text| !text.is_empty()).collect();
+    if driver.is_empty() { info.name.clone() } else { format!("{} ({})", info.name, driver.join(" ")) }
+}
+
+/// What the picture is, in words.
+fn describe(args: &RenderArgs, asked: &Asked, scene: &Scene, report: &Report) -> String {
+    let (strands, points) = (scene.hair.curve_count(), scene.hair.point_count());
+    let quality = match args.groom.quality {
+        QualityArg::Final => "final",
+        QualityArg::Preview => "preview (the first tenth)",
+    };
+    let mut text =
+        format!("{quality}, {} strands, {} points", grouped(strands), grouped(points));
+    match asked.show {
+        Show::Hair(_) => {}
+        Show::Guides | Show::Clusters => {
+            text += &format!(", shown as {} {}", grouped(scene.followed), args.view);
+        }
+    }
+    if asked.look.share < 1.0 {
+        text += &format!(", {} % of them drawn", asked.look.share * 100.0);
+    }
+    if let Some(legend) = &scene.paint.legend {
+        text += &format!(", {} {} to {}", legend.name, legend.lowest, legend.highest);
+        if !legend.unit.is_empty() {
+            text += &format!(" {}", legend.unit);
+        }
+    }
+    // A picture is made only when none failed.
+    text + ", no failed nodes"
+}
+
+/// Content hash of each output with its group's name.
+fn hashes(report: &Report) -> String {
+    let all: Vec<String> =
+        report.outputs.iter().map(|output| format!("{} {}", output.group, output.hash)).collect();
+    all.join(", ")
+}
+
+/// A number in groups of three digits.
+fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn since(began: Instant) -> f64 {
+    began.elapsed().as_secs_f64() * 1e3
+}
+
+/// What was made, for a person.
+fn summary(report: &Report) -> String {
+    let Some(picture) = &report.picture else { return String::new() };
+    let memory = report.peak_rss_mib.map_or(String::new(), |m| format!(", {m:.0} MiB"));
+    let mut text = format!(
+        "{}\n{} samples on {}\nevaluation {:.2} s, first sample {:.2} s, all {:.2} s{memory}",
+        picture.description,
+        picture.samples,
+        picture.adapter,
+        picture.evaluation_ms / 1e3,
+        picture.first_sample_ms / 1e3,
+        report.total_ms / 1e3,
+    );
+    match &picture.files[..] {
+        [first, .., last] if picture.files.len() > 4 => {
+            text += &format!("\nwrote {first} to {last}");
+        }
+        files => files.iter().for_each(|file| text += &format!("\nwrote {file}")),
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_numbers_are_grouped() {
+        for (number, expected) in [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")] {
+            assert_eq!(grouped(number), expected);
+        }
     }
 }

@@ -1,0 +1,247 @@
+//! All pipelines and the layouts of what they bind.
+//!
+//! Made once a device, in parallel: on a software adapter a pipeline is compiled to machine code, which takes longer than
+//! drawing with it. With the feature `hot-reload` they can be made again from changed files; a broken shader leaves the old
+//! ones in place.
+
+use crate::gpu::Gpu;
+use crate::source::Source;
+use std::collections::HashMap;
+use wgpu::{
+    BindGroupLayout, BindGroupLayoutEntry, BindingType, BufferBindingType, ComputePipeline,
+    RenderPipeline, SamplerBindingType, ShaderStages, StorageTextureAccess, TextureFormat,
+    TextureSampleType, TextureViewDimension,
+};
+
+/// Normals and materials of solids.
+pub(crate) const NORMAL: TextureFormat = TextureFormat::Rgba16Float;
+/// Square roots of albedo.
+pub(crate) const ALBEDO: TextureFormat = TextureFormat::Rgba8Unorm;
+/// Depth, reversed for the camera, straight for lights.
+pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
+/// Openness of voxels.
+pub(crate) const OPENNESS: TextureFormat = TextureFormat::Rgba16Float;
+
+/// What a compute pass binds.
+#[derive(Debug)]
+pub(crate) struct Layouts {
+    /// `@group(0)`: the frame and a slice of it.
+    pub(crate) frame: BindGroupLayout,
+    /// `@group(1)`: what shading looks up.
+    pub(crate) lookups: BindGroupLayout,
+    /// `@group(3)` of each pass.
+    pub(crate) visibility: BindGroupLayout,
+    pub(crate) density: BindGroupLayout,
+    pub(crate) volume: BindGroupLayout,
+    pub(crate) opacity: BindGroupLayout,
+    pub(crate) shade: BindGroupLayout,
+}
+
+/// Everything that runs on the device.
+#[derive(Debug)]
+pub(crate) struct Pipelines {
+    pub(crate) clear: ComputePipeline,
+    pub(crate) splat: ComputePipeline,
+    /// The second pass of 32-bit visibility.
+    pub(crate) name: Option<ComputePipeline>,
+    pub(crate) density: ComputePipeline,
+    pub(crate) volume: ComputePipeline,
+    pub(crate) opacity_near: ComputePipeline,
+    pub(crate) opacity_count: ComputePipeline,
+    pub(crate) shade: ComputePipeline,
+    pub(crate) solids: RenderPipeline,
+    pub(crate) solids_from_light: RenderPipeline,
+}
+
+fn entry(binding: u32, ty: BindingType) -> BindGroupLayoutEntry {
+    let all = ShaderStages::COMPUTE | ShaderStages::VERTEX_FRAGMENT;
+    let storage = matches!(
+        ty,
+        BindingType::StorageTexture { .. }
+            | BindingType::Buffer { ty: BufferBindingType::Storage { .. }, .. }
+    );
+    let visibility = if storage { ShaderStages::COMPUTE } else { all };
+    BindGroupLayoutEntry { binding, visibility, ty, count: None }
+}
+
+fn buffer(ty: BufferBindingType, has_dynamic_offset: bool) -> BindingType {
+    BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
+}
+
+fn texture(sample_type: TextureSampleType, view_dimension: TextureViewDimension) -> BindingType {
+    BindingType::Texture { sample_type, view_dimension, multisampled: false }
+}
+
+impl Layouts {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        let uniform = |offset| buffer(BufferBindingType::Uniform, offset);
+        let read = buffer(BufferBindingType::Storage { read_only: true }, false);
+        let write = buffer(BufferBindingType::Storage { read_only: false }, false);
+        let float = |filterable, d| texture(TextureSampleType::Float { filterable }, d);
+        let (d2, d3) = (TextureViewDimension::D2, TextureViewDimension::D3);
+        let depth = texture(TextureSampleType::Depth, d2);
+        let depths = texture(TextureSampleType::Depth, TextureViewDimension::D2Array);
+        let sampler = BindingType::Sampler(SamplerBindingType::Filtering);
+        let openness = BindingType::StorageTexture {
+            access: StorageTextureAccess::WriteOnly,
+            format: OPENNESS,
+            view_dimension: d3,
+        };
+        let layout = |label, types: &[BindingType]| {
+            let entries: Vec<_> =
+                types.iter().enumerate().map(|(i, ty)| entry(i as u32, *ty)).collect();
+            let descriptor =
+                wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries };
+            gpu.device.create_bind_group_layout(&descriptor)
+        };
+        Self {
+            frame: layout("frame", &[uniform(false), uniform(true)]),
+            lookups: layout(
+                "lookups",
+                &[
+                    read,
+                    uniform(false),
+                    float(true, d2),
+                    float(true, d3),
+                    sampler,
+                    float(true, d3),
+                    read,
+                    read,
+                    depths,
+                    float(false, d2),
+                    float(false, d2),
+                    depth,
+                ],
+            ),
+            visibility: layout("visibility", &[write, write, depth]),
+            density: layout("density", &[write]),
+            volume: layout("volume", &[read, read, openness]),
+            opacity: layout("opacity", &[write, write]),
+            shade: layout("shade", &[read, write]),
+        }
+    }
+}
+
+impl Pipelines {
+    /// Compiles everything.
+    pub(crate) fn new(gpu: &Gpu, layouts: &Layouts, strands: &BindGroupLayout) -> Self {
+        let module = |name: &str| {
+            gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(name),
+                source: wgpu::ShaderSource::Wgsl(Source::of(name).text.into()),
+            })
+        };
+        let compute = |name: &str,
+                       main: &str,
+                       lookups: bool,
+                       own: &BindGroupLayout,
+                       constants: &[(&str, f64)]| {
+            let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(name),
+                bind_group_layouts: &[
+                    Some(&layouts.frame),
+                    lookups.then_some(&layouts.lookups),
+                    Some(strands),
+                    Some(own),
+                ],
+                ..Default::default()
+            });
+            let constants: HashMap<String, f64> =
+                constants.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect();
+            gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(name),
+                layout: Some(&layout),
+                module: &module(name),
+                entry_point: Some(main),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &constants.iter().map(|(k, v)| (k.as_str(), *v)).collect::<Vec<_>>(),
+                    // Our shaders write every word of their own memory before they read it.
+                    zero_initialize_workgroup_memory: false,
+                },
+                cache: None,
+            })
+        };
+        let visibility = if gpu.wide { "visibility_wide" } else { "visibility_narrow" };
+        let words = [("words", if gpu.wide { 2.0 } else { 1.0 })];
+        std::thread::scope(|scope| {
+            let shade =
+                scope.spawn(|| compute("shade", "shade", true, &layouts.shade, &words));
+            let own = &layouts.visibility;
+            let clear = compute(visibility, "clear", false, own, &[]);
+            let splat = compute(visibility, "splat", false, own, &[]);
+            let name = (!gpu.wide)
+                .then(|| compute(visibility, "splat", false, own, &[("naming", 1.0)]));
+            let density = compute("density", "splat", false, &layouts.density, &[]);
+            let volume = compute("volume", "volume", false, &layouts.volume, &[]);
+            let opacity = |counting| {
+                compute("opacity", "splat", false, &layouts.opacity, &[("counting", counting)])
+            };
+            let (opacity_near, opacity_count) = (opacity(0.0), opacity(1.0));
+            let (solids, solids_from_light) =
+                (raster(gpu, layouts, true), raster(gpu, layouts, false));
+            let shade = shade.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            Self {
+                clear,
+                splat,
+                name,
+                density,
+                volume,
+                opacity_near,
+                opacity_count,
+                shade,
+                solids,
+                solids_from_light,
+            }
+        })
+    }
+}
+
+fn raster(gpu: &Gpu, layouts: &Layouts, camera: bool) -> RenderPipeline {
+    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("solid"),
+        bind_group_layouts: &[Some(&layouts.frame)],
+        ..Default::default()
+    });
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("solid"),
+        source: wgpu::ShaderSource::Wgsl(Source::of("solid").text.into()),
+    });
+    let attributes = wgpu::vertex_attr_array![
+        0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Uint32
+    ];
+    let vertices = [Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<crate::solids::Vertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &attributes,
+    })];
+    let compare =
+        if camera { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Less };
+    let targets = [NORMAL, ALBEDO].map(|f| Some(wgpu::ColorTargetState::from(f)));
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("solid"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some(if camera { "seen" } else { "lit" }),
+            compilation_options: Default::default(),
+            buffers: &vertices,
+        },
+        primitive: Default::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(compare),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: Default::default(),
+        fragment: camera.then(|| wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("store"),
+            compilation_options: Default::default(),
+            targets: &targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
