@@ -9,7 +9,16 @@ use std::time::Duration;
 
 /// A small picture of little hair.
 const SMALL: &[&str] = &[
-    "render", "start", "--set", "hair.by=count", "--set", "hair.count=1500", "--size", "64x36", "--samples", "2",
+    "render",
+    "start",
+    "--set",
+    "hair.by=count",
+    "--set",
+    "hair.count=1500",
+    "--size",
+    "64x36",
+    "--samples",
+    "2",
 ];
 
 /// Runs `coif render` with a picture and a report beside it that were there before.
@@ -36,10 +45,17 @@ fn wrong_words_are_refused_in_one_line_and_nothing_is_touched() {
         broken.path(name).display().to_string()
     };
     // Headers of maps that would take terabytes, that end early, that hold NaN where lengths should be.
-    let huge = path("huge.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000\n\x02\x02");
-    let short = path("short.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 128\n\x02\x02\x00\x80");
+    let huge = path(
+        "huge.hdr",
+        b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000\n\x02\x02",
+    );
+    let short =
+        path("short.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 128\n\x02\x02\x00\x80");
     let text = path("text.hdr", b"this is no picture");
-    let exr = path("short.exr", b"\x76\x2f\x31\x01\x02\x00\x00\x00channels\x00chlist\x00\xff\xff\xff\x7f");
+    let exr = path(
+        "short.exr",
+        b"\x76\x2f\x31\x01\x02\x00\x00\x00channels\x00chlist\x00\xff\xff\xff\x7f",
+    );
     let kind = path("map.docx", b"PK");
     let numbered = folder.path("turn%04d.png").display().to_string();
     for (more, words) in [
@@ -134,10 +150,12 @@ fn a_picture_has_its_size_and_says_what_it_shows() {
     let report_path = folder.path("report.json").display().to_string();
     let ran = render(&folder, &["--camera", "front", "--report", &report_path]);
     assert_eq!(ran.code, 0, "{}", ran.err);
-    let report: Json = serde_json::from_str(&std::fs::read_to_string(report_path).unwrap()).unwrap();
+    let report: Json =
+        serde_json::from_str(&std::fs::read_to_string(report_path).unwrap()).unwrap();
     let (size, texts) = png(&folder.path("hair.png"));
     assert_eq!(size, [64, 36]);
-    let text = |key: &str| texts.get(key).unwrap_or_else(|| panic!("{key} is not in {texts:?}")).as_str();
+    let text =
+        |key: &str| texts.get(key).unwrap_or_else(|| panic!("{key} is not in {texts:?}")).as_str();
     assert_eq!(text("Software"), format!("coif {}", env!("CARGO_PKG_VERSION")));
     assert_eq!(text("coif:graph").len(), 32);
     assert!(text("coif:hair").contains(report["outputs"][0]["hash"].as_str().unwrap()));
@@ -196,7 +214,8 @@ fn a_turntable_is_numbered_from_one_and_turns_all_the_way() {
     }
     let folder = Folder::new("render-turn");
     let out = folder.path("turn.%04d.png").display().to_string();
-    let args = SMALL.iter().copied().chain(["--camera", "front", "--turntable", "3", "--out", &out]);
+    let args =
+        SMALL.iter().copied().chain(["--camera", "front", "--turntable", "3", "--out", &out]);
     let ran = run(args);
     assert_eq!(ran.code, 0, "{}", ran.err);
     assert_eq!(folder.names(), ["turn.0001.png", "turn.0002.png", "turn.0003.png"]);

@@ -65,7 +65,9 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Nodes(args)) => nodes::run(args),
         Some(Command::Measure(args)) => measure::run(args),
         None => {
-            complain("say what to do, as in coif eval start --out start.usdc; --help has all commands");
+            complain(
+                "say what to do, as in coif eval start --out start.usdc; --help has all commands",
+            );
             Exit::Refused
         }
     };

@@ -17,7 +17,9 @@ pub(super) fn feeders<'a>(
     for id in upstream(document, targets) {
         let kind = document.node(id.as_str()).and_then(|node| coif_nodes::by_id(&node.kind));
         let Some(def) = kind.filter(|def| def.thins) else { continue };
-        for input in def.inputs.iter().filter(|i| i.ty == Type::Curves && i.arity != Arity::Optional) {
+        for input in
+            def.inputs.iter().filter(|i| i.ty == Type::Curves && i.arity != Arity::Optional)
+        {
             found.extend(document.wires(&id, input.name).iter().cloned());
         }
         if def.output("guides").is_some_and(|(_, output)| output.ty == Type::Curves) {

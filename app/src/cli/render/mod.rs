@@ -196,8 +196,7 @@ impl RenderArgs {
     /// The surroundings: those of a file, if one is named.
     fn environment(&self, of_rig: Environment) -> Result<Environment, Stop> {
         let degrees = self.hdri_rotation.unwrap_or(0.0);
-        let degrees =
-            options::within("--hdri-rotation", degrees, -36000.0, 36000.0, " degrees")?;
+        let degrees = options::within("--hdri-rotation", degrees, -36000.0, 36000.0, " degrees")?;
         let Some(path) = &self.hdri else {
             return match self.hdri_rotation {
                 Some(_) => {
@@ -267,6 +266,7 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     let closest = evaluated.more.split_off(followed.len());
     let scene = Scene::of(&asked, args, evaluated)?;
     let camera = place.camera(&asked, &scene, closest.first())?;
+    let description = describe(args, &asked, &scene);
     renderer.set_look(&asked.look);
     renderer.set_rig(&asked.rig);
     renderer.set_solids(scene.solids);
@@ -274,7 +274,6 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     renderer.set_hair(&scene.drawn, &scene.paint);
 
     let adapter = adapter(&renderer);
-    let description = describe(args, &asked, &scene, report);
     let mut texts = vec![
         ("Software".to_owned(), format!("coif {}", env!("CARGO_PKG_VERSION"))),
         ("Title".to_owned(), opened.document.title.clone()),
@@ -293,14 +292,14 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     let mut pending = Pending::default();
     let bar = Bar::new("samples");
     let total = (asked.frames * asked.samples) as usize;
-    for frame in 0..asked.frames {
-        let turn = 360.0 * frame as f32 / asked.frames as f32;
+    for number in 0..asked.frames {
+        let turn = 360.0 * number as f32 / asked.frames as f32;
         renderer.set_camera(&camera.turned(frame.origin, frame.up, turn));
         let whole = renderer.render(asked.samples, &|progress| {
             if progress.samples > 0 && first_sample_ms.get().is_none() {
                 first_sample_ms.set(Some(since(began)));
             }
-            bar.count((frame * asked.samples + progress.samples) as usize, total);
+            bar.count((number * asked.samples + progress.samples) as usize, total);
             cancel.is_cancelled()
         });
         if !whole {
@@ -308,7 +307,7 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
         }
         let picture = renderer.picture();
         for (path, format) in args.out.iter().zip(&asked.formats) {
-            let path = options::numbered(path, frame + 1);
+            let path = options::numbered(path, number + 1);
             bar.say(format!("writing {}", path.display()));
             let written = pending.write(&path, cancel, |out| {
                 let written = match format {
@@ -388,7 +387,7 @@ impl Place {
 impl Place {
     /// The camera there; `closest` is what `socket` gave.
     fn camera(
-        self,
+        &self,
         asked: &Asked,
         scene: &Scene,
         closest: Option<&Value>,
@@ -399,8 +398,8 @@ impl Place {
             }
             _ => vec![],
         };
-        let view = match self.view {
-            Some(view) => view,
+        let view = match &self.view {
+            Some(view) => view.clone(),
             None if points.is_empty() => {
                 return Err(Stop::failed(format!("--camera {}: it gives no curves", self.name)));
             }
@@ -535,18 +534,21 @@ fn adapter(renderer: &Renderer) -> String {
     let info = &renderer.gpu().info;
     let driver = [&*info.driver, &*info.driver_info];
     let driver: Vec<&str> = driver.into_iter().filter(|text| !text.is_empty()).collect();
-    if driver.is_empty() { info.name.clone() } else { format!("{} ({})", info.name, driver.join(" ")) }
+    if driver.is_empty() {
+        info.name.clone()
+    } else {
+        format!("{} ({})", info.name, driver.join(" "))
+    }
 }
 
 /// What the picture is, in words.
-fn describe(args: &RenderArgs, asked: &Asked, scene: &Scene, report: &Report) -> String {
+fn describe(args: &RenderArgs, asked: &Asked, scene: &Scene) -> String {
     let (strands, points) = (scene.hair.curve_count(), scene.hair.point_count());
     let quality = match args.groom.quality {
         QualityArg::Final => "final",
         QualityArg::Preview => "preview (the first tenth)",
     };
-    let mut text =
-        format!("{quality}, {} strands, {} points", grouped(strands), grouped(points));
+    let mut text = format!("{quality}, {} strands, {} points", grouped(strands), grouped(points));
     match asked.show {
         Show::Hair(_) => {}
         Show::Guides | Show::Clusters => {
@@ -618,7 +620,9 @@ mod tests {
 
     #[test]
     fn long_numbers_are_grouped() {
-        for (number, expected) in [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")] {
+        for (number, expected) in
+            [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")]
+        {
             assert_eq!(grouped(number), expected);
         }
     }

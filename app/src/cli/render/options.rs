@@ -55,8 +55,9 @@ pub(super) fn named<T>(
     known: &[&str],
     find: impl FnOnce(&str) -> Option<T>,
 ) -> Result<T, Stop> {
-    find(text)
-        .ok_or_else(|| Stop::refused(format!("{option} {text}: is not one of {}", known.join(", "))))
+    find(text).ok_or_else(|| {
+        Stop::refused(format!("{option} {text}: is not one of {}", known.join(", ")))
+    })
 }
 
 /// The formats of the files to write; their names hold a number exactly when there is a turntable.
@@ -123,7 +124,9 @@ mod tests {
         for (text, expected) in [("1280x720", [1280, 720]), ("1x16384", [1, 16384])] {
             assert_eq!(said(size(text)), Ok(expected));
         }
-        for text in ["", "x", "1280", "0x720", "1280x16385", "+1x2", "-1x2", "1 x2", "1x2x3", "1e3x2"] {
+        for text in
+            ["", "x", "1280", "0x720", "1280x16385", "+1x2", "-1x2", "1 x2", "1x2x3", "1e3x2"]
+        {
             let said = said(size(text)).unwrap_err();
             assert!(said.contains("WIDTHxHEIGHT") && said.lines().count() == 1, "{text}: {said}");
         }
