@@ -6,11 +6,11 @@
 mod feeders;
 mod options;
 
-use super::files::{Pending, said};
+use super::Exit;
+use super::files::{Pending, read_at_most};
 use super::groom::{Evaluated, GroomArgs, Opened, QualityArg, Stop, carry_out};
 use super::progress::Bar;
 use super::report::{Picture as About, Report, rounded};
-use super::{Exit, extension_of};
 use clap::Args;
 use coif_graphs::document::{NodeId, Socket};
 use coif_graphs::schedule::result::document_hash;
@@ -21,15 +21,15 @@ use coif_nodes::data::scalp::{HeadFrame, Scalp};
 use coif_nodes::define::{Type, Value};
 use coif_shaders::camera::{self, Camera, Subject, Viewpoint};
 use coif_shaders::display::Transform;
-use coif_shaders::environment::Environment;
 use coif_shaders::hair::Model;
+use coif_shaders::hdri::Hdri;
 use coif_shaders::light::Rig;
 use coif_shaders::picture::Samples;
 use coif_shaders::surface::{RootGrid, SPREAD, Solid, Tone, ground, head_solid, tubes};
 use coif_shaders::view::{Paint, View};
 use coif_shaders::{Gpu, Look, Precision, Renderer};
 use glam::Vec3;
-use options::Format;
+use options::{Format, within};
 use std::cell::Cell;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -44,7 +44,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FILE")]
     out: Vec<PathBuf>,
     /// Width and height in pixels
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720", allow_hyphen_values = true)]
     size: String,
     /// front, left, right, back, top, three-quarter, crown, nape, hairline, temple-left, temple-right, or close:NODE to fill
     /// the picture with what NODE gives
@@ -62,15 +62,18 @@ pub(crate) struct RenderArgs {
     /// What is shown: hair; guides, the curves that hair follows; clusters, the same as tubes; or an attribute as colours
     #[arg(long, value_name = "hair|guides|clusters|ATTRIBUTE", default_value = "hair")]
     view: String,
-    /// Lights: studio, backlit, overcast, flat, dark-hair
-    #[arg(long, value_name = "RIG", default_value = "studio")]
-    light: String,
-    /// Light from a picture of the surroundings instead (.hdr or .exr, latitude and longitude)
+    /// Lights: studio (the default), backlit, overcast, flat, dark-hair, neutral
+    #[arg(long, value_name = "RIG")]
+    light: Option<String>,
+    /// Light from a photographed sphere instead: .hdr or .exr, equirectangular
     #[arg(long, value_name = "FILE")]
     hdri: Option<PathBuf>,
-    /// Turn that picture about the vertical, in degrees
+    /// Turn that sphere about the vertical, in degrees, anticlockwise as seen from above
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     hdri_rotation: Option<f32>,
+    /// Blur that sphere behind the head, in degrees; its light stays as it is
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    hdri_blur: Option<f32>,
     /// Brighter or darker than the lights' own exposure, in stops
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
     exposure: f32,
@@ -138,16 +141,14 @@ enum Show {
 impl RenderArgs {
     /// What lights the picture, in words.
     fn lit_by(&self) -> String {
-        match &self.hdri {
-            Some(path) => format!("{} in {}", self.light, path.display()),
-            None => self.light.clone(),
+        match (&self.hdri, &self.light) {
+            (Some(path), _) => path.display().to_string(),
+            (None, light) => light.as_deref().unwrap_or(Rig::NAMES[0]).to_owned(),
         }
     }
 
     /// Refuses words that mean nothing, in one line each.
     fn understood(&self) -> Result<Asked, Stop> {
-        let rig = options::named("--light", &self.light, &Rig::NAMES, Rig::named)?;
-        let exposure = options::within("--exposure", self.exposure, -20.0, 20.0, " stops")?;
         let show = match &*self.view {
             "guides" => Show::Guides,
             "clusters" => Show::Clusters,
@@ -175,53 +176,54 @@ impl RenderArgs {
                 None => 1,
             },
             samples: options::counted("--samples", self.samples, MOST_SAMPLES)?,
-            focal_mm: options::within("--focal", self.focal, 1.0, 10_000.0, " mm")?,
+            focal_mm: within("--focal", self.focal, (1.0, 10_000.0), " mm")?,
             show,
-            rig: Rig {
-                environment: self.environment(rig.environment)?,
-                exposure: rig.exposure + exposure,
-                ..rig
-            },
+            rig: self.rig()?,
             transform: options::named("--display", &self.display, &displays, display)?,
             look: Look {
                 model: options::named("--model", &self.model, &models, model)?,
-                opacity: options::within("--opacity", self.opacity, 0.0, 1.0, "")?,
-                share: options::within("--share", self.share, 0.001, 1.0, "")?,
+                opacity: within("--opacity", self.opacity, (0.0, 1.0), "")?,
+                share: within("--share", self.share, (0.001, 1.0), "")?,
                 ..Look::default()
             },
             tone: options::named("--skin", &self.skin, &tones, tone)?,
         })
     }
 
-    /// The surroundings: those of a file, if one is named.
-    fn environment(&self, of_rig: Environment) -> Result<Environment, Stop> {
-        let degrees = self.hdri_rotation.unwrap_or(0.0);
-        let degrees = options::within("--hdri-rotation", degrees, -36000.0, 36000.0, " degrees")?;
-        let Some(path) = &self.hdri else {
-            return match self.hdri_rotation {
-                Some(_) => {
-                    let text = "--hdri-rotation turns the picture of --hdri, and there is none";
-                    Err(Stop::refused(text))
+    /// Lights and surroundings: those of a name, or those of a file.
+    fn rig(&self) -> Result<Rig, Stop> {
+        let turn = within("--hdri-rotation", self.hdri_rotation.unwrap_or(0.0), TURNS, " degrees")?;
+        let blur = within("--hdri-blur", self.hdri_blur.unwrap_or(0.0), (0.0, 180.0), " degrees")?;
+        let exposure = within("--exposure", self.exposure, (-20.0, 20.0), " stops")?;
+        let mut rig = match (&self.light, &self.hdri) {
+            (Some(_), Some(_)) => {
+                return Err(Stop::refused("--light and --hdri: the light comes from one of them"));
+            }
+            (light, None) => {
+                if self.hdri_rotation.or(self.hdri_blur).is_some() {
+                    let text = "--hdri-rotation and --hdri-blur change the sphere of --hdri, and there is none";
+                    return Err(Stop::refused(text));
                 }
-                None => Ok(of_rig),
-            };
+                let name = light.as_deref().unwrap_or(Rig::NAMES[0]);
+                options::named("--light", name, &Rig::NAMES, Rig::named)?
+            }
+            (None, Some(path)) => {
+                let fault =
+                    |reason: String| Stop::refused(format!("--hdri {}: {reason}", path.display()));
+                let bytes = read_at_most(path, MOST_HDRI).map_err(fault)?;
+                let sphere = Hdri::read(&bytes).map_err(|err| fault(err.to_string()))?;
+                sphere.rig(turn, blur)
+            }
         };
-        let fault = |reason: String| Stop::refused(format!("--hdri {}: {reason}", path.display()));
-        let about = std::fs::metadata(path).map_err(|err| fault(said(&err)))?;
-        if !about.is_file() {
-            return Err(fault("is not a file".to_owned()));
-        }
-        if about.len() > MOST_HDRI {
-            return Err(fault(format!("is larger than {} GiB", MOST_HDRI >> 30)));
-        }
-        let bytes = std::fs::read(path).map_err(|err| fault(said(&err)))?;
-        Environment::from_hdri(&bytes, &extension_of(path), degrees)
-            .map_err(|err| fault(err.to_string()))
+        rig.exposure += exposure;
+        Ok(rig)
     }
 }
 
-/// The largest picture of surroundings that is read: 16384 x 8192 floats.
-const MOST_HDRI: u64 = 2 << 30;
+/// The largest file of surroundings that is read: 8192 x 4096 pixels of three floats, and some room.
+const MOST_HDRI: u64 = 512 << 20;
+/// Degrees that may be asked for.
+const TURNS: (f32, f32) = (-36000.0, 36000.0);
 
 pub(crate) fn run(args: RenderArgs) -> Exit {
     carry_out(

@@ -33,7 +33,12 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], Stop> {
 }
 
 /// A number within limits.
-pub(super) fn within(option: &str, value: f32, lo: f32, hi: f32, unit: &str) -> Result<f32, Stop> {
+pub(super) fn within(
+    option: &str,
+    value: f32,
+    (lo, hi): (f32, f32),
+    unit: &str,
+) -> Result<f32, Stop> {
     if (lo..=hi).contains(&value) {
         return Ok(value);
     }
@@ -134,9 +139,9 @@ mod tests {
 
     #[test]
     fn numbers_out_of_range_and_what_is_no_number_are_refused() {
-        assert_eq!(said(within("--opacity", 0.5, 0.0, 1.0, "")), Ok(0.5));
+        assert_eq!(said(within("--opacity", 0.5, (0.0, 1.0), "")), Ok(0.5));
         for value in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
-            let said = said(within("--opacity", value, 0.0, 1.0, "")).unwrap_err();
+            let said = said(within("--opacity", value, (0.0, 1.0), "")).unwrap_err();
             assert!(said.contains("from 0 to 1"), "{said}");
         }
         assert_eq!(said(counted("--samples", 3, 4)), Ok(3));
