@@ -100,7 +100,6 @@ impl Layouts {
                 "lookups",
                 &[
                     read,
-                    uniform(false),
                     float(true, d2),
                     float(true, d3),
                     sampler,
@@ -162,15 +161,13 @@ impl Pipelines {
             })
         };
         let visibility = if gpu.wide { "visibility_wide" } else { "visibility_narrow" };
-        let words = [("words", if gpu.wide { 2.0 } else { 1.0 })];
         std::thread::scope(|scope| {
-            let shade =
-                scope.spawn(|| compute("shade", "shade", true, &layouts.shade, &words));
+            let shade = scope.spawn(|| compute("shade", "shade", true, &layouts.shade, &[]));
             let own = &layouts.visibility;
             let clear = compute(visibility, "clear", false, own, &[]);
             let splat = compute(visibility, "splat", false, own, &[]);
-            let name = (!gpu.wide)
-                .then(|| compute(visibility, "splat", false, own, &[("naming", 1.0)]));
+            let name =
+                (!gpu.wide).then(|| compute(visibility, "splat", false, own, &[("naming", 1.0)]));
             let density = compute("density", "splat", false, &layouts.density, &[]);
             let volume = compute("volume", "volume", false, &layouts.volume, &[]);
             let opacity = |counting| {
@@ -214,8 +211,7 @@ fn raster(gpu: &Gpu, layouts: &Layouts, camera: bool) -> RenderPipeline {
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &attributes,
     })];
-    let compare =
-        if camera { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Less };
+    let compare = if camera { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Less };
     let targets = [NORMAL, ALBEDO].map(|f| Some(wgpu::ColorTargetState::from(f)));
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("solid"),

@@ -16,7 +16,7 @@
 //! **Invariant:** all sums over strands are integer sums and every pixel is shaded on its own, so that pictures are the same
 //! to the last bit for any number of threads and any slicing.
 
-use crate::camera::{Camera, PORTRAIT_FOCAL};
+use crate::camera::{Camera, PORTRAIT_FOCAL, Sphere};
 use crate::frame::Frame;
 use crate::gpu::Gpu;
 use crate::hair::{Model, ScatterTable};
@@ -27,8 +27,8 @@ use crate::solids::Solids;
 use crate::strands::{Blocks, Slice, Strands, Uploaded};
 use crate::surface::{RootGrid, Solid, solid_voxels};
 use crate::view::{Paint, Shading};
-use coif_nodes::data::curves::{Curves, Tuft};
 use bytemuck::Zeroable;
+use coif_nodes::data::curves::{Curves, Tuft};
 use glam::{Mat4, Vec2, Vec3};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -93,7 +93,9 @@ impl Default for Look {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RenderError {
     /// The size asked for.
-    #[error("a picture of {0} x {1} pixels cannot be drawn here: width and height are 1 to {2}, and at most {3} million pixels")]
+    #[error(
+        "a picture of {0} x {1} pixels cannot be drawn here: width and height are 1 to {2}, and at most {3} million pixels"
+    )]
     Size(u32, u32, u32, u32),
     /// The device is gone.
     #[error("the graphics adapter stopped: {0}")]
@@ -131,7 +133,12 @@ const PASSES: usize = Pass::Shade as usize + 1;
 /// What is still to be done: a pass over units `next..end`.
 #[derive(Clone, Copy, Debug)]
 enum Step {
-    Run { pass: Pass, part: usize, next: u32, end: u32 },
+    Run {
+        pass: Pass,
+        part: usize,
+        next: u32,
+        end: u32,
+    },
     /// Everything that shading looks up is there.
     Ready,
     /// A sample is whole.
@@ -373,7 +380,8 @@ impl Renderer {
     /// How hair is drawn.
     pub fn set_look(&mut self, look: &Look) {
         let old = std::mem::replace(&mut self.look, *look);
-        if (old.beta_m, old.beta_n, old.tilt_degrees) != (look.beta_m, look.beta_n, look.tilt_degrees)
+        if (old.beta_m, old.beta_n, old.tilt_degrees)
+            != (look.beta_m, look.beta_n, look.tilt_degrees)
         {
             self.table = bake(look);
             self.stale.table = true;
@@ -442,7 +450,8 @@ impl Renderer {
         let linear = bytes
             .chunks_exact(16)
             .map(|c| {
-                let at = |i: usize| f32::from_le_bytes([c[i], c[i + 1], c[i + 2], c[i + 3]]) * scale;
+                let at =
+                    |i: usize| f32::from_le_bytes([c[i], c[i + 1], c[i + 2], c[i + 3]]) * scale;
                 [at(0), at(4), at(8), at(12)]
             })
             .collect();
@@ -540,7 +549,8 @@ impl Renderer {
             };
             let known = done.iter().all(|d| self.rates[d.0 as usize].is_some());
             // On a CPU every pass is timed by itself; a GPU would idle between them.
-            let stop = if self.gpu.is_software() || !known { !(one_kind && next_kind) } else { false };
+            let stop =
+                if self.gpu.is_software() || !known { !(one_kind && next_kind) } else { false };
             if sampled > 0 || stop || expected >= aim || slices.len() + 4 > MOST_SLICES as usize {
                 break;
             }
@@ -640,8 +650,11 @@ impl Renderer {
             (hair, solids) => hair.or(solids),
         };
         let (lo, hi) = all.unwrap_or((Vec3::splat(-10.0), Vec3::splat(10.0)));
-        let radius = (hi - lo).length() * 0.5 + 0.5;
-        self.frame.lights = self.rig.lights_for(&self.camera, (lo + hi) * 0.5, radius, OPACITY_MAP);
+        let bounds = Sphere::around(lo, hi);
+        self.frame.lights = self.rig.lights_for(&self.camera, bounds);
+        for light in &mut self.frame.lights {
+            light.extent[2] = OPACITY_MAP as f32;
+        }
         let run = |pass, part, end| Step::Run { pass, part, next: 0, end };
         let blocks = |shadowing: &[Blocks], pass, light: usize| -> Vec<Step> {
             let parts = shadowing.iter().enumerate();
@@ -699,16 +712,13 @@ impl Renderer {
             Shading::Hair => 0,
             Shading::Colour => 1,
         };
-        frame.mode = [
-            self.samples,
-            self.look.model as u32,
-            shading,
-            self.rig.environment.backdrop_number(),
-        ];
+        frame.mode =
+            [self.samples, self.look.model as u32, shading, self.rig.environment.backdrop_kind()];
         let look = &self.look;
         frame.hair = [look.beta_m, look.beta_n, look.tilt_degrees.to_radians(), look.specular];
-        frame.cover = [look.opacity, 0.0, look.scalp_tint, 0.0];
-        frame.sky = self.rig.environment.sky();
+        let darkness = self.roots.as_ref().map_or(0.0, |roots| roots.darkness);
+        frame.cover = [look.opacity, 0.0, look.scalp_tint * darkness, 0.0];
+        frame.sky = self.rig.environment_in_world(&self.camera).sky();
         self.gpu.queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(frame));
     }
 
@@ -736,12 +746,20 @@ impl Renderer {
                 slices.push(slice);
                 let t = &self.targets;
                 let colours = Some([&t.normal, &t.albedo]);
-                self.raster(encoder, offset, colours, &t.depth, first, n.min(self.solids.triangles));
+                self.raster(
+                    encoder,
+                    offset,
+                    colours,
+                    &t.depth,
+                    first,
+                    n.min(self.solids.triangles),
+                );
             }
             Pass::Clear | Pass::Shade => {
                 if pass == Pass::Shade {
                     slice.base = self.strands.chunks[part].base;
                     slice.points = self.strands.capacity(part);
+                    slice.words = if self.gpu.wide { 2 } else { 1 };
                 }
                 slices.push(slice);
                 let (pipeline, own) = match pass {
@@ -761,15 +779,13 @@ impl Renderer {
                 let strands = &self.drawn[0].group;
                 self.dispatch(encoder, &self.pipelines.volume, offset, strands, own, groups);
             }
-            Pass::Density
-            | Pass::OpacityNear
-            | Pass::OpacityCount
-            | Pass::Splat
-            | Pass::Name => {
+            Pass::Density | Pass::OpacityNear | Pass::OpacityCount | Pass::Splat | Pass::Name => {
                 let p = &self.pipelines;
                 let (pipeline, own, blocks) = match pass {
                     Pass::Density => (&p.density, &self.grid.density_group, &self.shadowing),
-                    Pass::OpacityNear => (&p.opacity_near, &self.maps.opacity_group, &self.shadowing),
+                    Pass::OpacityNear => {
+                        (&p.opacity_near, &self.maps.opacity_group, &self.shadowing)
+                    }
                     Pass::OpacityCount => {
                         (&p.opacity_count, &self.maps.opacity_group, &self.shadowing)
                     }
@@ -975,8 +991,8 @@ impl Grid {
         let solid = storage(gpu, "shell", voxels * 4);
         gpu.queue.write_buffer(&solid, 0, bytemuck::cast_slice(shell));
         let usage = U::STORAGE_BINDING | U::TEXTURE_BINDING;
-        let openness = view_of(gpu, "openness", size, D3, OPENNESS, usage)
-            .create_view(&Default::default());
+        let openness =
+            view_of(gpu, "openness", size, D3, OPENNESS, usage).create_view(&Default::default());
         let density_group = group(gpu, &layouts.density, &[density.as_entire_binding()]);
         let volume_group = group(
             gpu,
@@ -1002,8 +1018,7 @@ impl Maps {
             &[nearness.as_entire_binding(), layers.as_entire_binding()],
         );
         let usage = U::RENDER_ATTACHMENT | U::TEXTURE_BINDING;
-        let depth =
-            view_of(gpu, "solids from lights", [SOLID_MAP, SOLID_MAP, 3], D2, DEPTH, usage);
+        let depth = view_of(gpu, "solids from lights", [SOLID_MAP, SOLID_MAP, 3], D2, DEPTH, usage);
         let depth_of = (0..3)
             .map(|layer| {
                 depth.create_view(&wgpu::TextureViewDescriptor {
@@ -1034,13 +1049,6 @@ fn lookups(
 ) -> wgpu::BindGroup {
     let values = storage(gpu, "scatter table", size_of_val(&table.values[..]) as u64);
     gpu.queue.write_buffer(&values, 0, bytemuck::cast_slice(&table.values));
-    let info = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("scatter axes"),
-        size: size_of_val(&table.info).next_multiple_of(16) as u64,
-        usage: B::UNIFORM | B::COPY_DST,
-        mapped_at_creation: false,
-    });
-    gpu.queue.write_buffer(&info, 0, bytemuck::bytes_of(&table.info));
     let texture = |label, size: [u32; 3], dimension, format: wgpu::TextureFormat, bytes: &[u8]| {
         let usage = U::TEXTURE_BINDING | U::COPY_DST;
         let texture = view_of(gpu, label, size, dimension, format, usage);
@@ -1057,7 +1065,7 @@ fn lookups(
         );
         texture.create_view(&Default::default())
     };
-    let (w, h, map) = rig.environment.backdrop_map().unwrap_or((1, 1, vec![[0.0; 4]]));
+    let (w, h, map) = rig.environment.backdrop_map();
     let map: Vec<half::f16> = map.iter().flatten().map(|x| half::f16::from_f32(*x)).collect();
     let backdrop = texture(
         "backdrop",
@@ -1082,7 +1090,6 @@ fn lookups(
         &layouts.lookups,
         &[
             values.as_entire_binding(),
-            info.as_entire_binding(),
             view(&backdrop),
             view(&roots),
             wgpu::BindingResource::Sampler(&sampler),

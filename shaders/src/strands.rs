@@ -27,7 +27,7 @@ twins! { "points":
         light: u32,
         stride: u32,
         groups: u32,
-        spare: u32,
+        words: u32,
     }
 }
 
@@ -107,8 +107,7 @@ impl Strands {
         let limits = gpu.device.limits();
         let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let most_points = (bytes / POINT).min(1 << 26) as u32;
-        let mut strands =
-            Self { layout, chunks: vec![], slots: vec![], paint_key: 0, most_points };
+        let mut strands = Self { layout, chunks: vec![], slots: vec![], paint_key: 0, most_points };
         strands.grow(gpu, 1);
         strands
     }
@@ -136,8 +135,9 @@ impl Strands {
     /// Total length of all curves, cm.
     pub(crate) fn length(&self) -> f64 {
         let lengths = self.slots.iter().flat_map(|s| {
-            (0..s.tuft.len())
-                .map(|i| s.tuft.curve(i).windows(2).map(|p| f64::from(p[0].distance(p[1]))).sum::<f64>())
+            (0..s.tuft.len()).map(|i| {
+                s.tuft.curve(i).windows(2).map(|p| f64::from(p[0].distance(p[1]))).sum::<f64>()
+            })
         });
         lengths.sum()
     }
@@ -183,7 +183,11 @@ impl Strands {
                 for (_, slot) in &kept {
                     let words = paint.of(&slot.tuft);
                     let chunk = &self.chunks[slot.chunk];
-                    writer.put(&chunk.paint, u64::from(slot.first) * 4, bytemuck::cast_slice(&words));
+                    writer.put(
+                        &chunk.paint,
+                        u64::from(slot.first) * 4,
+                        bytemuck::cast_slice(&words),
+                    );
                 }
                 uploaded.bytes += writer.finish();
             }
@@ -369,7 +373,8 @@ fn packed(tuft: &Tuft) -> Vec<[u32; 4]> {
             }
             // Only the root has u 0: that is how shaders know it.
             let u = ((length * inverse * 32_767.0) as u32).clamp(u32::from(j > 0), 32_767);
-            let radius = half::f16::from_f32((0.5 * width.at(i, range.start + j)).clamp(0.0, 100.0));
+            let radius =
+                half::f16::from_f32((0.5 * width.at(i, range.start + j)).clamp(0.0, 100.0));
             let last = u32::from(j + 1 == curve.len() || !finite);
             let word = u32::from(radius.to_bits()) | (u << 16) | (last << 31);
             out.push([p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), word]);

@@ -6,7 +6,7 @@
 //#include "frame.wgsl"
 
 // One texel for a plain backdrop, two for a sweep (middle, edge), else a map of all directions.
-@group(1) @binding(2) var backdrop_map: texture_2d<f32>;
+@group(1) @binding(1) var backdrop_map: texture_2d<f32>;
 
 // Radiance from around n (unit), blurred by a lobe whose bands 1 and 2 are weighted by `spread`:
 // (1, 1) as it is, (2/3, 1/4) the cosine lobe, so that irradiance is PI times this

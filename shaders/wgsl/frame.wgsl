@@ -24,7 +24,7 @@ struct Frame {
   mode: vec4u,
   // beta_m, beta_n, cuticle tilt in radians, gain of the first highlight.
   hair: vec4f,
-  // See-through factor of coverage, least drawn diameter in pixels, strength of the scalp tint, 0.
+  // See-through factor of coverage, 0, strength of the scalp tint, 0.
   cover: vec4f,
   // Lower corner of the voxel grid, w: size of a voxel, cm.
   grid: vec4f,

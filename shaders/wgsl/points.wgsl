@@ -12,11 +12,12 @@ struct Slice {
   // Id of the chunk's first point, less one; and how many points it has.
   base: u32,
   points: u32,
-  // Light, texels that a walk advances by, workgroups along x, 0.
+  // Light, texels that a walk advances by, workgroups along x.
   light: u32,
   stride: u32,
   groups: u32,
-  spare: u32,
+  // Words from one pixel to the next in what shows ids.
+  words: u32,
 };
 @group(0) @binding(1) var<uniform> S: Slice;
 

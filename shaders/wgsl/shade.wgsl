@@ -7,21 +7,18 @@
 //#include "hair.wgsl"
 //#include "skin.wgsl"
 
-@group(1) @binding(5) var openness: texture_3d<f32>;
-@group(1) @binding(6) var<storage, read> nearness: array<u32>;
-@group(1) @binding(7) var<storage, read> layers: array<vec4u>;
-@group(1) @binding(8) var solid_from_light: texture_depth_2d_array;
-@group(1) @binding(9) var solid_normal: texture_2d<f32>;
-@group(1) @binding(10) var solid_albedo: texture_2d<f32>;
-@group(1) @binding(11) var solid_depth: texture_depth_2d;
+@group(1) @binding(4) var openness: texture_3d<f32>;
+@group(1) @binding(5) var<storage, read> nearness: array<u32>;
+@group(1) @binding(6) var<storage, read> layers: array<vec4u>;
+@group(1) @binding(7) var solid_from_light: texture_depth_2d_array;
+@group(1) @binding(8) var solid_normal: texture_2d<f32>;
+@group(1) @binding(9) var solid_albedo: texture_2d<f32>;
+@group(1) @binding(10) var solid_depth: texture_depth_2d;
 
 // Ids of what each pixel shows: the low words of wide visibility, or the ids of the narrow.
 @group(3) @binding(0) var<storage, read> shown: array<u32>;
 // Linear rgb and coverage, summed over samples.
 @group(3) @binding(1) var<storage, read_write> sums: array<vec4f>;
-
-// Words from one pixel to the next in `shown`.
-override words: u32 = 2u;
 
 const TAPS: u32 = 4u;
 // Ends of the first three layers of the opacity maps, cm: those of `opacity.wgsl`.
@@ -182,7 +179,7 @@ fn shade(@builtin(global_invocation_id) thread: vec3u) {
   let pixel = vec2u(thread.x, thread.y + S.first);
   if f32(pixel.x) >= F.viewport.x || f32(pixel.y) >= F.viewport.y || thread.y >= S.count { return; }
   let i = pixel.y * u32(F.viewport.x) + pixel.x;
-  let id = shown[i * words];
+  let id = shown[i * S.words];
   let seed = hash_u(i * 31u + hash_u(F.mode.x * 0x9E3779B9u + 1u));
   let at = vec2f(pixel) + 0.5;
   var c: vec4f;
