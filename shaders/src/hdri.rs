@@ -486,7 +486,7 @@ mod tests {
                 word as usize
             };
             let mut refused = 0;
-            for round in 0..1500 {
+            for round in 0..600 {
                 let mut bytes = whole.clone();
                 // Mostly the header, where sizes are.
                 let reach = if round % 3 == 0 { bytes.len() } else { bytes.len().min(420) };
@@ -504,7 +504,7 @@ mod tests {
                     }
                 }
             }
-            assert!(refused > 100);
+            assert!(refused > 50);
         }
     }
 }

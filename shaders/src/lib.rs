@@ -7,6 +7,7 @@
 //! Not guaranteed: the same bytes on two different adapters.
 
 pub mod camera;
+pub mod chart;
 pub mod display;
 pub mod environment;
 mod frame;
