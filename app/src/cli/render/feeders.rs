@@ -1,12 +1,12 @@
 //! The curves that hair follows: what feeds the strand-making nodes on the way to outputs.
 //!
 //! Found from the nodes' declarations, so that a new kind of node needs no line here: a kind that makes fewer
-//! strands in preview makes strands; its needed inputs of curves are what they follow, and an output named
-//! `guides` is what it lays them along itself.
+//! strands in preview makes strands; what they follow is wired to its inputs named `guides`, `clusters` or `curves`,
+//! and an output named `guides` is what it lays them along itself. Rows that hair is parted along are none of these.
 
 use coif_graphs::document::graph::upstream;
 use coif_graphs::document::{Document, NodeId, Socket};
-use coif_nodes::define::{Arity, Type};
+use coif_nodes::define::{InputDef, Type};
 
 /// Outputs whose curves are followed by the hair of `targets`: each once, in the order of the nodes' ids.
 pub(super) fn feeders<'a>(
@@ -17,9 +17,10 @@ pub(super) fn feeders<'a>(
     for id in upstream(document, targets) {
         let kind = document.node(id.as_str()).and_then(|node| coif_nodes::by_id(&node.kind));
         let Some(def) = kind.filter(|def| def.thins) else { continue };
-        for input in
-            def.inputs.iter().filter(|i| i.ty == Type::Curves && i.arity != Arity::Optional)
-        {
+        let followed = |input: &&InputDef| {
+            input.ty == Type::Curves && ["guides", "clusters", "curves"].contains(&input.name)
+        };
+        for input in def.inputs.iter().filter(followed) {
             found.extend(document.wires(&id, input.name).iter().cloned());
         }
         if def.output("guides").is_some_and(|(_, output)| output.ty == Type::Curves) {
@@ -55,7 +56,8 @@ mod tests {
         check("start", &["out"], &["guides.curves"]);
         check("clusters", &["out"], &["clusters.curves"]);
         check("cornrows", &["braids_out"], &["braid.curves"]);
-        check("cornrows", &["braids_out", "partings_out"], &["braid.curves", "rows.curves"]);
+        check("cornrows", &["braids_out", "partings_out"], &["braid.curves"]);
+        check("cornrows", &["partings_out"], &[]);
         check("puffs", &["puffs_out"], &["left.guides", "right.guides"]);
         check("puffs", &["base_out"], &["combed.curves"]);
     }

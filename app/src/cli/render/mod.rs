@@ -21,13 +21,12 @@ use coif_nodes::data::scalp::{HeadFrame, Scalp};
 use coif_nodes::define::{Type, Value};
 use coif_shaders::camera::{self, Camera, Subject, Viewpoint};
 use coif_shaders::display::Transform;
-use coif_shaders::hair::Model;
 use coif_shaders::hdri::Hdri;
 use coif_shaders::light::Rig;
 use coif_shaders::picture::Samples;
 use coif_shaders::surface::{RootGrid, SPREAD, Solid, Tone, ground, head_solid, tubes};
 use coif_shaders::view::{Paint, View};
-use coif_shaders::{Gpu, Look, Precision, Renderer};
+use coif_shaders::{Gpu, Look, Model, Precision, Renderer, chart};
 use glam::Vec3;
 use options::{Format, within};
 use std::cell::Cell;
@@ -44,7 +43,12 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FILE")]
     out: Vec<PathBuf>,
     /// Width and height in pixels
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "WIDTHxHEIGHT",
+        default_value = "1280x720",
+        allow_hyphen_values = true
+    )]
     size: String,
     /// front, left, right, back, top, three-quarter, crown, nape, hairline, temple-left, temple-right, or close:NODE to fill
     /// the picture with what NODE gives
@@ -92,7 +96,7 @@ pub(crate) struct RenderArgs {
     /// Share of the strands that is drawn; the others' widths are added to theirs
     #[arg(long, value_name = "0..1", default_value_t = 1.0, allow_negative_numbers = true)]
     share: f32,
-    /// Show a colour chart and balls beside the head
+    /// Draw a colour chart, a grey and a chrome ball into the lower left corner
     #[arg(long)]
     chart: bool,
     /// Only hair
@@ -106,10 +110,6 @@ pub(crate) struct RenderArgs {
 /// The most pictures of a turntable, and the most samples in a pixel.
 const MOST_FRAMES: u32 = 9999;
 const MOST_SAMPLES: u32 = 65536;
-
-/// Names of the models that scatter light in hair.
-const MODELS: [(&str, Model); 3] =
-    [("karis", Model::Karis), ("chiang", Model::Chiang), ("kajiya-kay", Model::KajiyaKay)];
 
 /// How thick guides are drawn, cm: thin against a lock, thick against a pixel.
 const GUIDE_WIDTH: f32 = 0.06;
@@ -156,8 +156,7 @@ impl RenderArgs {
                 other.parse().map_err(|reason| Stop::refused(format!("--view {reason}")))?,
             ),
         };
-        let models = MODELS.map(|(name, _)| name);
-        let model = |text: &str| models.iter().position(|name| *name == text).map(|i| MODELS[i].1);
+        let models = Model::ALL.map(Model::name);
         let displays = Transform::ALL.map(|t| t.name().to_lowercase().replace('.', ""));
         let displays = displays.each_ref().map(String::as_str);
         let display =
@@ -181,7 +180,7 @@ impl RenderArgs {
             rig: self.rig()?,
             transform: options::named("--display", &self.display, &displays, display)?,
             look: Look {
-                model: options::named("--model", &self.model, &models, model)?,
+                model: options::named("--model", &self.model, &models, Model::named)?,
                 opacity: within("--opacity", self.opacity, (0.0, 1.0), "")?,
                 share: within("--share", self.share, (0.001, 1.0), "")?,
                 ..Look::default()
@@ -267,7 +266,7 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     let frame = evaluated.scalps.first().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
     let closest = evaluated.more.split_off(followed.len());
     let scene = Scene::of(&asked, args, evaluated)?;
-    let camera = place.camera(&asked, &scene, closest.first())?;
+    let still = place.camera(&asked, &scene, closest.first())?;
     let description = describe(args, &asked, &scene);
     renderer.set_look(&asked.look);
     renderer.set_rig(&asked.rig);
@@ -296,18 +295,26 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     let total = (asked.frames * asked.samples) as usize;
     for number in 0..asked.frames {
         let turn = 360.0 * number as f32 / asked.frames as f32;
-        renderer.set_camera(&camera.turned(frame.origin, frame.up, turn));
-        let whole = renderer.render(asked.samples, &|progress| {
-            if progress.samples > 0 && first_sample_ms.get().is_none() {
+        let camera = still.turned(frame.origin, frame.up, turn);
+        renderer.set_camera(&camera);
+        let seen = |samples: u32| {
+            if samples > 0 && first_sample_ms.get().is_none() {
                 first_sample_ms.set(Some(since(began)));
             }
+        };
+        let whole = renderer.render(asked.samples, &|progress| {
+            seen(progress.samples);
             bar.count((number * asked.samples + progress.samples) as usize, total);
             cancel.is_cancelled()
         });
         if !whole {
             return Err(Stop::interrupted());
         }
-        let picture = renderer.picture();
+        seen(asked.samples);
+        let mut picture = renderer.picture();
+        if args.chart {
+            chart::draw(&mut picture, &asked.rig, &camera);
+        }
         for (path, format) in args.out.iter().zip(&asked.formats) {
             let path = options::numbered(path, number + 1);
             bar.say(format!("writing {}", path.display()));
@@ -534,13 +541,10 @@ impl Device {
 /// Name and driver of what draws.
 fn adapter(renderer: &Renderer) -> String {
     let info = &renderer.gpu().info;
-    let driver = [&*info.driver, &*info.driver_info];
-    let driver: Vec<&str> = driver.into_iter().filter(|text| !text.is_empty()).collect();
-    if driver.is_empty() {
-        info.name.clone()
-    } else {
-        format!("{} ({})", info.name, driver.join(" "))
+    if info.driver_info.is_empty() {
+        return info.name.clone();
     }
+    format!("{}, {}", info.name, info.driver_info)
 }
 
 /// What the picture is, in words.
@@ -599,7 +603,7 @@ fn summary(report: &Report) -> String {
     let Some(picture) = &report.picture else { return String::new() };
     let memory = report.peak_rss_mib.map_or(String::new(), |m| format!(", {m:.0} MiB"));
     let mut text = format!(
-        "{}\n{} samples on {}\nevaluation {:.2} s, first sample {:.2} s, all {:.2} s{memory}",
+        "{}\n{} samples a pixel on {}\nevaluation {:.2} s, first sample {:.2} s, all {:.2} s{memory}",
         picture.description,
         picture.samples,
         picture.adapter,
