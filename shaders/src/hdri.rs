@@ -8,7 +8,7 @@
 //! the file. Not read: greyscale, luminance-chroma and deep OpenEXR, and pictures larger than
 //! 8192 x 4096.
 
-use crate::environment::{Backdrop, Environment, RadianceMap, luminance, project};
+use crate::environment::{Backdrop, Environment, RadianceMap, luminance, project, without_ringing};
 use crate::light::{GREY_CARD, Light, Rig};
 use exr::prelude::{self as open_exr, ReadChannels as _, ReadLayers as _};
 use glam::{DVec3, Quat, Vec3};
@@ -89,7 +89,7 @@ impl Hdri {
     /// The surroundings of a map, with its lamps taken out.
     pub fn of(map: RadianceMap) -> Self {
         let (rest, lights) = without_lamps(&map);
-        Self { rest: project(rest.each()), map, lights }
+        Self { rest: without_ringing(project(rest.each())), map, lights }
     }
 
     /// The lamps that were taken out, the strongest first; none or one or two.

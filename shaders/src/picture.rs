@@ -151,8 +151,8 @@ impl Picture {
         texts: &[(String, String)],
     ) -> Result<(), PictureError> {
         self.check()?;
-        let mut layer = open_exr::LayerAttributes::default();
-        layer.software_name = Some(open_exr::Text::from("coif"));
+        let software_name = Some(open_exr::Text::from("coif"));
+        let mut layer = open_exr::LayerAttributes { software_name, ..Default::default() };
         for (key, text) in texts.iter().filter(|(key, _)| !key.is_empty()) {
             // The format's texts are Latin-1; what it has no letter for is marked.
             let latin = |t: &str| {
