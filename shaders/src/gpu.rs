@@ -74,8 +74,7 @@ impl Gpu {
     /// When the adapter cannot run our shaders.
     pub fn on(adapter: &wgpu::Adapter, precision: Precision) -> Result<Self, GpuError> {
         let info = adapter.get_info();
-        let too_small =
-            |reason: String| GpuError::TooSmall { name: info.name.clone(), reason };
+        let too_small = |reason: String| GpuError::TooSmall { name: info.name.clone(), reason };
         let has = adapter.limits();
         let needs = Limits::default();
         if has.max_storage_buffers_per_shader_stage < needs.max_storage_buffers_per_shader_stage {

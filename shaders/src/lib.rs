@@ -6,9 +6,35 @@
 //! Guaranteed: the same scene gives the same bytes on one adapter, whatever its number of threads.
 //! Not guaranteed: the same bytes on two different adapters.
 
+pub mod camera;
+pub mod chart;
+pub mod display;
+pub mod environment;
 mod frame;
 mod gpu;
+mod hair;
+pub mod hdri;
+pub mod legend;
+pub mod light;
+pub mod picture;
+mod pipelines;
+pub mod renderer;
+mod solids;
 mod source;
+mod strands;
+pub mod surface;
 mod twins;
+pub mod view;
 
+pub use camera::{Camera, Sphere, Subject, Viewpoint};
+pub use display::Transform;
+pub use environment::{Backdrop, Environment};
 pub use gpu::{Gpu, GpuError, Precision};
+pub use hair::{Model, UnknownModel};
+pub use hdri::{Hdri, HdriError};
+pub use light::{Light, Rig};
+pub use picture::{Picture, PictureError, Samples};
+pub use renderer::{Look, Pass, Progress, RenderError, Renderer};
+pub use strands::Uploaded;
+pub use surface::{Material, RootGrid, Solid};
+pub use view::{GroomColours, Legend, Paint, Ramp, Shading, View};

@@ -44,10 +44,8 @@ pub(crate) mod tests {
         let naga::TypeInner::Struct { members, span } = &ty.inner else {
             panic!("{name} is no struct")
         };
-        let theirs: Vec<(&str, usize)> = members
-            .iter()
-            .map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize))
-            .collect();
+        let theirs: Vec<(&str, usize)> =
+            members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize)).collect();
         assert_eq!(theirs, ours, "{name}");
         assert_eq!(*span as usize, size, "size of {name}");
     }

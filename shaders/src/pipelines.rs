@@ -1,0 +1,252 @@
+//! All pipelines and the layouts of what they bind.
+//!
+//! Made once a device, in parallel: on a software adapter a pipeline is compiled to machine code, which takes longer than
+//! drawing with it. With the feature `hot-reload` they can be made again from changed files; a broken shader leaves the old
+//! ones in place.
+
+use crate::gpu::Gpu;
+use crate::hair::Model;
+use crate::source::Source;
+use crate::view::Shading;
+use wgpu::{
+    BindGroupLayout, BindGroupLayoutEntry, BindingType, BufferBindingType, ComputePipeline,
+    RenderPipeline, SamplerBindingType, ShaderStages, StorageTextureAccess, TextureFormat,
+    TextureSampleType, TextureViewDimension,
+};
+
+/// Normals and materials of solids.
+pub(crate) const NORMAL: TextureFormat = TextureFormat::Rgba16Float;
+/// Square roots of albedo.
+pub(crate) const ALBEDO: TextureFormat = TextureFormat::Rgba8Unorm;
+/// Depth, reversed for the camera, straight for lights.
+pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
+/// Openness of voxels.
+pub(crate) const OPENNESS: TextureFormat = TextureFormat::Rgba16Float;
+
+/// What a compute pass binds.
+#[derive(Debug)]
+pub(crate) struct Layouts {
+    /// `@group(0)`: the frame and a slice of it.
+    pub(crate) frame: BindGroupLayout,
+    /// `@group(1)`: what shading looks up.
+    pub(crate) lookups: BindGroupLayout,
+    /// `@group(3)` of each pass.
+    pub(crate) visibility: BindGroupLayout,
+    pub(crate) density: BindGroupLayout,
+    pub(crate) volume: BindGroupLayout,
+    pub(crate) opacity: BindGroupLayout,
+    pub(crate) shade: BindGroupLayout,
+}
+
+/// Everything that runs on the device.
+#[derive(Debug)]
+pub(crate) struct Pipelines {
+    pub(crate) clear: ComputePipeline,
+    pub(crate) splat: ComputePipeline,
+    /// The second pass of 32-bit visibility.
+    pub(crate) name: Option<ComputePipeline>,
+    pub(crate) density: ComputePipeline,
+    pub(crate) volume: ComputePipeline,
+    pub(crate) opacity_near: ComputePipeline,
+    pub(crate) opacity_count: ComputePipeline,
+    pub(crate) solids: RenderPipeline,
+    pub(crate) solids_from_light: RenderPipeline,
+}
+
+fn entry(binding: u32, ty: BindingType) -> BindGroupLayoutEntry {
+    let computed = matches!(
+        ty,
+        BindingType::StorageTexture { .. }
+            | BindingType::Buffer { ty: BufferBindingType::Storage { read_only: false }, .. }
+    );
+    let visibility = match computed {
+        true => ShaderStages::COMPUTE,
+        false => ShaderStages::COMPUTE | ShaderStages::VERTEX_FRAGMENT,
+    };
+    BindGroupLayoutEntry { binding, visibility, ty, count: None }
+}
+
+fn buffer(ty: BufferBindingType, has_dynamic_offset: bool) -> BindingType {
+    BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
+}
+
+fn texture(sample_type: TextureSampleType, view_dimension: TextureViewDimension) -> BindingType {
+    BindingType::Texture { sample_type, view_dimension, multisampled: false }
+}
+
+impl Layouts {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        let uniform = |offset| buffer(BufferBindingType::Uniform, offset);
+        let read = buffer(BufferBindingType::Storage { read_only: true }, false);
+        let write = buffer(BufferBindingType::Storage { read_only: false }, false);
+        let float = |filterable, d| texture(TextureSampleType::Float { filterable }, d);
+        let (d2, d3) = (TextureViewDimension::D2, TextureViewDimension::D3);
+        let depth = texture(TextureSampleType::Depth, d2);
+        let depths = texture(TextureSampleType::Depth, TextureViewDimension::D2Array);
+        let sampler = BindingType::Sampler(SamplerBindingType::Filtering);
+        let openness = BindingType::StorageTexture {
+            access: StorageTextureAccess::WriteOnly,
+            format: OPENNESS,
+            view_dimension: d3,
+        };
+        let layout = |label, types: &[BindingType]| {
+            let entries: Vec<_> =
+                types.iter().enumerate().map(|(i, ty)| entry(i as u32, *ty)).collect();
+            let descriptor =
+                wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries };
+            gpu.device.create_bind_group_layout(&descriptor)
+        };
+        Self {
+            frame: layout("frame", &[read, uniform(true)]),
+            lookups: layout(
+                "lookups",
+                &[
+                    read,
+                    float(true, d2),
+                    float(true, d3),
+                    sampler,
+                    float(true, d3),
+                    read,
+                    depths,
+                    float(false, d2),
+                    float(false, d2),
+                    depth,
+                ],
+            ),
+            visibility: layout("visibility", &[write, write, depth]),
+            density: layout("density", &[write]),
+            volume: layout("volume", &[read, read, openness]),
+            opacity: layout("opacity", &[write]),
+            shade: layout("shade", &[read, write]),
+        }
+    }
+}
+
+/// What shading is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct ShadeFor {
+    pub(crate) model: Model,
+    pub(crate) shading: Shading,
+}
+
+/// A compute pipeline of one entry point of one file.
+fn compute(
+    gpu: &Gpu,
+    source: Source,
+    name: &str,
+    main: &str,
+    groups: &[Option<&BindGroupLayout>],
+    constants: &[(&str, f64)],
+) -> ComputePipeline {
+    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(name),
+        bind_group_layouts: groups,
+        ..Default::default()
+    });
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(name),
+        source: wgpu::ShaderSource::Wgsl(source.text.into()),
+    });
+    gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(name),
+        layout: Some(&layout),
+        module: &module,
+        entry_point: Some(main),
+        compilation_options: wgpu::PipelineCompilationOptions {
+            constants,
+            // There is no workgroup memory to be cleared.
+            zero_initialize_workgroup_memory: false,
+        },
+        cache: None,
+    })
+}
+
+impl Pipelines {
+    /// All pipelines but those that shade.
+    pub(crate) fn new(gpu: &Gpu, layouts: &Layouts, strands: &BindGroupLayout) -> Self {
+        let pass = |name: &str, main: &str, own: &BindGroupLayout, constants: &[(&str, f64)]| {
+            let groups = [Some(&layouts.frame), None, Some(strands), Some(own)];
+            compute(gpu, Source::of(name), name, main, &groups, constants)
+        };
+        let visibility = if gpu.wide { "visibility_wide" } else { "visibility_narrow" };
+        let seen = &layouts.visibility;
+        let opacity =
+            |counting| pass("opacity", "splat", &layouts.opacity, &[("counting", counting)]);
+        Self {
+            clear: pass(visibility, "clear", seen, &[]),
+            splat: pass(visibility, "splat", seen, &[]),
+            name: (!gpu.wide).then(|| pass(visibility, "splat", seen, &[("naming", 1.0)])),
+            density: pass("density", "splat", &layouts.density, &[]),
+            volume: pass("volume", "volume", &layouts.volume, &[]),
+            opacity_near: opacity(0.0),
+            opacity_count: opacity(1.0),
+            solids: raster(gpu, layouts, true),
+            solids_from_light: raster(gpu, layouts, false),
+        }
+    }
+}
+
+/// The pipeline that shades one kind of picture.
+pub(crate) fn shade(
+    gpu: &Gpu,
+    layouts: &Layouts,
+    strands: &BindGroupLayout,
+    what: ShadeFor,
+) -> ComputePipeline {
+    let colours = what.shading == Shading::Colour;
+    let source = Source::of("shade")
+        .with("MODEL", &format!("{}u", what.model as u32))
+        .with("COLOURS", if colours { "true" } else { "false" });
+    let groups =
+        [Some(&layouts.frame), Some(&layouts.lookups), Some(strands), Some(&layouts.shade)];
+    compute(gpu, source, "shade", "shade", &groups, &[])
+}
+
+fn raster(gpu: &Gpu, layouts: &Layouts, camera: bool) -> RenderPipeline {
+    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("solid"),
+        bind_group_layouts: &[Some(&layouts.frame)],
+        ..Default::default()
+    });
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("solid"),
+        source: wgpu::ShaderSource::Wgsl(Source::of("solid").text.into()),
+    });
+    let attributes = wgpu::vertex_attr_array![
+        0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Uint32
+    ];
+    let vertices = [Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<crate::solids::Vertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &attributes,
+    })];
+    let compare = if camera { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Less };
+    let targets = [NORMAL, ALBEDO].map(|f| Some(wgpu::ColorTargetState::from(f)));
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("solid"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some(if camera { "seen" } else { "lit" }),
+            compilation_options: Default::default(),
+            buffers: &vertices,
+        },
+        primitive: Default::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(compare),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: Default::default(),
+        fragment: camera.then(|| wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("store"),
+            compilation_options: Default::default(),
+            targets: &targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

@@ -1,0 +1,200 @@
+//! How densely hair is rooted, in a grid around all roots: the skin between dense roots looks darker, partings do not.
+//!
+//! Guarantees: where roots are even, what is read on the skin is their density, whatever way it faces, within a fifth (how
+//! the skin lies between the middles of cells shows that much; from some 145 roots on a square centimetre not at all);
+//! two cells beside the last root there is nothing. The same bits for the same roots in the same order.
+
+use coif_nodes::data::attributes::COLOUR;
+use coif_nodes::data::curves::Curves;
+use glam::Vec3;
+
+/// Roots on a square centimetre that are as dense as can be seen: a full head of hair. Cells of 255 have these or more.
+const FULL: f32 = 120.0;
+/// How far roots are blurred by default, cm: less than half a parting's width.
+pub const SPREAD: f32 = 0.12;
+/// The most cells of a grid; larger heads get larger cells.
+const MOST_CELLS: f32 = 4.0e6;
+/// A cell's size over the distance that roots are blurred over.
+const CELL_OVER_SPREAD: f32 = 1.25;
+
+/// Density of roots in cells, x fastest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RootGrid {
+    /// Lower corner of the first cell, cm.
+    pub lower: Vec3,
+    /// Size of a cell, cm.
+    pub cell: f32,
+    /// Cells along x, y and z.
+    pub size: [u32; 3],
+    /// 0 without roots, 255 where they are as dense as on a full head.
+    pub values: Vec<u8>,
+    /// How dark the hair is at its roots: 0 white, 1 black. Scales the tint: the roots of fair hair hardly show.
+    pub darkness: f32,
+}
+
+impl RootGrid {
+    /// The grid of these curves' first points, blurred over `spread` cm; none without roots or for a spread that is not over 0.
+    pub fn of(curves: &Curves, spread: f32) -> Option<Self> {
+        let first = curves.each().filter_map(|(tuft, i)| tuft.curve(i).first().copied());
+        let roots: Vec<Vec3> = first.filter(|p| p.is_finite()).collect();
+        let one = *roots.first()?;
+        if !(spread.is_finite() && spread > 0.0) {
+            return None;
+        }
+        let (least, most) = roots.iter().fold((one, one), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+        let extent = most - least;
+        let mut cell = spread * CELL_OVER_SPREAD;
+        // Two cells around, so that what is blurred fades before the grid ends.
+        let count = |cell: f32| (extent / cell).floor() + 5.0;
+        while count(cell).element_product() > MOST_CELLS {
+            cell *= 1.1;
+        }
+        // Odd, never a power of two: software adapters compile shaders anew for those.
+        let size = count(cell).to_array().map(|n| n as u32 | 1);
+        let lower = least - cell * 2.0;
+        let counts = spread_out(&roots, lower, cell, size);
+        // A root on a flat skin gives its weight to layers of cells across it; what trilinear reading finds on the skin is
+        // on average the middle value of the quartic B-spline, 115 / 192.
+        let scale = 255.0 / (FULL * cell * cell * (115.0 / 192.0));
+        let values = counts.into_iter().map(|n| (n * scale + 0.5).min(255.0) as u8).collect();
+        Some(Self { lower, cell, size, values, darkness: darkness(curves) })
+    }
+}
+
+/// Every root spread over 27 cells by the quadratic B-spline, which adds up to 1 wherever the root lies in its cell.
+fn spread_out(roots: &[Vec3], lower: Vec3, cell: f32, size: [u32; 3]) -> Vec<f32> {
+    let [row, rows, layers] = size.map(|n| n as usize);
+    let layer = row * rows;
+    let mut counts = vec![0.0; layer * layers];
+    let weights = |t: f32| [0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)];
+    let inverse = 1.0 / cell;
+    for p in roots {
+        let at = (*p - lower) * inverse;
+        let own = at.floor();
+        let off = at - own - 0.5;
+        let [x, y, z] = [weights(off.x), weights(off.y), weights(off.z)];
+        // The margin keeps all neighbours within the grid.
+        let [i, j, k] = own.to_array().map(|n| n as usize - 1);
+        let first = i + j * row + k * layer;
+        for (k, wz) in z.into_iter().enumerate() {
+            for (j, wy) in y.into_iter().enumerate() {
+                let start = first + k * layer + j * row;
+                for (count, wx) in counts[start..start + 3].iter_mut().zip(x) {
+                    *count += wx * wy * wz;
+                }
+            }
+        }
+    }
+    counts
+}
+
+/// One less the root of the mean luminance of up to some thousand roots: roughly how dark they look.
+fn darkness(curves: &Curves) -> f32 {
+    let stride = (curves.curve_count() / 4096).max(1);
+    let mut sum = 0.0;
+    let mut count = 0.0;
+    for (tuft, i) in curves.each().step_by(stride) {
+        let range = tuft.range(i);
+        if !range.is_empty() {
+            let colour = tuft.view(COLOUR).at(i, range.start);
+            sum += super::luminance(colour).clamp(0.0, 1.0);
+            count += 1.0;
+        }
+    }
+    if count > 0.0 { 1.0 - (sum / count).sqrt() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use coif_nodes::data::attributes::Domain;
+    use coif_nodes::data::curves::TuftBuilder;
+    use coif_nodes::maths::low_discrepancy::r2;
+    use std::sync::Arc;
+
+    fn rooted(points: impl IntoIterator<Item = Vec3>) -> Curves {
+        let mut b = TuftBuilder::new();
+        points.into_iter().for_each(|p| b.push_curve(&[p, p + Vec3::Y]));
+        Curves::new(b.build().split())
+    }
+
+    /// What a trilinear read of the grid at `p` gives, 0 to 1, as `skin.wgsl` does it.
+    fn read(grid: &RootGrid, p: Vec3) -> f32 {
+        let at = (p - grid.lower) / grid.cell - 0.5;
+        let (first, part) = (at.floor(), at - at.floor());
+        let mut sum = 0.0;
+        for corner in 0..8u8 {
+            let step = [0, 1, 2].map(|axis| f32::from(corner >> axis & 1));
+            let most = Vec3::from(grid.size.map(|n| n as f32 - 1.0));
+            let cell = (first + Vec3::from(step)).clamp(Vec3::ZERO, most);
+            let [i, j, k] = cell.to_array().map(|n| n as usize);
+            let share = |axis: usize| if step[axis] > 0.0 { part[axis] } else { 1.0 - part[axis] };
+            let [row, rows, _] = grid.size.map(|n| n as usize);
+            let value = f32::from(grid.values[(k * rows + j) * row + i]) / 255.0;
+            sum += share(0) * share(1) * share(2) * value;
+        }
+        sum
+    }
+
+    /// 4 x 4 cm of roots, 96 on a square centimetre, in a plane with these axes.
+    fn patch(x: Vec3, y: Vec3) -> impl Iterator<Item = Vec3> {
+        (0..1536u32).map(move |i| {
+            let [u, v] = r2(i, [0.0; 2]);
+            x * (u * 4.0 - 2.0) + y * (v * 4.0 - 2.0)
+        })
+    }
+
+    #[test]
+    fn a_cell_holds_the_density_of_roots_whatever_way_the_skin_faces() {
+        for (x, y) in [
+            (Vec3::X, Vec3::Y),
+            (Vec3::Z, Vec3::X),
+            (Vec3::new(1.0, 1.0, 0.0).normalize(), Vec3::Z),
+            (Vec3::new(1.0, 1.0, 1.0).normalize(), Vec3::new(1.0, -1.0, 0.0).normalize()),
+        ] {
+            let grid = RootGrid::of(&rooted(patch(x, y)), SPREAD).unwrap();
+            let mut sum = 0.0;
+            for k in 0..100 {
+                let [u, v] = r2(k, [0.0; 2]);
+                sum += read(&grid, x * (u * 2.0 - 1.0) + y * (v * 2.0 - 1.0));
+            }
+            let want = 96.0 / FULL;
+            assert!((sum / 100.0 / want - 1.0).abs() < 0.2, "{x} {y}: {} {want}", sum / 100.0);
+            assert!(read(&grid, x * 2.4) < 0.02);
+        }
+    }
+
+    #[test]
+    fn a_parting_stays_skin() {
+        let apart = |p: &Vec3| p.x.abs() > 0.15;
+        let grid = RootGrid::of(&rooted(patch(Vec3::X, Vec3::Z).filter(apart)), SPREAD).unwrap();
+        let mean = |x: f32| {
+            let all = (0..40).map(|k| read(&grid, Vec3::new(x, 0.0, k as f32 * 0.05 - 1.0)));
+            all.sum::<f32>() / 40.0
+        };
+        assert!(mean(0.0) < 0.15 * mean(1.0), "{} {}", mean(0.0), mean(1.0));
+        assert!(mean(0.4) > 0.8 * mean(1.0), "{} {}", mean(0.4), mean(1.0));
+    }
+
+    #[test]
+    fn roots_that_are_no_places_are_no_roots() {
+        assert_eq!(RootGrid::of(&Curves::default(), SPREAD), None);
+        assert_eq!(RootGrid::of(&rooted([Vec3::splat(f32::NAN)]), SPREAD), None);
+        assert_eq!(RootGrid::of(&rooted([Vec3::ONE]), 0.0), None);
+        assert_eq!(RootGrid::of(&rooted([Vec3::ONE]), f32::NAN), None);
+        let one = RootGrid::of(&rooted([Vec3::ONE, Vec3::splat(f32::INFINITY)]), SPREAD).unwrap();
+        assert_eq!(one.size, [5, 5, 5]);
+        // Far apart: larger cells, not more memory.
+        let far = RootGrid::of(&rooted([Vec3::ZERO, Vec3::splat(900.0)]), SPREAD).unwrap();
+        assert!(far.values.len() <= MOST_CELLS as usize && far.cell > 5.0);
+    }
+
+    #[test]
+    fn fair_roots_are_no_dark_roots() {
+        let mut b = TuftBuilder::new();
+        b.push_curve(&[Vec3::ZERO, Vec3::Y]);
+        b.set(COLOUR, Domain::Curve, vec![Vec3::splat(0.64)]);
+        let fair = Curves::new(vec![Arc::new(b.build())]);
+        assert!((RootGrid::of(&fair, SPREAD).unwrap().darkness - 0.2).abs() < 1e-5);
+    }
+}
