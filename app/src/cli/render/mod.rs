@@ -25,7 +25,7 @@ use coif_shaders::hdri::Hdri;
 use coif_shaders::light::Rig;
 use coif_shaders::picture::Samples;
 use coif_shaders::surface::{RootGrid, SPREAD, Solid, Tone, ground, head_solid, tubes};
-use coif_shaders::view::{Paint, View};
+use coif_shaders::view::{Paint, Shading, View};
 use coif_shaders::{Gpu, Look, Model, Precision, Renderer, chart};
 use glam::Vec3;
 use options::{Format, within};
@@ -252,7 +252,11 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
         )));
     }
     opened.refuse_problems(&more, &mut report.warnings)?;
-    let device = Device::start(asked.size, cancel);
+    let shading = match asked.show {
+        Show::Hair(View::Hair) => Shading::Hair,
+        _ => Shading::Colour,
+    };
+    let device = Device::start(asked.size, asked.look, shading, cancel);
     let began = Instant::now();
     let evaluated = args.groom.evaluate(&opened, &more, cancel, report);
     let evaluation_ms = since(began);
@@ -507,8 +511,8 @@ struct Device {
 }
 
 impl Device {
-    /// Begins to make it. When that fails, whatever `cancel` stops is stopped.
-    fn start(size: [u32; 2], cancel: &CancelToken) -> Self {
+    /// Begins to make it, with the shaders that a look needs. When that fails, whatever `cancel` stops is stopped.
+    fn start(size: [u32; 2], look: Look, shading: Shading, cancel: &CancelToken) -> Self {
         let cancel = cancel.clone();
         let thread = std::thread::spawn(move || {
             let began = Instant::now();
@@ -521,7 +525,10 @@ impl Device {
             if made.is_err() {
                 cancel.cancel();
             }
-            made.map(|renderer| (renderer, since(began)))
+            made.map(|mut renderer| {
+                renderer.warm_up(&look, shading);
+                (renderer, since(began))
+            })
         });
         Self { thread }
     }
