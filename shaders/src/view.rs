@@ -234,6 +234,8 @@ struct Heat {
     limit: Option<f32>,
     /// Numbers below this are grey and count for no range.
     least: Option<f32>,
+    /// The ramp ends no lower than here, so that next to nothing does not look like much.
+    to: Option<f32>,
     numbers: Numbers,
     /// Of what else the numbers depend on.
     depends: u64,
@@ -252,17 +254,18 @@ impl Heat {
             from: None,
             limit: None,
             least: None,
+            to: None,
             numbers: Box::new(numbers),
             depends: 0,
         }
     }
 
     fn paint(self, curves: &Curves, asked: Option<(f32, f32)>) -> Paint {
-        let Self { name, unit, ramp, from, limit, least, numbers, depends } = self;
+        let Self { name, unit, ramp, from, limit, least, to, numbers, depends } = self;
         let (lowest, highest) = asked.unwrap_or_else(|| {
             let (low, high) = robust_range(curves, &numbers, least);
             let low = from.unwrap_or(low);
-            (low, limit.unwrap_or(high).max(low))
+            (low, limit.unwrap_or(high).max(low).max(to.unwrap_or(low)))
         });
         let table: Vec<u32> =
             (0..256).map(|k| colour::pack_colour(ramp.at(k as f32 / 255.0))).collect();
@@ -358,7 +361,9 @@ impl View {
                 Heat {
                     ramp: Ramp::Alarm,
                     from: Some(0.0),
-                    least: Some(f32::MIN_POSITIVE),
+                    // A hundredth of a millimetre is rounding.
+                    least: Some(0.001),
+                    to: Some(0.1),
                     depends: depends.0 as u64,
                     ..heat
                 }
