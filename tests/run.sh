@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Everything tested: format, lints, documentation, and all tests, in dev and (the golden hashes) in release.
 #
-# Installs what the tests need where it may: Debian packages as root, and usd-core in a Python environment under target/.
-# Where it may not, it says what is missing; tests that need it are listed as skipped at the end.
+# Installs what the tests need where it may: Debian packages as root (a software graphics adapter among them), and usd-core
+# in a Python environment under target/. Where it may not, it says what is missing; tests that need it are listed as
+# skipped at the end.
 # Ends with the sum of the tests' own summary lines: "N passed, N failed, N skipped".
 set -uo pipefail
 cd "$(dirname "$0")/.."
@@ -35,6 +36,31 @@ if ! "$python" -c 'import pxr' 2>/dev/null; then
     fi
 fi
 [ -x "$python" ] && export COIF_USD_PYTHON="$PWD/$python"
+
+# FLIP, by which pictures are compared, is C++.
+if ! command -v c++ >/dev/null && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+    say "a C++ compiler"
+    apt-get update -qq && apt-get install -y -qq g++ >/dev/null
+fi
+command -v c++ >/dev/null || missing "a C++ compiler (g++): nothing that compares pictures can be built"
+
+# Pictures: a Vulkan driver, a software one where there is no other. Its threads must be told, and its loader wants a
+# private folder for the session.
+driver() {
+    [ "$(uname)" != Linux ] && return
+    compgen -G '/usr/share/vulkan/icd.d/*.json' >/dev/null || compgen -G '/etc/vulkan/icd.d/*.json' >/dev/null
+}
+if ! driver && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+    say "a software graphics adapter"
+    apt-get update -qq && apt-get install -y -qq libvulkan1 mesa-vulkan-drivers >/dev/null
+fi
+driver || missing "a Vulkan driver (libvulkan1 mesa-vulkan-drivers): no pictures are drawn"
+export LP_NUM_THREADS="${LP_NUM_THREADS:-$(nproc 2>/dev/null || echo 2)}"
+if [ ! -d "${XDG_RUNTIME_DIR:-}" ]; then
+    XDG_RUNTIME_DIR="$(mktemp -d)"
+    export XDG_RUNTIME_DIR
+    trap 'rm -rf "$XDG_RUNTIME_DIR"' EXIT
+fi
 [ -e ../shared ] || missing "../shared (real heads and hostile files): tests that need it are skipped"
 
 # --- checks ------------------------------------------------------------------------------------

@@ -26,8 +26,8 @@ pub const MARGIN: f32 = 0.06;
 const LEAST_HALF_HEIGHT: f32 = 1.0;
 /// Points farther out than this are mistakes, not hair, cm.
 const FARTHEST: f32 = 1e6;
-/// Height of a close-up at the skin or at the hair over it, head units.
-const CLOSE_UP: f32 = 11.0;
+/// The shorter side of a close-up at the skin or at the hair over it, head units: 12.75 across at 3:2.
+const CLOSE_UP: f32 = 8.5;
 
 /// A ball, cm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -264,9 +264,9 @@ fn sane(p: Vec3) -> bool {
 
 /// A camera for a view of a subject, in a picture `aspect` times as wide as high.
 ///
-/// Overall views fit head, face, neck and all hair within [`MARGIN`]. Close-ups are 11 head units
-/// high and look along the normal, tilted by about 25 degrees so that relief shows, at the hair over
-/// their place where there is any.
+/// Overall views fit head, face, neck and all hair within [`MARGIN`]. Close-ups are 8.5 head units
+/// high (wide, in upright pictures) and look along the normal, tilted by 25 degrees so that relief
+/// shows, at the hair over their place where there is any.
 pub fn frame(viewpoint: &Viewpoint, subject: &Subject, focal_mm: f32, aspect: f32) -> Camera {
     let head = subject.sound_frame();
     let focal_mm =
@@ -285,7 +285,7 @@ pub fn frame(viewpoint: &Viewpoint, subject: &Subject, focal_mm: f32, aspect: f3
         fit.camera(reach, target_depth)
     };
     let close_up = |place: [f32; 3], tilt: [f32; 3]| {
-        close_up(subject, &head, Vec3::from(place), Vec3::from(tilt), focal_mm)
+        close_up(subject, &head, Vec3::from(place), Vec3::from(tilt), focal_mm, aspect)
     };
     match viewpoint {
         Viewpoint::Front => overall(0.0, 0.0, 1.0),
@@ -336,7 +336,14 @@ fn inner_points(points: &[Vec3]) -> Vec<Vec3> {
 
 /// Looks at the place of the head in direction `place` from its centre, along the skin's normal
 /// tilted towards `tilt`; both in the head frame.
-fn close_up(subject: &Subject, head: &HeadFrame, place: Vec3, tilt: Vec3, focal_mm: f32) -> Camera {
+fn close_up(
+    subject: &Subject,
+    head: &HeadFrame,
+    place: Vec3,
+    tilt: Vec3,
+    focal_mm: f32,
+    aspect: f32,
+) -> Camera {
     let out = head.vector_from_head(place.normalize());
     let hit = subject.surface.and_then(|s| {
         let hit = s.ray(head.origin, out, 2.5 * head.radius)?;
@@ -346,7 +353,7 @@ fn close_up(subject: &Subject, head: &HeadFrame, place: Vec3, tilt: Vec3, focal_
     });
     let (skin, normal) = hit.unwrap_or((head.origin + out * head.radius, out));
     // Where hair stands off the skin (a puff, a bun), its outside is what there is to see.
-    let across = 0.2 * CLOSE_UP * head.unit();
+    let across = 0.25 * CLOSE_UP * head.unit();
     let mut heights: Vec<f32> = subject
         .hair_points()
         .filter_map(|p| {
@@ -364,7 +371,7 @@ fn close_up(subject: &Subject, head: &HeadFrame, place: Vec3, tilt: Vec3, focal_
     let tilt = (tilt - normal * tilt.dot(normal)).normalize_or_zero();
     let (sin, cos) = 25f32.to_radians().sin_cos();
     let towards_eye = (normal * cos + tilt * sin).normalize();
-    let distance = CLOSE_UP * head.unit() * focal_mm / FILM_HEIGHT;
+    let distance = CLOSE_UP * head.unit() / aspect.min(1.0) * focal_mm / FILM_HEIGHT;
     let up = up_for(head, towards_eye);
     Camera { eye: target + towards_eye * distance, target, up, focal_mm, orthographic: None }
 }
@@ -636,8 +643,10 @@ mod tests {
         for name in ["crown", "nape", "hairline", "temple-left"] {
             let view = Viewpoint::named(name).unwrap();
             for focal in FOCALS {
-                let camera = frame(&view, &subject(&hair), focal, 1.5);
-                assert!((camera.height() - CLOSE_UP).abs() < 1e-3, "{name}");
+                let wide = frame(&view, &subject(&hair), focal, 1.5);
+                let upright = frame(&view, &subject(&hair), focal, 0.5);
+                assert!((wide.height() - CLOSE_UP).abs() < 1e-3, "{name}");
+                assert!((0.5 * upright.height() - CLOSE_UP).abs() < 1e-3, "{name}");
             }
         }
     }

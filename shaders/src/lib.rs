@@ -7,11 +7,13 @@
 //! Not guaranteed: the same bytes on two different adapters.
 
 pub mod camera;
+pub mod chart;
 pub mod display;
 pub mod environment;
 mod frame;
 mod gpu;
 mod hair;
+pub mod hdri;
 pub mod legend;
 pub mod light;
 pub mod picture;
@@ -29,6 +31,7 @@ pub use display::Transform;
 pub use environment::{Backdrop, Environment};
 pub use gpu::{Gpu, GpuError, Precision};
 pub use hair::{Model, UnknownModel};
+pub use hdri::{Hdri, HdriError};
 pub use light::{Light, Rig};
 pub use picture::{Picture, PictureError, Samples};
 pub use renderer::{Look, Pass, Progress, RenderError, Renderer};

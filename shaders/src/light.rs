@@ -142,9 +142,9 @@ impl Rig {
                 ],
                 Environment::of(
                     |d| {
-                        let over = lamp(d, Vec3::new(0.0, 1.0, 0.1), 0.3);
-                        let sides = lamp(d, Vec3::X, 0.3) + lamp(d, Vec3::NEG_X, 0.3);
-                        Vec3::splat(0.35 + 2.6 * over + 1.3 * sides)
+                        let over = lamp(d, Vec3::new(0.0, 1.0, 0.25), 0.55);
+                        let sides = lamp(d, Vec3::X, 0.4) + lamp(d, Vec3::NEG_X, 0.4);
+                        Vec3::splat(0.45 + 1.5 * over + 0.6 * sides)
                     },
                     sweep(0.40, 0.16),
                 ),

@@ -5,8 +5,9 @@
 //! ones in place.
 
 use crate::gpu::Gpu;
+use crate::hair::Model;
 use crate::source::Source;
-use std::collections::HashMap;
+use crate::view::Shading;
 use wgpu::{
     BindGroupLayout, BindGroupLayoutEntry, BindingType, BufferBindingType, ComputePipeline,
     RenderPipeline, SamplerBindingType, ShaderStages, StorageTextureAccess, TextureFormat,
@@ -48,19 +49,20 @@ pub(crate) struct Pipelines {
     pub(crate) volume: ComputePipeline,
     pub(crate) opacity_near: ComputePipeline,
     pub(crate) opacity_count: ComputePipeline,
-    pub(crate) shade: ComputePipeline,
     pub(crate) solids: RenderPipeline,
     pub(crate) solids_from_light: RenderPipeline,
 }
 
 fn entry(binding: u32, ty: BindingType) -> BindGroupLayoutEntry {
-    let all = ShaderStages::COMPUTE | ShaderStages::VERTEX_FRAGMENT;
-    let storage = matches!(
+    let computed = matches!(
         ty,
         BindingType::StorageTexture { .. }
-            | BindingType::Buffer { ty: BufferBindingType::Storage { .. }, .. }
+            | BindingType::Buffer { ty: BufferBindingType::Storage { read_only: false }, .. }
     );
-    let visibility = if storage { ShaderStages::COMPUTE } else { all };
+    let visibility = match computed {
+        true => ShaderStages::COMPUTE,
+        false => ShaderStages::COMPUTE | ShaderStages::VERTEX_FRAGMENT,
+    };
     BindGroupLayoutEntry { binding, visibility, ty, count: None }
 }
 
@@ -95,7 +97,7 @@ impl Layouts {
             gpu.device.create_bind_group_layout(&descriptor)
         };
         Self {
-            frame: layout("frame", &[uniform(false), uniform(true)]),
+            frame: layout("frame", &[read, uniform(true)]),
             lookups: layout(
                 "lookups",
                 &[
@@ -104,7 +106,6 @@ impl Layouts {
                     float(true, d3),
                     sampler,
                     float(true, d3),
-                    read,
                     read,
                     depths,
                     float(false, d2),
@@ -115,82 +116,90 @@ impl Layouts {
             visibility: layout("visibility", &[write, write, depth]),
             density: layout("density", &[write]),
             volume: layout("volume", &[read, read, openness]),
-            opacity: layout("opacity", &[write, write]),
+            opacity: layout("opacity", &[write]),
             shade: layout("shade", &[read, write]),
         }
     }
 }
 
+/// What shading is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct ShadeFor {
+    pub(crate) model: Model,
+    pub(crate) shading: Shading,
+}
+
+/// A compute pipeline of one entry point of one file.
+fn compute(
+    gpu: &Gpu,
+    source: Source,
+    name: &str,
+    main: &str,
+    groups: &[Option<&BindGroupLayout>],
+    constants: &[(&str, f64)],
+) -> ComputePipeline {
+    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(name),
+        bind_group_layouts: groups,
+        ..Default::default()
+    });
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(name),
+        source: wgpu::ShaderSource::Wgsl(source.text.into()),
+    });
+    gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(name),
+        layout: Some(&layout),
+        module: &module,
+        entry_point: Some(main),
+        compilation_options: wgpu::PipelineCompilationOptions {
+            constants,
+            // There is no workgroup memory to be cleared.
+            zero_initialize_workgroup_memory: false,
+        },
+        cache: None,
+    })
+}
+
 impl Pipelines {
-    /// Compiles everything.
+    /// All pipelines but those that shade.
     pub(crate) fn new(gpu: &Gpu, layouts: &Layouts, strands: &BindGroupLayout) -> Self {
-        let module = |name: &str| {
-            gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(name),
-                source: wgpu::ShaderSource::Wgsl(Source::of(name).text.into()),
-            })
-        };
-        let compute = |name: &str,
-                       main: &str,
-                       lookups: bool,
-                       own: &BindGroupLayout,
-                       constants: &[(&str, f64)]| {
-            let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(name),
-                bind_group_layouts: &[
-                    Some(&layouts.frame),
-                    lookups.then_some(&layouts.lookups),
-                    Some(strands),
-                    Some(own),
-                ],
-                ..Default::default()
-            });
-            let constants: HashMap<String, f64> =
-                constants.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect();
-            gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(name),
-                layout: Some(&layout),
-                module: &module(name),
-                entry_point: Some(main),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &constants.iter().map(|(k, v)| (k.as_str(), *v)).collect::<Vec<_>>(),
-                    // Our shaders write every word of their own memory before they read it.
-                    zero_initialize_workgroup_memory: false,
-                },
-                cache: None,
-            })
+        let pass = |name: &str, main: &str, own: &BindGroupLayout, constants: &[(&str, f64)]| {
+            let groups = [Some(&layouts.frame), None, Some(strands), Some(own)];
+            compute(gpu, Source::of(name), name, main, &groups, constants)
         };
         let visibility = if gpu.wide { "visibility_wide" } else { "visibility_narrow" };
-        std::thread::scope(|scope| {
-            let shade = scope.spawn(|| compute("shade", "shade", true, &layouts.shade, &[]));
-            let own = &layouts.visibility;
-            let clear = compute(visibility, "clear", false, own, &[]);
-            let splat = compute(visibility, "splat", false, own, &[]);
-            let name =
-                (!gpu.wide).then(|| compute(visibility, "splat", false, own, &[("naming", 1.0)]));
-            let density = compute("density", "splat", false, &layouts.density, &[]);
-            let volume = compute("volume", "volume", false, &layouts.volume, &[]);
-            let opacity = |counting| {
-                compute("opacity", "splat", false, &layouts.opacity, &[("counting", counting)])
-            };
-            let (opacity_near, opacity_count) = (opacity(0.0), opacity(1.0));
-            let (solids, solids_from_light) =
-                (raster(gpu, layouts, true), raster(gpu, layouts, false));
-            let shade = shade.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-            Self {
-                clear,
-                splat,
-                name,
-                density,
-                volume,
-                opacity_near,
-                opacity_count,
-                shade,
-                solids,
-                solids_from_light,
-            }
-        })
+        let seen = &layouts.visibility;
+        let opacity =
+            |counting| pass("opacity", "splat", &layouts.opacity, &[("counting", counting)]);
+        Self {
+            clear: pass(visibility, "clear", seen, &[]),
+            splat: pass(visibility, "splat", seen, &[]),
+            name: (!gpu.wide).then(|| pass(visibility, "splat", seen, &[("naming", 1.0)])),
+            density: pass("density", "splat", &layouts.density, &[]),
+            volume: pass("volume", "volume", &layouts.volume, &[]),
+            opacity_near: opacity(0.0),
+            opacity_count: opacity(1.0),
+            solids: raster(gpu, layouts, true),
+            solids_from_light: raster(gpu, layouts, false),
+        }
     }
+}
+
+/// The pipeline that shades one kind of picture.
+pub(crate) fn shade(
+    gpu: &Gpu,
+    layouts: &Layouts,
+    strands: &BindGroupLayout,
+    what: ShadeFor,
+) -> ComputePipeline {
+    let colours = what.shading == Shading::Colour;
+    let source = Source::of("shade")
+        .with("MODEL", &format!("{}u", what.model as u32))
+        .with("COLOURS", if colours { "true" } else { "false" });
+    let groups =
+        [Some(&layouts.frame), Some(&layouts.lookups), Some(strands), Some(&layouts.shade)];
+    compute(gpu, source, "shade", "shade", &groups, &[])
 }
 
 fn raster(gpu: &Gpu, layouts: &Layouts, camera: bool) -> RenderPipeline {

@@ -22,7 +22,7 @@ use crate::gpu::Gpu;
 use crate::hair::{Model, ScatterTable};
 use crate::light::Rig;
 use crate::picture::Picture;
-use crate::pipelines::{ALBEDO, DEPTH, Layouts, NORMAL, OPENNESS, Pipelines};
+use crate::pipelines::{self, ALBEDO, DEPTH, Layouts, NORMAL, OPENNESS, Pipelines, ShadeFor};
 use crate::solids::Solids;
 use crate::strands::{Blocks, Slice, Strands, Uploaded};
 use crate::surface::{RootGrid, Solid, solid_voxels};
@@ -30,7 +30,7 @@ use crate::view::{Paint, Shading};
 use bytemuck::Zeroable;
 use coif_nodes::data::curves::{Curves, Tuft};
 use glam::{Mat4, Vec2, Vec3};
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use wgpu::{BufferUsages as B, TextureUsages as U};
@@ -188,8 +188,7 @@ struct Grid {
 /// What lights see: solids in depth maps, hair in deep opacity maps.
 #[derive(Debug)]
 struct Maps {
-    nearness: wgpu::Buffer,
-    layers: wgpu::Buffer,
+    opacity: wgpu::Buffer,
     /// One view a light to draw into, and one of all to read.
     depth_of: Vec<wgpu::TextureView>,
     depths: wgpu::TextureView,
@@ -201,6 +200,8 @@ pub struct Renderer {
     gpu: Arc<Gpu>,
     layouts: Layouts,
     pipelines: Pipelines,
+    /// One for each kind of picture that was asked for.
+    shades: HashMap<ShadeFor, wgpu::ComputePipeline>,
     width: u32,
     height: u32,
     targets: Targets,
@@ -253,7 +254,7 @@ impl Renderer {
             })
         };
         let uniform = B::UNIFORM | B::COPY_DST;
-        let frame_buffer = buffer("frame", size_of::<Frame>() as u64, uniform);
+        let frame_buffer = buffer("frame", size_of::<Frame>() as u64, B::STORAGE | B::COPY_DST);
         let slice_buffer = buffer("slices", SLICE_STRIDE * MOST_SLICES, uniform);
         let frame_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("frame"),
@@ -275,7 +276,7 @@ impl Renderer {
         let look = Look::default();
         let table = bake(&look);
         let maps = Maps::new(&gpu, &layouts);
-        let grid = Grid::new(&gpu, &layouts, [1; 3], &[0]);
+        let grid = Grid::new(&gpu, &layouts, [3; 3], &[0; 27]);
         let rig = Rig::default();
         let lookups = lookups(&gpu, &layouts, &targets, &maps, &grid, &table, &rig, None);
         Ok(Self {
@@ -284,6 +285,7 @@ impl Renderer {
             opacity_stride: 1,
             layouts,
             pipelines,
+            shades: HashMap::new(),
             width,
             height,
             targets,
@@ -390,6 +392,52 @@ impl Renderer {
             self.drawn = self.strands.blocks(&self.gpu, look.share);
         }
         self.restart();
+    }
+
+    /// Compiles what drawing such hair in such a view will need, so that the first picture does not wait for it: a
+    /// software adapter compiles a shader when it first runs.
+    pub fn warm_up(&mut self, look: &Look, shading: Shading) {
+        let (look, shading) = (
+            std::mem::replace(&mut self.look, *look),
+            std::mem::replace(&mut self.shading, shading),
+        );
+        self.compile_shade();
+        self.write_frame();
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let mut slices = vec![];
+        for pass in ALL.into_iter().filter(|p| *p != Pass::Name || !self.gpu.wide) {
+            self.encode(&mut encoder, &mut slices, pass, 0, 0, 0);
+        }
+        self.submit(encoder, &slices);
+        (self.look, self.shading) = (look, shading);
+    }
+
+    fn shade_for(&self) -> ShadeFor {
+        // The model does not matter where colours are shown.
+        let model = match self.shading {
+            Shading::Hair => self.look.model,
+            Shading::Colour => Model::default(),
+        };
+        ShadeFor { model, shading: self.shading }
+    }
+
+    fn compile_shade(&mut self) {
+        let what = self.shade_for();
+        let (gpu, layouts, strands) = (&self.gpu, &self.layouts, &self.strands.layout);
+        self.shades.entry(what).or_insert_with(|| pipelines::shade(gpu, layouts, strands, what));
+    }
+
+    /// Reads all shaders anew. On a fault the old ones stay, and what is wrong is said with its file and line.
+    ///
+    /// # Errors
+    /// When a shader is not valid.
+    #[cfg(feature = "hot-reload")]
+    pub fn reload_shaders(&mut self) -> Result<(), String> {
+        crate::source::check()?;
+        self.pipelines = Pipelines::new(&self.gpu, &self.layouts, &self.strands.layout);
+        self.shades.clear();
+        self.restart();
+        Ok(())
     }
 
     /// Drops what is half done; the next sample is the first.
@@ -555,18 +603,22 @@ impl Renderer {
                 break;
             }
         }
+        let start = Instant::now();
+        self.submit(encoder, &slices);
+        let ms = start.elapsed().as_secs_f64() * 1e3;
+        self.measured(&done, ms);
+        self.samples += sampled;
+    }
+
+    fn submit(&self, encoder: wgpu::CommandEncoder, slices: &[Slice]) {
         let mut bytes = vec![0u8; slices.len() * SLICE_STRIDE as usize];
         for (i, slice) in slices.iter().enumerate() {
             let at = i * SLICE_STRIDE as usize;
             bytes[at..at + size_of::<Slice>()].copy_from_slice(bytemuck::bytes_of(slice));
         }
         self.gpu.queue.write_buffer(&self.slice_buffer, 0, &bytes);
-        let start = Instant::now();
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait();
-        let ms = start.elapsed().as_secs_f64() * 1e3;
-        self.measured(&done, ms);
-        self.samples += sampled;
     }
 
     /// Learns from a slice how long its passes take.
@@ -590,10 +642,10 @@ impl Renderer {
         if self.stale != Stale::default() {
             self.plan_lookups();
         }
+        self.compile_shade();
         self.write_frame();
-        let (width, rows) = (self.width, self.height);
+        let rows = self.height;
         let run = |pass, part, end| Step::Run { pass, part, next: 0, end };
-        debug_assert!(width > 0);
         self.work.push_back(run(Pass::Solids, 0, self.solids.triangles.max(1)));
         self.work.push_back(run(Pass::Clear, 0, rows));
         let passes: &[Pass] =
@@ -668,7 +720,7 @@ impl Renderer {
                 None => (lo, hi),
             };
             let cell = ((high - low).max_element() / VOXELS).max(0.05);
-            let size = ((high - low) / cell).ceil().to_array().map(|n| n as u32 + 1);
+            let size = ((high - low) / cell).ceil().to_array().map(|n| (n as u32 + 1) | 1);
             self.frame.grid = low.extend(cell).to_array();
             self.frame.grid_size = [size[0], size[1], size[2], u32::from(hair.is_some())];
             // Opacity maps are thinned so that their walks stay within a budget.
@@ -683,8 +735,7 @@ impl Renderer {
             self.work.extend(blocks(&self.shadowing, Pass::Density, 0));
             self.work.push_back(run(Pass::Volume, 0, size[2].div_ceil(4)));
         }
-        encoder.clear_buffer(&self.maps.nearness, 0, None);
-        encoder.clear_buffer(&self.maps.layers, 0, None);
+        encoder.clear_buffer(&self.maps.opacity, 0, None);
         self.gpu.queue.submit([encoder.finish()]);
         for light in 0..3 {
             self.work.push_back(run(Pass::SolidShadow, light, self.solids.casting.max(1)));
@@ -708,12 +759,7 @@ impl Renderer {
         let orthographic = if self.camera.orthographic.is_some() { 1.0 } else { 0.0 };
         frame.ahead = ahead.extend(orthographic).to_array();
         frame.viewport = [size.x, size.y, 1.0 / size.x, 1.0 / size.y];
-        let shading = match self.shading {
-            Shading::Hair => 0,
-            Shading::Colour => 1,
-        };
-        frame.mode =
-            [self.samples, self.look.model as u32, shading, self.rig.environment.backdrop_kind()];
+        frame.mode = [self.samples, 0, 0, self.rig.environment.backdrop_kind()];
         let look = &self.look;
         frame.hair = [look.beta_m, look.beta_n, look.tilt_degrees.to_radians(), look.specular];
         let darkness = self.roots.as_ref().map_or(0.0, |roots| roots.darkness);
@@ -764,9 +810,9 @@ impl Renderer {
                 slices.push(slice);
                 let (pipeline, own) = match pass {
                     Pass::Clear => (&self.pipelines.clear, &self.targets.visibility),
-                    _ => (&self.pipelines.shade, &self.targets.shade),
+                    _ => (&self.shades[&self.shade_for()], &self.targets.shade),
                 };
-                let groups = [self.width.div_ceil(8), n.div_ceil(8), 1];
+                let groups = [self.width.div_ceil(8), n.div_ceil(8).max(1), 1];
                 self.dispatch(encoder, pipeline, offset, &self.drawn[part].group, own, groups);
             }
             Pass::Volume => {
@@ -774,7 +820,7 @@ impl Renderer {
                 slice.count = n * 4;
                 slices.push(slice);
                 let [x, y, ..] = self.frame.grid_size;
-                let groups = [x.div_ceil(4), y.div_ceil(4), n];
+                let groups = [x.div_ceil(4), y.div_ceil(4), n.max(1)];
                 let own = &self.grid.volume_group;
                 let strands = &self.drawn[0].group;
                 self.dispatch(encoder, &self.pipelines.volume, offset, strands, own, groups);
@@ -798,12 +844,10 @@ impl Renderer {
                 slice.base = self.strands.chunks[blocks.chunk].base;
                 slice.points = self.strands.capacity(blocks.chunk);
                 slice.stride = self.opacity_stride;
-                slice.groups = n.min(65_535);
+                slice.groups = n.clamp(1, 65_535);
                 slices.push(slice);
-                if n > 0 {
-                    let groups = [slice.groups, n.div_ceil(slice.groups), 1];
-                    self.dispatch(encoder, pipeline, offset, &blocks.group, own, groups);
-                }
+                let groups = [slice.groups, n.div_ceil(slice.groups).max(1), 1];
+                self.dispatch(encoder, pipeline, offset, &blocks.group, own, groups);
             }
         }
     }
@@ -820,9 +864,7 @@ impl Renderer {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.frame_group, &[offset]);
-        if pipeline == &self.pipelines.shade {
-            pass.set_bind_group(1, &self.lookups, &[]);
-        }
+        pass.set_bind_group(1, &self.lookups, &[]);
         pass.set_bind_group(2, strands, &[]);
         pass.set_bind_group(3, own, &[]);
         pass.dispatch_workgroups(x, y, z);
@@ -1010,13 +1052,8 @@ impl Grid {
 impl Maps {
     fn new(gpu: &Gpu, layouts: &Layouts) -> Self {
         let texels = 3 * u64::from(OPACITY_MAP) * u64::from(OPACITY_MAP);
-        let nearness = storage(gpu, "nearness", texels * 4);
-        let layers = storage(gpu, "layers", texels * 16);
-        let opacity_group = group(
-            gpu,
-            &layouts.opacity,
-            &[nearness.as_entire_binding(), layers.as_entire_binding()],
-        );
+        let opacity = storage(gpu, "opacity maps", texels * 20);
+        let opacity_group = group(gpu, &layouts.opacity, &[opacity.as_entire_binding()]);
         let usage = U::RENDER_ATTACHMENT | U::TEXTURE_BINDING;
         let depth = view_of(gpu, "solids from lights", [SOLID_MAP, SOLID_MAP, 3], D2, DEPTH, usage);
         let depth_of = (0..3)
@@ -1033,7 +1070,7 @@ impl Maps {
             dimension: Some(wgpu::TextureViewDimension::D2Array),
             ..Default::default()
         });
-        Self { nearness, layers, depth_of, depths, opacity_group }
+        Self { opacity, depth_of, depths, opacity_group }
     }
 }
 
@@ -1076,7 +1113,8 @@ fn lookups(
     );
     let (size, values_of_roots) = match roots {
         Some(roots) => (roots.size, &roots.values[..]),
-        None => ([1; 3], &[0u8][..]),
+        // Not of one texel, nor of a power of two: software adapters compile for that.
+        None => ([3; 3], &[0u8; 27][..]),
     };
     let roots = texture("roots", size, D3, wgpu::TextureFormat::R8Unorm, values_of_roots);
     let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
@@ -1094,8 +1132,7 @@ fn lookups(
             view(&roots),
             wgpu::BindingResource::Sampler(&sampler),
             view(&grid.openness),
-            maps.nearness.as_entire_binding(),
-            maps.layers.as_entire_binding(),
+            maps.opacity.as_entire_binding(),
             view(&maps.depths),
             view(&targets.normal),
             view(&targets.albedo),

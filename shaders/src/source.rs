@@ -56,6 +56,20 @@ impl Source {
         source
     }
 
+    /// Gives a constant of the shader another value: the line that begins with `const NAME:` ends with it.
+    ///
+    /// # Panics
+    /// When there is no such line: a mistake in this crate, found by its tests.
+    pub(crate) fn with(mut self, name: &str, value: &str) -> Self {
+        let start = format!("const {name}:");
+        let Some(line) = self.text.lines().find(|line| line.starts_with(&start)) else {
+            panic!("there is no constant {name}")
+        };
+        let declared = line.split('=').next().unwrap_or(line);
+        self.text = self.text.replacen(line, &format!("{declared}= {value};"), 1);
+        self
+    }
+
     fn add(&mut self, name: &str, seen: &mut Vec<&'static str>) {
         let Some((name, text)) = FILES.iter().find(|(file, _)| *file == name) else {
             panic!("there is no shader file {name:?}")
@@ -85,6 +99,23 @@ impl Source {
             None => "past the end".to_owned(),
         }
     }
+}
+
+/// Whether the files as they are now are all valid.
+#[cfg(feature = "hot-reload")]
+pub(crate) fn check() -> Result<(), String> {
+    use wgpu::naga;
+    for (name, _) in FILES.iter().filter(|(name, _)| *name != "splat") {
+        let source = Source::of(name);
+        let module = naga::front::wgsl::parse_str(&source.text).map_err(|err| {
+            let line = err.location(&source.text).map_or(0, |l| l.line_number as usize);
+            format!("{}: {}", source.place(line), err.message())
+        })?;
+        naga::valid::Validator::new(Default::default(), naga::valid::Capabilities::all())
+            .validate(&module)
+            .map_err(|err| format!("{name}.wgsl: {}", err.emit_to_string(&source.text)))?;
+    }
+    Ok(())
 }
 
 #[cfg(not(feature = "hot-reload"))]

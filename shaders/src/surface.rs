@@ -7,7 +7,7 @@ mod roots;
 mod shell;
 mod tubes;
 
-pub use roots::RootGrid;
+pub use roots::{RootGrid, SPREAD};
 pub(crate) use shell::solid_voxels;
 pub use tubes::tubes;
 

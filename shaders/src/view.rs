@@ -25,7 +25,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 /// How the shader takes a point's word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Shading {
     /// Roots of the absorption per fibre radius, 11, 11 and 10 bits over 0 to 4.5: hair as it scatters light.
     Hair,

@@ -1,6 +1,8 @@
 // What hair sends to the viewer: of a light (`hair_light`) and of the sky (`hair_sky`), by one of three
-// models. The Rust twins are in `hair/mod.rs`. White hair returns the light that falls on it, within 3
-// per cent, and no hair returns more (tests); every result is finite and >= 0.
+// models. The Rust twins are in `hair/mod.rs`. A deep layer of white hair returns the light of an even
+// sky within 3 per cent (Karis, Chiang) and none returns more (tests); every result is finite and >= 0. Not
+// known here: whether hairs lie behind the one that is seen. They always do, so that a lone hair far from
+// its head is brighter than it should be.
 //
 // A hair that is seen gets light that met no hair (the model of one hair), light that came through the
 // hairs in front and light that the hairs behind send back (`hair_scatter.wgsl`, equal for Karis and
@@ -19,13 +21,14 @@
 fn hair_light(m: Hair, L: vec3f, V: vec3f, T: vec3f, fibres: f32, xi: f32) -> vec3f {
   let a = hair_angles(L, V, T);
   let n = max(fibres, 0.0);
-  let hairs = hair_scatter(m.sigma, a.cos_o);
+  let hairs = hair_scatter(m.sigma, a.sin_o);
   let direct = exp(-n);
   if m.model == 0u {
     // The hairs behind have this colour too and light this one from there.
     let near = 0.5 + 0.5 * a.cos_phi;
-    let behind = vec3f(1.0) + hairs.deep * (1.6 * near * near * near);
-    return scatter_reaches(hairs, n) * hair_kajiya_kay_diffuse(hairs.deep, a) * behind
+    let colour = hair_kajiya_kay_colour(hairs.deep, hairs.surface);
+    let behind = vec3f(1.0) + colour * (1.6 * near * near * near);
+    return scatter_reaches(hairs, n) * hair_kajiya_kay_diffuse(colour, a) * behind
       + vec3f(direct * hair_kajiya_kay_highlight(m, a));
   }
   var one = vec3f(0.0);
@@ -44,7 +47,7 @@ fn hair_light(m: Hair, L: vec3f, V: vec3f, T: vec3f, fibres: f32, xi: f32) -> ve
 // what the hairs return of it from the other. `open` in 0..1: how much of it nothing stands before.
 fn hair_sky(m: Hair, V: vec3f, T: vec3f, facing: vec3f, open: f32, xi: f32) -> vec3f {
   let sin_o = clamp(dot(T, V), -1.0, 1.0);
-  let hairs = hair_scatter(m.sigma, hair_cosine(sin_o));
+  let hairs = hair_scatter(m.sigma, sin_o);
   // The middles of the two lobes: mirrored at the hair, and straight on.
   let across = V - T * sin_o;
   let near = normalize(across - T * sin_o + facing * 1e-4);
@@ -55,8 +58,9 @@ fn hair_sky(m: Hair, V: vec3f, T: vec3f, facing: vec3f, open: f32, xi: f32) -> v
   let wide = vec2f(0.55, 0.15);
   let front = sky(normalize(near + facing * 0.5 + T * 1e-4), wide);
   if m.model == 0u {
+    let colour = hair_kajiya_kay_colour(hairs.deep, hairs.surface);
     return reached
-      * (hairs.deep * all * (1.0 - HAIR_HIGHLIGHT) + front * (HAIR_HIGHLIGHT * m.specular));
+      * (colour * all * (1.0 - HAIR_HIGHLIGHT) + front * (HAIR_HIGHLIGHT * m.specular));
   }
   let rim = sky(normalize(far + facing * 0.5 + T * 1e-4), wide);
   let inner = hairs.deep * all;

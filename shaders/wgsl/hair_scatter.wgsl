@@ -4,8 +4,8 @@
 //#include "hair_fibre.wgsl"
 
 // 16 rows by cos(theta_o) of 64 values by absorption: share of light sent forward, share sent back,
-// variances of their inclinations (forward, back). Then 16 values: what Karis' lobes R, TT, TRT are scaled
-// by, and the share that the surface reflects.
+// variances of their inclinations (forward, back). Then 16 values for viewers on the tip's side and 16 for
+// the root's: what Karis' lobes R, TT, TRT are scaled by, and the share that the surface reflects.
 @group(1) @binding(0) var<storage, read> scatter_table: array<vec4f>;
 
 // What one hair does to light on average, by channel.
@@ -30,8 +30,8 @@ fn scatter_channel(low: u32, part: f32, k: f32) -> vec4f {
   return mix(a, b, part);
 }
 
-fn hair_scatter(sigma: vec3f, cos_o: f32) -> Scatter {
-  let row = sat(cos_o) * 15.0;
+fn hair_scatter(sigma: vec3f, sin_o: f32) -> Scatter {
+  let row = hair_cosine(sin_o) * 15.0;
   let low = min(u32(row), 14u);
   let part = row - f32(low);
   // sigma = 0.01 (2^(k / 5.74) - 1).
@@ -39,7 +39,8 @@ fn hair_scatter(sigma: vec3f, cos_o: f32) -> Scatter {
   let r = scatter_channel(low, part, k.x);
   let g = scatter_channel(low, part, k.y);
   let b = scatter_channel(low, part, k.z);
-  let gains = mix(scatter_table[1024u + low], scatter_table[1025u + low], part);
+  let side = low + select(1024u, 1040u, sin_o < 0.0);
+  let gains = mix(scatter_table[side], scatter_table[side + 1u], part);
   let v = (r.zw + g.zw + b.zw) * (1.0 / 3.0);
   let forward = vec3f(r.x, g.x, b.x);
   let back = vec3f(r.y, g.y, b.y);

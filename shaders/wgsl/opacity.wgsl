@@ -4,10 +4,8 @@
 
 //#include "points.wgsl"
 
-// [light][y][x]: 1 - depth as float bits; 0 where there is no hair.
-@group(3) @binding(0) var<storage, read_write> nearness: array<atomic<u32>>;
-// [light][y][x][layer]: fibres in that layer alone, fixed point.
-@group(3) @binding(1) var<storage, read_write> layers: array<atomic<u32>>;
+// [light][y][x], five words: 1 - depth as float bits (0 where there is no hair), then the fibres in each layer alone, fixed point.
+@group(3) @binding(0) var<storage, read_write> maps: array<atomic<u32>>;
 
 override counting: bool = false;
 
@@ -49,11 +47,11 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) t
     let k = (S.light * u32(texels) + u32(xy.y)) * u32(texels) + u32(xy.x);
     let near = bitcast<u32>(sat(1.0 - at.z));
     if counting {
-      let start = 1.0 - bitcast<f32>(atomicLoad(&nearness[k]));
+      let start = 1.0 - bitcast<f32>(atomicLoad(&maps[k * 5u]));
       let behind = (at.z - start) * light.extent.y;
-      atomicAdd(&layers[k * 4u + layer_of(behind)], u32(fibres * UNITS + rnd(l.k + u32(i))));
+      atomicAdd(&maps[k * 5u + 1u + layer_of(behind)], u32(fibres * UNITS + rnd(l.k + u32(i))));
     } else {
-      atomicMax(&nearness[k], near);
+      atomicMax(&maps[k * 5u], near);
     }
   }
 }

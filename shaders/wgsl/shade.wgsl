@@ -8,17 +8,21 @@
 //#include "skin.wgsl"
 
 @group(1) @binding(4) var openness: texture_3d<f32>;
-@group(1) @binding(5) var<storage, read> nearness: array<u32>;
-@group(1) @binding(6) var<storage, read> layers: array<vec4u>;
-@group(1) @binding(7) var solid_from_light: texture_depth_2d_array;
-@group(1) @binding(8) var solid_normal: texture_2d<f32>;
-@group(1) @binding(9) var solid_albedo: texture_2d<f32>;
-@group(1) @binding(10) var solid_depth: texture_depth_2d;
+@group(1) @binding(5) var<storage, read> maps: array<u32>;
+@group(1) @binding(6) var solid_from_light: texture_depth_2d_array;
+@group(1) @binding(7) var solid_normal: texture_2d<f32>;
+@group(1) @binding(8) var solid_albedo: texture_2d<f32>;
+@group(1) @binding(9) var solid_depth: texture_depth_2d;
 
 // Ids of what each pixel shows: the low words of wide visibility, or the ids of the narrow.
 @group(3) @binding(0) var<storage, read> shown: array<u32>;
 // Linear rgb and coverage, summed over samples.
 @group(3) @binding(1) var<storage, read_write> sums: array<vec4f>;
+
+// What this build of the shader shades, so that each is compiled without the others: the model (0 Kajiya-Kay, 1 Karis,
+// 2 Chiang), and whether paint is a view's colours. `pipelines.rs` sets both.
+const MODEL: u32 = 1u;
+const COLOURS: bool = false;
 
 const TAPS: u32 = 4u;
 // Ends of the first three layers of the opacity maps, cm: those of `opacity.wgsl`.
@@ -49,14 +53,14 @@ fn shadow(number: u32, p: vec3f, bias: f32, seed: u32) -> Shadow {
     let r = reach * sqrt((f32(i) + rnd(seed + i + 1u)) / f32(TAPS));
     let tap = clamp(at + r * vec2f(cos(angle), sin(angle)), vec2f(0.0), vec2f(texels - 1.0));
     let q = vec2u(tap);
-    let k = (number * u32(texels) + q.y) * u32(texels) + q.x;
-    let near = nearness[k];
+    let k = ((number * u32(texels) + q.y) * u32(texels) + q.x) * 5u;
+    let near = maps[k];
     var fibres = 0.0;
     if near != 0u {
       let behind = (c.z - (1.0 - bitcast<f32>(near))) * light.extent.y - bias;
       if behind > 0.0 {
         // Layers hold what lies in them alone; within one it is spread evenly.
-        let v = vec4f(layers[k]) * (1.0 / 4096.0);
+        let v = vec4f(vec4u(maps[k + 1u], maps[k + 2u], maps[k + 3u], maps[k + 4u])) * (1.0 / 4096.0);
         fibres = v.x * sat(behind / ENDS.x) + v.y * sat((behind - ENDS.x) / (ENDS.y - ENDS.x))
           + v.z * sat((behind - ENDS.y) / (ENDS.z - ENDS.y)) + v.w * sat((behind - ENDS.z) / (LAST - ENDS.z));
       }
@@ -68,13 +72,16 @@ fn shadow(number: u32, p: vec3f, bias: f32, seed: u32) -> Shadow {
   return Shadow(sum.fibres / f32(TAPS), sum.passed / f32(TAPS), sum.clear_ / f32(TAPS));
 }
 
-// xyz: towards the open (unit), w: how open.
-fn open_at(p: vec3f, otherwise: vec3f) -> vec4f {
-  let uvw = (p - F.grid.xyz) / (F.grid.w * vec3f(F.grid_size.xyz));
+// xyz: towards the open (unit), w: how open. Read somewhere within a voxel and a half, so that over the samples voxels do not show.
+fn open_at(p: vec3f, otherwise: vec3f, seed: u32) -> vec4f {
+  let shake = (vec3f(rnd(seed + 91u), rnd(seed + 92u), rnd(seed + 93u)) - 0.5) * 3.0;
+  let uvw = ((p - F.grid.xyz) / F.grid.w + shake) / vec3f(F.grid_size.xyz);
   let v = textureSampleLevel(openness, root_sampler, uvw, 0.0);
-  let inside = all(uvw >= vec3f(0.0)) && all(uvw <= vec3f(1.0));
-  let to = v.xyz + otherwise * 0.05;
-  return vec4f(to / max(length(to), 1e-6), select(1.0, v.w, inside));
+  // Towards the grid's border what it holds fades to open, so that no edge shows.
+  let deep = min(uvw, 1.0 - uvw) * 8.0;
+  let inside = sat(min(deep.x, min(deep.y, deep.z)));
+  let to = v.xyz * inside + otherwise * 0.05;
+  return vec4f(to / max(length(to), 1e-6), mix(1.0, v.w, inside));
 }
 
 fn unpack_absorption(word: u32) -> vec3f {
@@ -102,12 +109,12 @@ fn groom(base: vec3f, p: vec3f, T: vec3f, V: vec3f, seed: u32) -> vec3f {
     c += lit * light.irradiance.rgb * (base * across * 0.8 / PI + shine * 0.5 / PI);
   }
   let out_ = normalize(V - T * dot(V, T) + vec3f(1e-6));
-  let o = open_at(p, out_);
+  let o = open_at(p, out_, seed);
   return c + base * sky(o.xyz, vec2f(0.667, 0.25)) * o.w;
 }
 
 fn pigmented(sigma: vec3f, p: vec3f, T: vec3f, V: vec3f, seed: u32) -> vec3f {
-  let m = Hair(sigma, F.hair.x, F.hair.y, F.hair.z, F.hair.w, F.mode.y);
+  let m = Hair(sigma, F.hair.x, F.hair.y, F.hair.z, F.hair.w, MODEL);
   let xi = rnd(seed + 77u);
   var c = vec3f(0.0);
   for (var i = 0u; i < 3u; i++) {
@@ -118,7 +125,7 @@ fn pigmented(sigma: vec3f, p: vec3f, T: vec3f, V: vec3f, seed: u32) -> vec3f {
     c += s.passed * light.irradiance.rgb * hair_light(m, light.towards.xyz, V, T, s.fibres, xi);
   }
   let out_ = normalize(V - T * dot(V, T) + vec3f(1e-6));
-  let o = open_at(p, out_);
+  let o = open_at(p, out_, seed);
   return c + hair_sky(m, V, T, o.xyz, o.w, xi);
 }
 
@@ -133,7 +140,7 @@ fn hair(k: u32, at: vec2f, seed: u32) -> vec3f {
   let p = on_segment(s, t);
   let T = tangent(s, t);
   let V = select(normalize(F.eye.xyz - p), -F.ahead.xyz, F.ahead.w == 1.0);
-  if F.mode.z == 1u { return groom(mix(unpack_colour(paint[k]), unpack_colour(paint[k + 1u]), t), p, T, V, seed); }
+  if COLOURS { return groom(mix(unpack_colour(paint[k]), unpack_colour(paint[k + 1u]), t), p, T, V, seed); }
   return pigmented(mix(unpack_absorption(paint[k]), unpack_absorption(paint[k + 1u]), t), p, T, V, seed);
 }
 
@@ -150,7 +157,7 @@ fn solid(pixel: vec2u, depth: f32, behind: vec3f, seed: u32) -> vec3f {
   var albedo = root * root;
   if material == 3u { return albedo; }
   if material == 0u { albedo = scalp_tint(p, albedo); }
-  let o = open_at(p + N * F.grid.w * 1.5, N);
+  let o = open_at(p + N * F.grid.w * 2.0, N, seed);
   var c = vec3f(0.0);
   // What the ground would get without hair and head, so that it only darkens the backdrop.
   var whole = vec3f(0.0);

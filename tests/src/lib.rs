@@ -1,9 +1,19 @@
 //! What whole-program tests share: the program itself, the heads they run on, and how they say that they cannot run.
 
+use coif_graphs::document::{Setting, Socket};
+use coif_graphs::schedule::files::DiskFiles;
+use coif_graphs::schedule::request::plan;
+use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
+use coif_graphs::{file, grooms};
+use coif_nodes::data::curves::Curves;
+use coif_nodes::data::scalp::Scalp;
+use coif_nodes::define::Value;
+use coif_nodes::eval::Quality;
+use coif_shaders::{Gpu, Precision};
 use serde_json::Value as Json;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// The repository.
 pub fn repository() -> &'static Path {
@@ -36,6 +46,70 @@ pub fn usd_python(test: &str) -> Option<PathBuf> {
     }
     println!("skipped: {test} needs usd-core in target/venv (tests/run.sh installs it)");
     None
+}
+
+/// The one device that a test program draws on; none where there is no adapter. The caller returns then, having named
+/// itself.
+pub fn gpu(test: &str) -> Option<Arc<Gpu>> {
+    static GPU: OnceLock<Option<Arc<Gpu>>> = OnceLock::new();
+    let gpu = GPU.get_or_init(|| Gpu::new(Precision::Best).ok().map(Arc::new));
+    if gpu.is_none() {
+        println!("skipped: {test} needs a graphics adapter (libvulkan1 mesa-vulkan-drivers)");
+    }
+    gpu.clone()
+}
+
+/// Whether there is an adapter to draw on. The caller returns where there is none, having named itself.
+pub fn adapter(test: &str) -> bool {
+    gpu(test).is_some()
+}
+
+/// A shipped groom with other values, evaluated in this process: the curves of its outputs together, those of further
+/// `sockets` in turn, and its head.
+///
+/// # Panics
+/// When an edit names nothing or the evaluation fails.
+pub fn groom(name: &str, edits: &[(&str, &str)], sockets: &[&str]) -> Groom {
+    let text = grooms::by_name(name).expect("a shipped groom");
+    let mut document = file::read(text).expect("shipped grooms are valid").document;
+    for (socket, text) in edits {
+        let socket: Socket = socket.parse().expect("NODE.INPUT");
+        let node = document.nodes.get_mut(&socket.node).expect("a node");
+        let def = coif_nodes::by_id(&node.kind).expect("a kind");
+        let (_, input) = def.input(&socket.name).expect("an input");
+        let value = file::parse_value(input.ty, text).expect("a value");
+        Arc::make_mut(node).inputs.insert(input.name.to_owned(), Setting::Known(value));
+    }
+    let of = |kind: &str, output: &str| -> Vec<Socket> {
+        let nodes = document.nodes.iter().filter(|(_, node)| node.kind == kind);
+        nodes.map(|(id, _)| Socket::new(id.clone(), output)).collect()
+    };
+    let mut targets = of("groom_output", "curves");
+    let outputs = targets.len();
+    targets.extend(sockets.iter().map(|text| text.parse::<Socket>().expect("NODE.OUTPUT")));
+    targets.extend(of("head", "scalp"));
+    let plan = plan(&document, &targets, Quality::Final, &DiskFiles::default()).expect("a plan");
+    let evaluator = Evaluator::new(2, 0).expect("threads");
+    let outcome = evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet);
+    let mut curves = outcome.targets.into_iter().map(|value| match value {
+        Some(Value::Curves(curves)) => Ok(curves),
+        Some(Value::Scalp(scalp)) => Err(scalp),
+        other => panic!("{name}: {other:?}"),
+    });
+    let hair = curves.by_ref().take(outputs).flatten().flat_map(|c| c.tufts().to_vec()).collect();
+    let more = curves.by_ref().take(sockets.len()).flatten().collect();
+    let scalp = curves.next().and_then(Result::err).expect("a head");
+    Groom { hair: Curves::new(hair), more, scalp }
+}
+
+/// A groom in memory.
+pub struct Groom {
+    /// All its hair.
+    pub hair: Curves,
+    /// Other curves that were asked for.
+    pub more: Vec<Curves>,
+    /// Its head.
+    pub scalp: Arc<Scalp>,
 }
 
 /// The `coif` program of the profile that this test was built in, built anew if need be.

@@ -27,12 +27,11 @@ fn evaluation_knows_no_window_and_no_gpu() {
         }
     }
     assert!(!tree("coif-nodes", &[]).contains("rayon"), "nodes own no threads");
-    for banned in ["egui", "wgpu", "winit"] {
-        assert!(
-            !tree("coif", &["--no-default-features"]).contains(banned),
-            "the farm build: {banned}"
-        );
+    let farm = tree("coif", &["--no-default-features"]);
+    for banned in ["egui", "wgpu", "winit", "coif-shaders"] {
+        assert!(!farm.contains(banned), "the farm build: {banned}");
     }
+    assert!(tree("coif", &[]).contains("wgpu"), "the usual build draws");
 }
 
 #[test]

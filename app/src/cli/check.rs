@@ -1,6 +1,6 @@
 //! `coif check`: what is wrong with graphs, without evaluating them (or, with a target, what that target would refuse).
 
-use super::{Exit, complain, eval, print, unreal};
+use super::{Exit, complain, groom, print, unreal};
 use clap::{Args, ValueEnum};
 use coif_graphs::document::graph::{Severity, check};
 use std::path::PathBuf;
@@ -27,7 +27,7 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
     for path in &args.graphs {
         let shown = path.display();
         let mut warnings = vec![];
-        let (document, folder) = match eval::load(path, &mut warnings) {
+        let (document, folder) = match groom::load(path, &mut warnings) {
             Ok(loaded) => loaded,
             Err(stop) => {
                 stop.lines().iter().for_each(complain);

@@ -83,6 +83,24 @@ impl Drop for Pending {
     }
 }
 
+/// A file of at most so many bytes; the error is one line without the path.
+#[cfg(feature = "render")]
+pub(crate) fn read_at_most(path: &Path, most: u64) -> Result<Vec<u8>, String> {
+    let said = |err: io::Error| match err.kind() {
+        io::ErrorKind::NotFound => "no such file".to_owned(),
+        io::ErrorKind::PermissionDenied => "may not be read".to_owned(),
+        _ => err.to_string(),
+    };
+    let about = std::fs::metadata(path).map_err(said)?;
+    if !about.is_file() {
+        return Err("is not a file".to_owned());
+    }
+    if about.len() > most {
+        return Err(format!("is larger than {} MiB", most >> 20));
+    }
+    std::fs::read(path).map_err(said)
+}
+
 /// Writes a small text file in one go.
 pub(crate) fn write_text(target: &Path, text: &str) -> Result<(), String> {
     let mut pending = Pending::default();

@@ -6,9 +6,12 @@
 mod check;
 mod eval;
 mod files;
+mod groom;
 mod measure;
 mod nodes;
 mod progress;
+#[cfg(feature = "render")]
+mod render;
 mod report;
 mod unreal;
 
@@ -27,6 +30,9 @@ struct Args {
 enum Command {
     /// Evaluate a graph and write its hair
     Eval(eval::EvalArgs),
+    /// Draw a graph's hair: pictures, turntables, heat maps
+    #[cfg(feature = "render")]
+    Render(render::RenderArgs),
     /// Check graphs without evaluating them: syntax, types, missing inputs, unknown nodes, a target's limits
     Check(check::CheckArgs),
     /// Print the manual of all nodes, or of one
@@ -49,14 +55,32 @@ enum Exit {
 }
 
 pub(crate) fn main() -> ExitCode {
-    let exit = match Args::parse().command {
+    let args = Args::parse();
+    let command = args.command.or_else(start_up);
+    let exit = match command {
         Some(Command::Eval(args)) => eval::run(args),
+        #[cfg(feature = "render")]
+        Some(Command::Render(args)) => render::run(args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Nodes(args)) => nodes::run(args),
         Some(Command::Measure(args)) => measure::run(args),
-        None => eval::run(eval::EvalArgs::start_up()),
+        None => {
+            complain(
+                "say what to do, as in coif eval start --out start.usdc; --help has all commands",
+            );
+            Exit::Refused
+        }
     };
     ExitCode::from(exit as u8)
+}
+
+/// What runs without a command: the start-up groom is drawn in the current folder.
+fn start_up() -> Option<Command> {
+    if cfg!(not(feature = "render")) {
+        return None;
+    }
+    complain("there is no editor yet; the start-up groom is drawn to start.png");
+    Args::parse_from(["coif", "render", "start", "--out", "start.png"]).command
 }
 
 /// Tells a person what is wrong.

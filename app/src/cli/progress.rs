@@ -4,14 +4,15 @@ use coif_graphs::schedule::run::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 
-/// Shows how an evaluation goes.
+/// Shows how long work goes.
 pub(crate) struct Bar(Option<ProgressBar>);
 
 impl Bar {
-    /// A bar on stderr when that is a terminal.
-    pub(crate) fn new() -> Self {
+    /// A bar that counts `of` something, on stderr when that is a terminal.
+    pub(crate) fn new(of: &str) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
-            let style = ProgressStyle::with_template("{bar:30} {pos}/{len} nodes  {msg}");
+            let style =
+                ProgressStyle::with_template(&format!("{{bar:30}} {{pos}}/{{len}} {of}  {{msg}}"));
             ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         Self(bar)
@@ -22,7 +23,14 @@ impl Bar {
             bar.finish_and_clear();
         }
     }
-    /// Says what goes on after the evaluation.
+    /// So many are done.
+    pub(crate) fn count(&self, done: usize, of: usize) {
+        if let Some(bar) = &self.0 {
+            bar.set_length(of as u64);
+            bar.set_position(done as u64);
+        }
+    }
+    /// Says what goes on.
     pub(crate) fn say(&self, text: String) {
         if let Some(bar) = &self.0 {
             bar.set_message(text);
@@ -40,9 +48,6 @@ impl Progress for Bar {
         }
     }
     fn done(&self, nodes: usize, of: usize) {
-        if let Some(bar) = &self.0 {
-            bar.set_length(of as u64);
-            bar.set_position(nodes as u64);
-        }
+        self.count(nodes, of);
     }
 }

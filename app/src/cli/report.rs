@@ -20,6 +20,10 @@ pub(crate) struct Report {
     pub(crate) head: Option<Head>,
     /// What the outputs gave.
     pub(crate) outputs: Vec<Output>,
+    /// The picture that was drawn; missing where none was asked for.
+    #[cfg(feature = "render")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) picture: Option<Picture>,
     /// Every node that was needed.
     pub(crate) nodes: Vec<Node>,
     /// Why it ended with another exit code than 0.
@@ -68,6 +72,34 @@ pub(crate) struct Output {
     pub(crate) reading_difference: f32,
 }
 
+/// A picture, or all those of a turntable.
+#[cfg(feature = "render")]
+#[derive(Serialize)]
+pub(crate) struct Picture {
+    /// Every file that was written.
+    pub(crate) files: Vec<String>,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    /// What the picture is, in words; pictures carry the same line.
+    pub(crate) description: String,
+    pub(crate) view: String,
+    pub(crate) camera: String,
+    pub(crate) light: String,
+    pub(crate) samples: u32,
+    /// How pictures for a display are made.
+    pub(crate) transform: &'static str,
+    /// Name and driver of what drew it.
+    pub(crate) adapter: String,
+    /// Wall time of the evaluation, milliseconds.
+    pub(crate) evaluation_ms: f64,
+    /// Wall time of making the device and its shaders, beside the evaluation.
+    pub(crate) device_ms: f64,
+    /// From the end of the evaluation to one whole sample.
+    pub(crate) first_sample_ms: f64,
+    /// From the end of the evaluation to the last sample of the last picture.
+    pub(crate) draw_ms: f64,
+}
+
 /// One node.
 #[derive(Serialize)]
 pub(crate) struct Node {
@@ -93,6 +125,8 @@ impl Report {
             peak_rss_mib: None,
             head: None,
             outputs: vec![],
+            #[cfg(feature = "render")]
+            picture: None,
             nodes: vec![],
             errors: vec![],
             warnings: vec![],

@@ -1,7 +1,7 @@
 //! What Unreal Engine's groom asset can hold (artists.md, pain 13; the limits are those of the engine's
 //! importer): 255 points on a curve, 16,777,216 points in a group.
 
-use super::eval::{Stop, outputs};
+use super::groom::{Stop, outputs};
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;

@@ -133,18 +133,134 @@ fn keeping_the_fibre_keeps_the_arc_length() {
         for id in 0..6 {
             let source = bent(id);
             let before = Spline::new(source.tufts()[0].curve(0)).unwrap().length();
-            let length = |keep: &str| {
-                let points = curled(&source, preset, &[("length", keep.into())]);
-                Spline::new(&points).unwrap().length()
-            };
-            let after = length("fibre");
-            // A wide wave may run inside its source's bends: shorter than the source, it ends with it.
-            let before = before.min(length("span"));
+            let points = curled(&source, preset, &[("length", "fibre".into())]);
+            let after = Spline::new(&points).unwrap().length();
             worst = worst.max((after / before - 1.0).abs());
             assert!((after / before - 1.0).abs() <= 0.005, "{preset} {id}: {after} of {before}");
         }
     }
     assert!(worst > 0.0, "nothing was measured");
+}
+
+#[test]
+fn a_wave_wider_than_its_sources_bends_goes_on_past_the_source_until_its_length_is_kept() {
+    // A wavy source under a flat wave as long as its own: where the two are opposed they nearly cancel out.
+    let wavy: Vec<Vec3> = (0..=36)
+        .map(|k| {
+            Vec3::new(
+                crate::maths::transcendental::sin_cos_turns(k as f32 / 12.0).0,
+                k as f32 * 0.5,
+                0.0,
+            )
+        })
+        .collect();
+    let source = Spline::new(&wavy).unwrap().length();
+    let mut shorter = 0;
+    for (phase, roll) in (0..8).flat_map(|phase| [0.0, 45.0, 90.0, 135.0].map(|roll| (phase, roll)))
+    {
+        let length = |keep: &str| {
+            let more = [
+                ("length", keep.into()),
+                ("diameter", Value::Float(1.0)),
+                ("pitch", Value::Float(source / 3.0)),
+                ("phase", Value::Float(phase as f32 * 45.0)),
+                ("roll", Value::Float(roll)),
+                ("points_per_turn", Value::Float(24.0)),
+            ];
+            let set = [&pure(Section::Ellipse(0.1))[..], &more].concat();
+            Spline::new(&curled(&one(&wavy), "custom", &set)).unwrap().length()
+        };
+        shorter += usize::from(length("span") < 0.97 * source);
+        let kept = length("fibre");
+        assert!((kept / source - 1.0).abs() <= 0.005, "{phase} {roll}: {kept} of {source}");
+    }
+    assert!(shorter > 0, "no wave was shorter than its source");
+}
+
+/// Hairs of one parent side by side, 12 cm long; only their ids differ.
+fn lock(n: u64) -> Curves {
+    let mut b = TuftBuilder::new();
+    for _ in 0..n {
+        b.push_curve(&(0..=12).map(|k| Vec3::Y * k as f32).collect::<Vec<_>>());
+    }
+    b.set(ID, Domain::Curve, (1..=n).collect());
+    b.set(PARENT, Domain::Curve, vec![3]);
+    Curves::new(vec![b.build().into()])
+}
+
+/// How far the hairs of a lock are from the lock's own curl at `y` cm: in curl radii, a hair each.
+fn apart(preset: &str, definition: f32, y: f32) -> Vec<f32> {
+    let curl = |definition: f32, n: u64| {
+        let set = [
+            ("curves", lock(n).into()),
+            ("preset", preset.into()),
+            ("definition", Value::Float(definition)),
+        ];
+        let (out, _) = run(&NODE, &set);
+        let tuft = curves_of(&out[0]).tufts()[0].clone();
+        let at = |i: usize| {
+            let points = tuft.curve(i);
+            let k = points.partition_point(|p| p.y < y).clamp(1, points.len() - 1);
+            let (a, b) = (points[k - 1], points[k]);
+            a.lerp(b, ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0))
+        };
+        (0..tuft.len()).map(at).collect::<Vec<Vec3>>()
+    };
+    let own = curl(1.0, 1)[0];
+    let radius = Vec2::new(own.x, own.z).length().max(0.05);
+    curl(definition, 200).iter().map(|p| p.distance(own) / radius).collect()
+}
+
+#[test]
+fn hairs_keep_step_with_their_clump_as_far_as_definition_says_and_leave_one_by_one() {
+    for preset in ["3b", "3c", "4a"] {
+        // All alike.
+        assert!(apart(preset, 1.0, 9.0).iter().all(|d| *d < 1e-3), "{preset}");
+        // Set with product: nearly all within half a radius, to the tip; and a few on their own.
+        let together = |d: &[f32]| d.iter().filter(|d| **d < 0.5).count();
+        let far = apart(preset, 0.9, 9.0);
+        assert!((140..200).contains(&together(&far)), "{preset}: {}", together(&far));
+        // Less defined, fewer; farther from the root, fewer.
+        let shares = [0.9, 0.7, 0.4, 0.0].map(|d| together(&apart(preset, d, 9.0)));
+        assert!(shares.windows(2).all(|w| w[0] > w[1]), "{preset}: {shares:?}");
+        assert!(together(&apart(preset, 0.7, 3.0)) > shares[1], "{preset}");
+        // At 0 each its own: no more in step than chance lets be.
+        assert!(shares[3] < 60, "{preset}: {shares:?}");
+    }
+}
+
+#[test]
+fn z_bends_come_in_runs_whose_plane_turns_slowly() {
+    let set = [
+        ("z_bends", Value::Float(1.0)),
+        ("switchbacks", Value::Float(0.0)),
+        ("skipped", Value::Float(0.0)),
+        ("offset_range", Value::Float(0.0)),
+        ("points_per_turn", Value::Float(24.0)),
+        ("diameter", Value::Float(0.4)),
+        ("pitch", Value::Float(0.5)),
+    ];
+    let points = curled(&straight(30), "4b", &set);
+    // In each window of a turn the hair lies in a plane through the axis: its spread across is small.
+    let mut planes: Vec<Vec2> = vec![];
+    for turn in 6..56 {
+        let from = turn as f32 * 0.5;
+        let across: Vec<Vec2> = points
+            .iter()
+            .filter(|p| (from..from + 0.5).contains(&p.y))
+            .map(|p| Vec2::new(p.x, p.z))
+            .collect();
+        // The direction of largest spread, by the second moments.
+        let (xx, yy, xy) = across
+            .iter()
+            .fold((0.0, 0.0, 0.0), |(a, b, c), p| (a + p.x * p.x, b + p.y * p.y, c + p.x * p.y));
+        let angle = 0.5 * crate::maths::transcendental::atan2(2.0 * xy, xx - yy);
+        planes.push(Vec2::from_angle(angle));
+    }
+    // Neighbours agree to 40 degrees (either way round), and over the hair the plane goes round.
+    let agree = planes.windows(2).filter(|w| w[0].dot(w[1]).abs() > 0.766).count();
+    assert!(agree * 10 >= planes.len() * 8, "{agree} of {}", planes.len());
+    assert!(planes.iter().any(|p| p.dot(planes[0]).abs() < 0.5));
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Shape-list curl: curls whose turns draw their cross-sections from a list (Lightyear 3.1).
 //!
 //! Guarantees: roots stay where they are; equal ids give equal curls whatever else is there; the path is C1 while
-//! `blend` is above 0; a size of 0 changes nothing; in `fibre` mode the arc length is the fibre's within
-//! 0.5 %. Not promised: that hairs keep clear of each other, or that a curl much wider than its
+//! `blend` is above 0; a size of 0 changes nothing; in `fibre` mode the arc length is the source's within
+//! 0.5 %, or that of a `fibre_length` that the source has room for. Not promised: that hairs keep clear of each other, or that a curl much wider than its
 //! source's bends does not loop through itself.
 
 use super::preset::Numbers;
@@ -53,7 +53,7 @@ node! {
         amount: FieldInput = 1.0, hard(0.0, 10.0), soft(0.0, 2.0), words("amplitude ramp taper strength");
         /// Share of turns that are Z-bends: straight legs and sharp bends in a plane that changes. Unset: the preset's.
         z_bends: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("zigzag kink");
-        /// How closely hairs of one parent follow the same curl, from 0 (each its own: loose, dry) to 1 (all alike: set with product). Unset: the preset's.
+        /// How closely hairs of one parent follow the same curl, from 0 (each its own: loose, dry) to 1 (all alike: set with product). In between, hairs keep step with the others until they leave, one here and one there, for a curl of their own. Unset: the preset's.
         definition: Option<FieldInput>, hard(0.0, 1.0), unit(Ratio), words("clump product gel frizz styling");
         /// Share of turns at which the curl changes its direction, as a telephone cord does. Unset: the preset's.
         switchbacks: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("perversion reversal tendril");
@@ -160,7 +160,7 @@ choice! {
     Keep {
         /// The curl ends where the curve ended: the hair becomes longer along its curl.
         Span = "span",
-        /// The hair keeps its length (`fibre_length` where the curves have it), so the curl ends short of the curve's end.
+        /// The hair keeps its length, so the curl ends short of the curve's end. Where curves have a `fibre_length`, it is kept as far as the curve has room for it.
         Fibre = "fibre",
     }
 }
@@ -314,6 +314,7 @@ fn curl(
     let (mut rail, mut winder, mut spline) =
         (Rail::default(), Winder::default(), Spline::default());
     let (mut kept, mut places, mut fibres, mut shrinkages) = (vec![], vec![], vec![], vec![]);
+    let mut longer: Vec<Vec3> = vec![];
     for i in 0..tuft.len() {
         piece.tick()?;
         let (points, first) = (tuft.curve(i), tuft.offsets()[i]);
@@ -350,6 +351,9 @@ fn curl(
             };
             winder.draw(pattern, &rail, (clump, id), &sizes);
             let roll = (!level).then_some(|(cv, t): (u32, f32)| {
+                // Past the source's end, as at its end.
+                let last = points.len() as u32 - 2;
+                let (cv, t) = if cv > last { (last, 1.0) } else { (cv, t) };
                 let at = root + cv as usize;
                 let (a, b) = (rolls.at(i, at), rolls.at(i, at + 1));
                 let u = (cv as f32 + t) / (points.len() - 1) as f32;
@@ -365,11 +369,35 @@ fn curl(
                     given if given > 0.0 => given,
                     _ => rail.length(),
                 };
-                let lay = |reach| {
-                    winder.lay(pattern, &rail, reach, 4, &sizes, roll);
+                let mut lay = |rail: &Rail, winder: &mut Winder, reach| {
+                    winder.lay(pattern, rail, reach, 4, &sizes, roll);
                     spline.rebuild(&winder.points).map_or(0.0, |()| spline.length())
                 };
-                span = reach_of(wanted, rail.length(), lay);
+                let mut all = lay(&rail, &mut winder, span);
+                // A wave wider than its source's bends cuts across them and is shorter than the source: then the source
+                // goes straight on for as much as is missing. (A fibre length that was given asks for no such thing:
+                // hair made to end somewhere ends there.)
+                let mut more = 0.0;
+                for _ in 0..6 {
+                    if all >= wanted || fibre.at(i, root) > 0.0 {
+                        break;
+                    }
+                    more += 1.5 * (wanted - all).max(1e-3 * wanted);
+                    longer.clear();
+                    longer.extend_from_slice(points);
+                    longer.push(rail_end(points, more));
+                    if rail.rebuild(&longer, start).is_err() {
+                        break;
+                    }
+                    winder.draw(pattern, &rail, (clump, id), &sizes);
+                    span = rail.length();
+                    all = lay(&rail, &mut winder, span);
+                }
+                span = reach_of(wanted, (span, all), |reach| lay(&rail, &mut winder, reach));
+                // What lies past the source reads the source's end.
+                let end = points.len() as u32 - 1;
+                let past = winder.places.iter_mut().filter(|place| place.0 >= end);
+                past.for_each(|place| *place = (end - 1, 1.0));
             }
             winder.points[0] = points[0];
             if let Some(skin) = skin {
@@ -408,25 +436,39 @@ fn root_normal(tangent: Vec3, own: Vec3) -> Vec3 {
     carry(Vec3::X, BACK_AND_UP, tangent)
 }
 
-/// How much of the source a curl of `wanted` cm takes; all of it when that is not enough. `lay` lays a curl along so
-/// much and tells its length.
-fn reach_of(wanted: f32, all: f32, mut lay: impl FnMut(f32) -> f32) -> f32 {
+/// A point `more` cm past the end of `points`, straight on.
+fn rail_end(points: &[Vec3], more: f32) -> Vec3 {
+    let last = points[points.len() - 1];
+    let before = points.iter().rev().find(|p| **p != last).copied().unwrap_or(last - Vec3::Y);
+    last + (last - before).normalize_or(Vec3::Y) * more
+}
+
+/// How much of the source a curl of `wanted` cm takes; all of it when that is not enough. `all` is the source's length and
+/// the length of the curl along it, which is laid; `lay` lays a curl along less and tells its length.
+fn reach_of(wanted: f32, all: (f32, f32), mut lay: impl FnMut(f32) -> f32) -> f32 {
     const CLOSE: f32 = 5e-4;
     // Between a reach that is too short and one that is long enough, by false position kept off the ends.
-    let (mut low, mut high) = ((0.0, 0.0), (all, lay(all)));
+    let (mut low, mut high) = ((0.0, 0.0), all);
     if high.1 <= wanted {
-        return all;
+        return all.0;
     }
+    // The length jumps a little where a point is added: then the nearest reach tried is taken.
+    let mut best = (high.1 - wanted, high.0);
     for _ in 0..24 {
         let t = ((wanted - low.1) / (high.1 - low.1)).clamp(0.02, 0.98);
         let reach = low.0 + (high.0 - low.0) * t;
         let length = lay(reach);
-        if (length - wanted).abs() <= CLOSE * wanted {
+        let off = (length - wanted).abs();
+        if off <= CLOSE * wanted {
             return reach;
+        }
+        if off < best.0 {
+            best = (off, reach);
         }
         if length < wanted { low = (reach, length) } else { high = (reach, length) }
     }
-    high.0
+    lay(best.1);
+    best.1
 }
 
 /// Pushes points out of the skin; where any was moved, puts each chord's length right once, from the root on, and

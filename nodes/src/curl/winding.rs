@@ -68,7 +68,7 @@ pub(crate) struct Turn {
     pitch: f32,
     phase: f32,
     offset: Vec2,
-    /// Uniform in [0, 1): decides between the clump's turn and the hair's own.
+    /// Uniform in [0, 1): whether a hair leaves its clump at this turn.
     gate: f32,
 }
 
@@ -83,6 +83,13 @@ struct Start {
 
 /// How much of its size a skipped turn keeps: not none, for hair is never straight beside its own curls.
 const SKIPPED: f32 = 0.15;
+/// Turns for which Z-bends go on, or stay away: hair kinks in runs.
+const Z_RUN: u64 = 3;
+/// Turns over which the plane of Z-bends turns.
+const PLANE_REACH: u64 = 7;
+/// Where the numbers of runs and of planes begin among a curl's random numbers.
+const RUNS: u64 = 1 << 40;
+const PLANES: u64 = 1 << 41;
 /// The most CVs on one curl; beyond, CVs are spread wider.
 const MOST_CVS: usize = 16_384;
 /// The fewest CVs on a turn.
@@ -95,7 +102,8 @@ impl Pattern {
         let signed = |bits: u64| ((bits & 0xFFF) as f32 + 0.5) * (1.0 / 2_048.0) - 1.0;
         let a = self.turn_dice.bits(key, 2 * j);
         let b = self.turn_dice.bits(key, 2 * j + 1);
-        let z_bend = share(a >> 12) < self.z_bends;
+        let z_bend = self.z_bends > 0.0
+            && self.turn_dice.unit(key, RUNS + (j + key % Z_RUN) / Z_RUN) < self.z_bends;
         let skipped = share(a >> 44) < self.skipped;
         let [amplitude, frequency, phase, offset] = self.ranges;
         Turn {
@@ -105,7 +113,7 @@ impl Pattern {
                 self.list[(a & (ENTRIES as u64 - 1)) as usize]
             },
             plane: if z_bend {
-                let (sin, cos) = sin_cos_turns(share(mix(a)));
+                let (sin, cos) = sin_cos_turns(self.plane(key, j) + 0.04 * signed(mix(a)));
                 Vec2::new(cos, sin)
             } else {
                 Vec2::X
@@ -117,6 +125,15 @@ impl Pattern {
             offset: Vec2::new(signed(b >> 36), signed(b >> 48)) * offset,
             gate: share(mix(b)),
         }
+    }
+
+    /// The plane of a Z-bend at turn `j`, in turns: smooth noise, so that one zigzag leads into the next in nearly the same
+    /// plane and a hair shows its Zs. A new plane at every turn would be a tangle.
+    fn plane(&self, key: u64, j: u64) -> f32 {
+        let at = |k: u64| self.curl_dice.signed(key, PLANES + k);
+        let (k, x) = (j / PLANE_REACH, (j % PLANE_REACH) as f32 / PLANE_REACH as f32);
+        let (a, b) = (at(k), at(k + 1));
+        at(0) + 0.4 * (a + (b - a) * (x * x * (3.0 - 2.0 * x)))
     }
 
     fn start(&self, key: u64) -> Start {
@@ -202,15 +219,20 @@ impl Winder {
         let common = sizes.definition;
         let mixed = |own: f32, clump: f32| own + (clump - own) * common;
         let mut start = pattern.start(clump);
+        // A hair goes with its clump, a little beside it, until it leaves: some at the root, others at a turn. One that
+        // left never comes back, for nothing pulls it. What adds up along the hair (pitch, direction) is the clump's own
+        // until then; else a hair a hundredth off would be out of step after a few turns.
+        let loose = 1.0 - common;
+        let mut left = false;
+        let leaving = leaving(common);
         if common < 1.0 {
             let own = pattern.start(id);
-            if pattern.curl_dice.unit(id, 4) >= common {
-                start.hand = own.hand;
+            left = pattern.curl_dice.unit(id, 4) < loose * loose;
+            if left {
+                (start.hand, start.pitch) = (own.hand, own.pitch);
             }
-            // A hair strays from its clump's phase, but never has one of its own: 0 to half a turn off.
-            start.phase += 0.5 * (1.0 - common) * pattern.curl_dice.signed(id, 5);
+            start.phase += 0.5 * loose * loose * pattern.curl_dice.signed(id, 5);
             start.size = mixed(own.size, start.size);
-            start.pitch = mixed(own.pitch, start.pitch);
         }
         if self.clump.0 != clump {
             self.clump = (clump, vec![]);
@@ -242,13 +264,14 @@ impl Winder {
             let mut turn = self.clump.1[j];
             if common < 1.0 {
                 let own = pattern.turn(id, j as u64);
-                if own.gate >= common {
-                    (turn.shape, turn.plane, turn.back) = (own.shape, own.plane, own.back);
+                left |= own.gate < leaving;
+                if left {
+                    turn = own;
+                } else {
+                    turn.size = mixed(own.size, turn.size);
+                    turn.phase = mixed(own.phase, turn.phase);
+                    turn.offset = own.offset + (turn.offset - own.offset) * common;
                 }
-                turn.size = mixed(own.size, turn.size);
-                turn.pitch = mixed(own.pitch, turn.pitch);
-                turn.phase = mixed(own.phase, turn.phase);
-                turn.offset = own.offset + (turn.offset - own.offset) * common;
             }
             let mut laid = last;
             if j > 0 {
@@ -376,6 +399,11 @@ impl Winder {
             if p.len().is_multiple_of(2) { p[p.len() - 2].distance(p[p.len() - 1]) } else { 0.0 };
         single + (single - double) / 3.0 + left
     }
+}
+
+/// Which share of a clump's hairs leaves it at each turn, by how defined it is: none at 1, a tenth at a half, all at 0.
+fn leaving(definition: f32) -> f32 {
+    (0.1 * (1.0 - definition) / definition.max(1e-3)).min(1.0)
 }
 
 /// How much of its size the curl has at `s`: none up to `start`, all from `start + rise` on. Always none at the root.

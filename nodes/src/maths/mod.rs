@@ -6,6 +6,7 @@
 pub mod closest;
 pub mod distance_field;
 pub mod frame;
+pub mod hair_colour;
 pub mod hash;
 pub mod low_discrepancy;
 pub mod nearest;

@@ -2,10 +2,11 @@
 
 use crate::define::NodeDef;
 
+mod hair_colour;
 pub(crate) mod resample;
 mod set_colour;
 mod set_width;
 mod transform;
 
 pub(crate) const NODES: &[&NodeDef] =
-    &[&resample::NODE, &set_colour::NODE, &set_width::NODE, &transform::NODE];
+    &[&hair_colour::NODE, &resample::NODE, &set_colour::NODE, &set_width::NODE, &transform::NODE];

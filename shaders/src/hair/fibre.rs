@@ -75,7 +75,7 @@ pub(crate) fn scaled_bessel(x: f32) -> f32 {
         return i0 * (-x).exp();
     }
     let t = 3.75 / x;
-    let p = 0.398_942_28
+    let p = 0.398_942_3
         + t * (0.013_285_92
             + t * (0.002_253_19
                 + t * (-0.001_575_65

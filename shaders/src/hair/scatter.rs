@@ -38,8 +38,8 @@ const SIDEWAYS: f32 = 12.0;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ScatterTable {
     /// `THETAS` rows of `SIGMAS`: share sent forward, share sent back, variances of their inclinations
-    /// (forward, back). Then `THETAS` values: what Karis' lobes R, TT, TRT are scaled by, and the share that
-    /// the surface reflects.
+    /// (forward, back). Then `THETAS` values for viewers on the tip's side and as many for the root's: what
+    /// Karis' lobes R, TT, TRT are scaled by, and the share that the surface reflects.
     pub(crate) values: Vec<[f32; 4]>,
 }
 
@@ -48,7 +48,7 @@ impl ScatterTable {
     ///
     /// Roughnesses 0..1, tilt in radians. A few milliseconds.
     pub(crate) fn bake(beta_m: f32, beta_n: f32, tilt: f32) -> Self {
-        let mut values = vec![[0.0; 4]; SIGMAS * THETAS + THETAS];
+        let mut values = vec![[0.0; 4]; SIGMAS * THETAS + 2 * THETAS];
         let m =
             Hair { sigma: Vec3::ZERO, beta_m, beta_n, tilt, specular: 1.0, model: Model::Karis };
         for row in 0..THETAS {
@@ -58,16 +58,19 @@ impl ScatterTable {
                 values[row * SIGMAS + k] = average(&chords, variances(beta_m), sigma_of(k as f32));
             }
             let wanted = energies(&chords);
-            let have = karis_energies(&m, cos_o);
-            let gain = |lobe: usize| (wanted[lobe] / have[lobe].max(1e-6)).min(4.0);
-            values[SIGMAS * THETAS + row] = [gain(0), gain(1), gain(2), wanted[0]];
+            for (side, sin_o) in [cosine(cos_o), -cosine(cos_o)].into_iter().enumerate() {
+                let have = karis_energies(&m, sin_o, cos_o);
+                let gain = |lobe: usize| (wanted[lobe] / have[lobe].max(1e-6)).min(8.0);
+                values[SIGMAS * THETAS + side * THETAS + row] =
+                    [gain(0), gain(1), gain(2), wanted[0]];
+            }
         }
         Self { values }
     }
 
-    /// What one hair does to three channels of light, seen at an inclination of cosine `cos_o`.
-    pub(crate) fn at(&self, sigma: Vec3, cos_o: f32) -> Scatter {
-        let row = cos_o.clamp(0.0, 1.0) * (THETAS - 1) as f32;
+    /// What one hair does to three channels of light, seen at an inclination of sine `sin_o`.
+    pub(crate) fn at(&self, sigma: Vec3, sin_o: f32) -> Scatter {
+        let row = cosine(sin_o) * (THETAS - 1) as f32;
         let low = (row as usize).min(THETAS - 2);
         let part = row - low as f32;
         let mut of = Scatter::default();
@@ -85,7 +88,8 @@ impl ScatterTable {
             of.v_forward += v_forward / 3.0;
             of.v_back += v_back / 3.0;
         }
-        let gains = |row: usize| self.values[SIGMAS * THETAS + row];
+        let side = SIGMAS * THETAS + if sin_o < 0.0 { THETAS } else { 0 };
+        let gains = |row: usize| self.values[side + row];
         let [r, tt, trt, surface] = mix(gains(low), gains(low + 1), part);
         of.gains = Vec3::new(r, tt, trt);
         of.surface = surface;
@@ -182,32 +186,27 @@ fn energies(chords: &[Chord]) -> [f32; 3] {
 }
 
 /// Energies of Karis' lobes in white hair: their integrals over all directions of light.
-fn karis_energies(m: &Hair, cos_o: f32) -> [f32; 3] {
+fn karis_energies(m: &Hair, sin_o: f32, cos_o: f32) -> [f32; 3] {
     const AROUND: usize = 32;
     const ALONG: usize = 16;
-    let sin_o = cosine(cos_o);
     let mut sum = [0.0_f32; 3];
-    // The tilt makes the two sides differ a little; the table knows one.
-    for sin_o in [sin_o, -sin_o] {
-        for step in 0..AROUND {
-            let (sin_phi, cos_phi) = ((step as f32 + 0.5) * PI / AROUND as f32).sin_cos();
-            let mut a = Angles { sin_i: 0.0, cos_i: 1.0, sin_o, cos_o, cos_phi, sin_phi };
-            for (lobe, sum) in sum.iter_mut().enumerate() {
-                let (shift, deviation) = karis::place(m, &a, lobe);
-                let middle = shift - sin_o;
-                // What the Gaussian has beyond sines of 1 is lost.
-                let from = (middle - 4.0 * deviation).max(-1.0);
-                let to = (middle + 4.0 * deviation).min(1.0);
-                let width = (to - from) / ALONG as f32;
-                for k in 0..ALONG {
-                    a.sin_i = from + (k as f32 + 0.5) * width;
-                    a.cos_i = cosine(a.sin_i);
-                    let z = (a.sin_i - middle) / deviation;
-                    let gaussian = (-0.5 * z * z).exp() / (deviation * (2.0 * PI).sqrt());
-                    // Half of two inclinations, twice half the circle.
-                    *sum +=
-                        karis::around(&a, lobe).0 * gaussian * width.max(0.0) * PI / AROUND as f32;
-                }
+    for step in 0..AROUND {
+        let (sin_phi, cos_phi) = ((step as f32 + 0.5) * PI / AROUND as f32).sin_cos();
+        let mut a = Angles { sin_i: 0.0, cos_i: 1.0, sin_o, cos_o, cos_phi, sin_phi };
+        for (lobe, sum) in sum.iter_mut().enumerate() {
+            let (shift, deviation) = karis::place(m, &a, lobe);
+            let middle = shift - sin_o;
+            // What the Gaussian has beyond sines of 1 is lost.
+            let from = (middle - 4.0 * deviation).max(-1.0);
+            let to = (middle + 4.0 * deviation).min(1.0);
+            let width = (to - from).max(0.0) / ALONG as f32;
+            for k in 0..ALONG {
+                a.sin_i = (from + (k as f32 + 0.5) * width).clamp(-1.0, 1.0);
+                a.cos_i = cosine(a.sin_i);
+                let z = (a.sin_i - middle) / deviation;
+                let gaussian = (-0.5 * z * z).exp() / (deviation * (2.0 * PI).sqrt());
+                // Both halves of the circle.
+                *sum += karis::around(&a, lobe).0 * gaussian * width * 2.0 * PI / AROUND as f32;
             }
         }
     }

@@ -49,7 +49,8 @@ impl RootGrid {
         while count(cell).element_product() > MOST_CELLS {
             cell *= 1.1;
         }
-        let size = count(cell).to_array().map(|n| n as u32);
+        // Odd, never a power of two: software adapters compile shaders anew for those.
+        let size = count(cell).to_array().map(|n| n as u32 | 1);
         let lower = least - cell * 2.0;
         let counts = spread_out(&roots, lower, cell, size);
         // A root on a flat skin gives its weight to layers of cells across it; what trilinear reading finds on the skin is

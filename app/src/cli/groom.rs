@@ -1,0 +1,476 @@
+//! A groom as commands take it: the options that `eval` and `render` share, and the way from a graph's
+//! file to curves.
+//!
+//! What is wrong with the options, the graph or what it names is found before anything runs; after that, every
+//! node that failed is told. Ends of both kinds carry their exit code.
+
+use super::files::write_text;
+use super::progress::Bar;
+use super::report::{Head, Output, Report, peak_rss_mib, rounded};
+use super::{Exit, complain, print};
+use clap::{Args, ValueEnum};
+use coif_graphs::document::graph::{Fault, Severity, check_for, upstream};
+use coif_graphs::document::{Document, NodeId, Setting, Socket};
+use coif_graphs::file;
+use coif_graphs::grooms;
+use coif_graphs::schedule::files::DiskFiles;
+use coif_graphs::schedule::request::plan;
+use coif_graphs::schedule::result::content_hash;
+use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure};
+use coif_nodes::data::curves::Curves;
+use coif_nodes::data::scalp::Scalp;
+use coif_nodes::define::{NodeError, Type, Value};
+use coif_nodes::eval::Quality;
+use coif_nodes::formats::export;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What is evaluated, and how.
+#[derive(Args)]
+pub(crate) struct GroomArgs {
+    /// The graph: a .ron file, or the name of a shipped groom
+    pub(crate) graph: PathBuf,
+    /// Only these outputs, instead of every groom_output
+    #[arg(long, value_name = "NODE.SOCKET")]
+    pub(crate) output: Vec<String>,
+    /// Set an input before evaluating; VALUE is RON, a bare word is text
+    #[arg(long, value_name = "NODE.INPUT=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Another mesh for the graph's one head node, or for NODE
+    #[arg(long, value_name = "[NODE=]FILE")]
+    pub(crate) scalp: Vec<String>,
+    /// Another seed than the document's
+    #[arg(long)]
+    pub(crate) seed: Option<u64>,
+    /// Number of threads; 0: one for each core
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    pub(crate) threads: usize,
+    /// How much hair is made
+    #[arg(long, value_enum, default_value_t = QualityArg::Final)]
+    pub(crate) quality: QualityArg,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum QualityArg {
+    /// The first tenth of the strands
+    Preview,
+    /// All strands
+    Final,
+}
+
+/// Why an evaluation ended early.
+pub(crate) struct Stop(Exit, Vec<String>);
+
+impl Stop {
+    /// Wrong before anything ran.
+    pub(crate) fn refused(text: impl Into<String>) -> Self {
+        Self(Exit::Refused, vec![text.into()])
+    }
+    /// What to say, a line each.
+    pub(crate) fn lines(&self) -> &[String] {
+        &self.1
+    }
+    /// Whether a person ended it.
+    #[cfg(feature = "render")]
+    pub(crate) fn is_interruption(&self) -> bool {
+        self.0 == Exit::Interrupted
+    }
+    /// Ended by a person.
+    pub(crate) fn interrupted() -> Self {
+        Self(Exit::Interrupted, vec!["interrupted; nothing was written".to_owned()])
+    }
+    /// Failed while it ran.
+    pub(crate) fn failed(text: impl Into<String>) -> Self {
+        Self(Exit::Failed, vec![text.into()])
+    }
+}
+
+/// Runs a command that evaluates: Ctrl-C asks `body` to stop; what it says and the report go where they belong, the report
+/// also when it fails. `summary` is for a person, where no report was asked for.
+pub(crate) fn carry_out(
+    graph: &Path,
+    report_to: Option<&Path>,
+    body: impl FnOnce(&CancelToken, &mut Report) -> Result<(), Stop>,
+    summary: impl FnOnce(&Report) -> String,
+) -> Exit {
+    let began = Instant::now();
+    let cancel = CancelToken::default();
+    let on_ctrl_c = cancel.clone();
+    // A second handler in one process can only fail in tests; then Ctrl-C ends it at once.
+    let _ = ctrlc::set_handler(move || on_ctrl_c.cancel());
+    let mut report = Report::new(graph.display().to_string());
+    let exit = match body(&cancel, &mut report) {
+        Ok(()) => Exit::Done,
+        Err(Stop(exit, errors)) => {
+            errors.iter().for_each(complain);
+            report.errors = errors;
+            exit
+        }
+    };
+    for warning in &report.warnings {
+        eprintln!("coif: warning: {warning}");
+    }
+    report.total_ms = rounded(began.elapsed().as_secs_f64() * 1e3);
+    report.peak_rss_mib = peak_rss_mib();
+    match report_to {
+        None if exit == Exit::Done => eprintln!("{}", summary(&report)),
+        None => {}
+        Some(path) => {
+            let text = serde_json::to_string_pretty(&report).unwrap_or_default();
+            if path.as_os_str() == "-" {
+                print(&text);
+            } else if let Err(reason) = write_text(path, &(text + "\n")) {
+                complain(format!("{}: {reason}", path.display()));
+                return if exit == Exit::Done { Exit::Failed } else { exit };
+            }
+        }
+    }
+    exit
+}
+
+/// A graph that can be evaluated for its outputs: edited as the options say, with nothing wrong on the way.
+pub(crate) struct Opened {
+    pub(crate) document: Document,
+    pub(crate) outputs: Vec<Wanted>,
+    folder: PathBuf,
+    graph: String,
+}
+
+/// What an evaluation gave.
+pub(crate) struct Evaluated {
+    /// Each output, as it is written to files.
+    pub(crate) groups: Vec<export::Group>,
+    /// The heads that the outputs stand on.
+    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "pictures show them"))]
+    pub(crate) scalps: Vec<Arc<Scalp>>,
+    /// What was asked for besides, in that order.
+    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "pictures show it"))]
+    pub(crate) more: Vec<Value>,
+}
+
+impl GroomArgs {
+    /// Reads the graph, applies the options, and refuses what cannot be.
+    pub(crate) fn open(&self, report: &mut Report) -> Result<Opened, Stop> {
+        let (mut document, folder) = load(&self.graph, &mut report.warnings)?;
+        if let Some(seed) = self.seed {
+            document.seed = seed;
+        }
+        for set in &self.set {
+            apply_set(&mut document, set)?;
+        }
+        for scalp in &self.scalp {
+            apply_scalp(&mut document, scalp)?;
+        }
+        report.seed = document.seed;
+        let outputs = outputs(&document, &self.output)?;
+        let graph = self.graph.display().to_string();
+        Ok(Opened { document, outputs, folder, graph })
+    }
+
+    /// Evaluates the outputs, and `more` besides.
+    pub(crate) fn evaluate(
+        &self,
+        opened: &Opened,
+        more: &[Socket],
+        cancel: &CancelToken,
+        report: &mut Report,
+    ) -> Result<Evaluated, Stop> {
+        let Opened { document, outputs, folder, graph } = opened;
+        let mut targets: Vec<Socket> = outputs.iter().map(|o| o.socket.clone()).collect();
+        targets.extend_from_slice(more);
+        let heads = heads(document, &targets);
+        let wanted: Vec<Socket> = targets.iter().chain(&heads).cloned().collect();
+        let quality = match self.quality {
+            QualityArg::Preview => Quality::Preview,
+            QualityArg::Final => Quality::Final,
+        };
+        let plan = plan(document, &wanted, quality, &DiskFiles::new(folder))
+            .map_err(|err| Stop::refused(format!("{graph}: {err}")))?;
+        let evaluator = Evaluator::new(self.threads, 0).map_err(Stop::failed)?;
+        let bar = Bar::new("nodes");
+        let mut outcome = evaluator.run(&plan, OnFailure::Stop, cancel, &bar);
+        drop(plan);
+        bar.clear();
+        report.add_nodes(&outcome.nodes);
+        if outcome.cancelled {
+            return Err(Stop::interrupted());
+        }
+        let failures: Vec<(&str, &NodeError)> = outcome
+            .nodes
+            .iter()
+            .filter_map(|node| Some((node.name.as_str(), node.error.as_ref()?)))
+            .collect();
+        if !failures.is_empty() {
+            let refused = failures.iter().any(|(_, err)| {
+                matches!(err, NodeError::Refused { .. } | NodeError::Unconnected { .. })
+            });
+            let lines = failures.iter().map(|(node, err)| format!("{graph}: {node}: {err}"));
+            return Err(Stop(if refused { Exit::Refused } else { Exit::Failed }, lines.collect()));
+        }
+        let scalps: Vec<Arc<Scalp>> = outcome
+            .targets
+            .split_off(targets.len())
+            .into_iter()
+            .filter_map(|value| match value {
+                Some(Value::Scalp(scalp)) => Some(scalp),
+                _ => None,
+            })
+            .collect();
+        let more = outcome.targets.split_off(outputs.len()).into_iter().flatten().collect();
+        report.head =
+            heads.first().zip(scalps.first()).map(|(socket, scalp)| head_of(socket, scalp));
+        let mut groups = vec![];
+        for (output, value) in outputs.iter().zip(outcome.targets) {
+            let Some(Value::Curves(curves)) = value else { continue };
+            groups.push(output.group(curves, &scalps, &evaluator, graph, report)?);
+        }
+        if groups.is_empty() {
+            return Err(Stop::refused(format!("{graph}: no output gives curves")));
+        }
+        Ok(Evaluated { groups, scalps, more })
+    }
+}
+
+impl Wanted {
+    /// The output's curves as files have them.
+    fn group(
+        &self,
+        curves: Curves,
+        scalps: &[Arc<Scalp>],
+        evaluator: &Evaluator,
+        graph: &str,
+        report: &mut Report,
+    ) -> Result<export::Group, Stop> {
+        // The skin that keeps points added by export outside: of the only head, if there is one.
+        let skin = match scalps {
+            [only] => Some(only.skin()),
+            _ => None,
+        };
+        let conformed = export::conform(&curves, skin, &|n, f| evaluator.for_each(n, f));
+        drop(curves);
+        let socket = &self.socket;
+        if conformed.left_out > 0 {
+            report.warnings.push(format!(
+                "{socket}: {} curves of fewer than 2 points were left out",
+                conformed.left_out
+            ));
+        }
+        let curves = conformed.curves;
+        report.outputs.push(Output {
+            node: socket.node.to_string(),
+            socket: socket.name.to_string(),
+            group: self.group.clone(),
+            curves: curves.curve_count(),
+            points: curves.point_count(),
+            bounds: curves.bounds().map(|(lo, hi)| [lo.to_array(), hi.to_array()]),
+            hash: content_hash(&curves),
+            resampled: conformed.resampled,
+            reading_difference: conformed.difference,
+        });
+        if curves.curve_count() == 0 {
+            return Err(Stop::failed(format!("{graph}: {socket} gives no curves")));
+        }
+        Ok(export::Group { name: self.group.clone(), guides: self.guides, curves })
+    }
+}
+
+fn head_of(socket: &Socket, scalp: &Scalp) -> Head {
+    let frame = scalp.frame();
+    Head {
+        node: socket.node.to_string(),
+        scale: scalp.cm_per_unit(),
+        radius_cm: frame.radius,
+        length_factor: frame.unit(),
+        origin: frame.origin.to_array(),
+        up: frame.up.to_array(),
+        forward: frame.forward.to_array(),
+        triangles: scalp.surface().triangles.len(),
+    }
+}
+
+/// The document of a file, or the shipped groom of that name, and the folder that its paths are relative to.
+pub(crate) fn load(path: &Path, warnings: &mut Vec<String>) -> Result<(Document, PathBuf), Stop> {
+    let shown = path.display();
+    let (bytes, folder) = match std::fs::metadata(path) {
+        Ok(about) if !about.is_file() => {
+            return Err(Stop::refused(format!("{shown}: is not a file")));
+        }
+        Ok(about) if about.len() > MOST_DOCUMENT => {
+            return Err(Stop::refused(format!(
+                "{shown}: is larger than 256 MiB, which no graph is"
+            )));
+        }
+        Ok(_) => {
+            let bytes =
+                std::fs::read(path).map_err(|err| Stop::refused(format!("{shown}: {err}")))?;
+            (bytes, path.parent().unwrap_or(Path::new("")).to_owned())
+        }
+        Err(err) => match grooms::by_name(&path.to_string_lossy()) {
+            Some(text) => (text.as_bytes().to_vec(), PathBuf::new()),
+            None if err.kind() == std::io::ErrorKind::NotFound => {
+                let known: Vec<&str> = grooms::ALL.iter().map(|(name, _)| *name).collect();
+                return Err(Stop::refused(format!(
+                    "{shown}: no such file, and no shipped groom of that name ({})",
+                    known.join(", ")
+                )));
+            }
+            None => return Err(Stop::refused(format!("{shown}: {err}"))),
+        },
+    };
+    let loaded = file::read_bytes(&bytes).map_err(|err| Stop::refused(err.of_file(&shown)))?;
+    warnings.extend(loaded.warnings.iter().map(|w| w.of_file(&shown)));
+    Ok((loaded.document, folder))
+}
+
+/// The largest document that is read: strokes take 20 bytes a sample, so this holds millions.
+const MOST_DOCUMENT: u64 = 256 << 20;
+
+/// `NODE.INPUT=VALUE`.
+fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {
+    let fault = |reason: String| Stop::refused(format!("--set {set}: {reason}"));
+    let (socket, text) =
+        set.split_once('=').ok_or_else(|| fault("write it as NODE.INPUT=VALUE".to_owned()))?;
+    let socket: Socket = socket.trim().parse().map_err(|err| fault(format!("{err}")))?;
+    let node = document
+        .nodes
+        .get_mut(&socket.node)
+        .ok_or_else(|| fault(format!("there is no node {:?}", socket.node.as_str())))?;
+    let def = coif_nodes::by_id(&node.kind)
+        .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
+    let (_, input) = def.input(&socket.name).ok_or_else(|| {
+        let known: Vec<&str> = def.inputs.iter().map(|i| i.name).collect();
+        fault(format!("a {} has no input {:?}; it has {}", def.id, &*socket.name, known.join(", ")))
+    })?;
+    let value = file::parse_value(input.ty, text.trim()).map_err(&fault)?;
+    Arc::make_mut(node).inputs.insert(input.name.to_owned(), Setting::Known(value));
+    document.links.remove(&Socket::new(socket.node, input.name));
+    Ok(())
+}
+
+/// `[NODE=]FILE`.
+fn apply_scalp(document: &mut Document, scalp: &str) -> Result<(), Stop> {
+    let fault = |reason: String| Stop::refused(format!("--scalp {scalp}: {reason}"));
+    let named =
+        scalp.split_once('=').and_then(|(node, file)| Some((NodeId::new(node).ok()?, file)));
+    let (id, path) = match named {
+        Some((id, path)) if document.nodes.contains_key(&id) => (id, path),
+        _ => {
+            let heads: Vec<&NodeId> =
+                document.nodes.iter().filter(|(_, n)| n.kind == "head").map(|(id, _)| id).collect();
+            match heads[..] {
+                [one] => (one.clone(), scalp),
+                [] => return Err(fault("the graph has no head node".to_owned())),
+                _ => {
+                    let names: Vec<&str> = heads.iter().map(|id| id.as_str()).collect();
+                    return Err(fault(format!(
+                        "the graph has several heads; write NODE=FILE with one of {}",
+                        names.join(", ")
+                    )));
+                }
+            }
+        }
+    };
+    // The document's paths are relative to its folder, this one to where the command was given.
+    let full = std::path::absolute(path).map_err(|err| fault(err.to_string()))?;
+    let text: Arc<str> = full.to_string_lossy().into();
+    let node = document.nodes.get_mut(&id).map(Arc::make_mut);
+    if let Some(node) = node.filter(|node| node.kind == "head") {
+        node.inputs.insert("mesh".to_owned(), Setting::Known(Value::Text(text)));
+        document.links.remove(&Socket::new(id, "mesh"));
+        return Ok(());
+    }
+    Err(fault(format!("{id} is no head node")))
+}
+
+/// One output to be given.
+pub(crate) struct Wanted {
+    pub(crate) socket: Socket,
+    group: String,
+    guides: bool,
+}
+
+/// The named outputs, or those of every `groom_output`.
+pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Wanted>, Stop> {
+    if named.is_empty() {
+        let all: Vec<Wanted> = document
+            .nodes
+            .iter()
+            .filter(|(_, node)| node.kind == "groom_output")
+            .map(|(id, _)| wanted(document, Socket::new(id.clone(), "curves")))
+            .collect();
+        if all.is_empty() {
+            return Err(Stop::refused(
+                "the graph has no groom_output node; add one, or name an output with --output NODE.SOCKET",
+            ));
+        }
+        return Ok(all);
+    }
+    named
+        .iter()
+        .map(|text| {
+            let fault = |reason: String| Stop::refused(format!("--output {text}: {reason}"));
+            let socket: Socket = text.parse().map_err(|err| fault(format!("{err}")))?;
+            let node = document
+                .node(socket.node.as_str())
+                .ok_or_else(|| fault(format!("there is no node {:?}", socket.node.as_str())))?;
+            let def = coif_nodes::by_id(&node.kind)
+                .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
+            let known: Vec<&str> = def.outputs.iter().map(|o| o.name).collect();
+            match def.output(&socket.name) {
+                None => Err(fault(format!(
+                    "a {} has no such output; it gives {}",
+                    def.id,
+                    known.join(", ")
+                ))),
+                Some((_, out)) if out.ty != Type::Curves => {
+                    Err(fault(format!("gives {}, not curves", out.ty.name())))
+                }
+                Some(_) => Ok(wanted(document, socket)),
+            }
+        })
+        .collect()
+}
+
+fn wanted(document: &Document, socket: Socket) -> Wanted {
+    let node = document.node(socket.node.as_str());
+    let output = node.filter(|node| node.kind == "groom_output");
+    let set = |name: &str| output.and_then(|node| node.inputs.get(name));
+    let group = match set("name") {
+        Some(Setting::Known(Value::Text(name))) if !name.is_empty() => name.to_string(),
+        _ => socket.node.to_string(),
+    };
+    let guides = matches!(set("guides"), Some(Setting::Known(Value::Bool(true))));
+    Wanted { socket, group, guides }
+}
+
+impl Opened {
+    /// Ends with every error on the way to an output or to `more`; problems elsewhere are warnings.
+    pub(crate) fn refuse_problems(
+        &self,
+        more: &[Socket],
+        warnings: &mut Vec<String>,
+    ) -> Result<(), Stop> {
+        let targets = self.outputs.iter().map(|o| &o.socket).chain(more);
+        let targets = targets.map(|socket| socket.node.clone()).collect();
+        let mut errors = vec![];
+        for problem in check_for(&self.document, &targets).into_iter().filter(|p| p.needed) {
+            match problem.severity {
+                Severity::Error => errors.push(problem.to_string()),
+                // The node clamps such a value and says so itself.
+                Severity::Warning if problem.fault == Fault::OutOfRange => {}
+                Severity::Warning => warnings.push(problem.to_string()),
+            }
+        }
+        if errors.is_empty() { Ok(()) } else { Err(Stop(Exit::Refused, errors)) }
+    }
+}
+
+/// The scalps that the targets stand on, to be reported.
+fn heads(document: &Document, targets: &[Socket]) -> Vec<Socket> {
+    upstream(document, targets.iter().map(|t| &t.node))
+        .into_iter()
+        .filter(|id| document.node(id.as_str()).is_some_and(|n| n.kind == "head"))
+        .map(|id| Socket::new(id, "scalp"))
+        .collect()
+}

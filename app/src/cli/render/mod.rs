@@ -1,0 +1,635 @@
+//! `coif render`: a saved graph to pictures.
+//!
+//! What is wrong with the words is said before anything runs. The device and its shaders are made on a thread
+//! while the graph is evaluated. Files appear only when every picture is complete.
+
+mod feeders;
+mod options;
+
+use super::Exit;
+use super::files::{Pending, read_at_most};
+use super::groom::{Evaluated, GroomArgs, Opened, QualityArg, Stop, carry_out};
+use super::progress::Bar;
+use super::report::{Picture as About, Report, rounded};
+use clap::Args;
+use coif_graphs::document::{NodeId, Socket};
+use coif_graphs::schedule::result::document_hash;
+use coif_graphs::schedule::run::CancelToken;
+use coif_nodes::data::attributes::{Domain, ID, WIDTH};
+use coif_nodes::data::curves::{Curves, Tuft};
+use coif_nodes::data::scalp::{HeadFrame, Scalp};
+use coif_nodes::define::{Type, Value};
+use coif_shaders::camera::{self, Camera, Subject, Viewpoint};
+use coif_shaders::display::Transform;
+use coif_shaders::hdri::Hdri;
+use coif_shaders::light::Rig;
+use coif_shaders::picture::Samples;
+use coif_shaders::surface::{RootGrid, SPREAD, Solid, Tone, ground, head_solid, tubes};
+use coif_shaders::view::{Paint, View};
+use coif_shaders::{Gpu, Look, Model, Precision, Renderer, chart};
+use glam::Vec3;
+use options::{Format, within};
+use std::cell::Cell;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+#[derive(Args)]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    groom: GroomArgs,
+    /// Picture to write: .png for a display, .exr scene-linear
+    #[arg(long, value_name = "FILE")]
+    out: Vec<PathBuf>,
+    /// Width and height in pixels
+    #[arg(
+        long,
+        value_name = "WIDTHxHEIGHT",
+        default_value = "1280x720",
+        allow_hyphen_values = true
+    )]
+    size: String,
+    /// front, left, right, back, top, three-quarter, crown, nape, hairline, temple-left, temple-right, or close:NODE to fill
+    /// the picture with what NODE gives
+    #[arg(long, value_name = "NAME|close:NODE", default_value = "three-quarter")]
+    camera: String,
+    /// Focal length over a film 24 mm high
+    #[arg(long, value_name = "MM", default_value_t = camera::PORTRAIT_FOCAL, allow_negative_numbers = true)]
+    focal: f32,
+    /// This many pictures around the head; %04d in the file's name becomes their number, from 1
+    #[arg(long, value_name = "N")]
+    turntable: Option<u32>,
+    /// Samples in a pixel: 1 is grainy, 64 a clean still
+    #[arg(long, value_name = "N", default_value_t = 64)]
+    samples: u32,
+    /// What is shown: hair; guides, the curves that hair follows; clusters, the same as tubes; or an attribute as colours
+    #[arg(long, value_name = "hair|guides|clusters|ATTRIBUTE", default_value = "hair")]
+    view: String,
+    /// Lights: studio (the default), backlit, overcast, flat, dark-hair, neutral
+    #[arg(long, value_name = "RIG")]
+    light: Option<String>,
+    /// Light from a photographed sphere instead: .hdr or .exr, equirectangular
+    #[arg(long, value_name = "FILE")]
+    hdri: Option<PathBuf>,
+    /// Turn that sphere about the vertical, in degrees, anticlockwise as seen from above
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    hdri_rotation: Option<f32>,
+    /// Blur that sphere behind the head, in degrees; its light stays as it is
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    hdri_blur: Option<f32>,
+    /// Brighter or darker than the lights' own exposure, in stops
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
+    exposure: f32,
+    /// How a .png is made for a display: agx, srgb, rec1886
+    #[arg(long, value_name = "TRANSFORM", default_value = "agx")]
+    display: String,
+    /// How hair scatters light: karis, chiang, kajiya-kay
+    #[arg(long, value_name = "MODEL", default_value = "karis")]
+    model: String,
+    /// Skin of the head: 1 (lightest) to 10 on the Monk scale, or clay
+    #[arg(long, value_name = "1..10|clay", default_value = "5")]
+    skin: String,
+    /// See through hair: 1 is hair, 0.1 shows roots and skin
+    #[arg(long, value_name = "0..1", default_value_t = 1.0, allow_negative_numbers = true)]
+    opacity: f32,
+    /// Share of the strands that is drawn; the others' widths are added to theirs
+    #[arg(long, value_name = "0..1", default_value_t = 1.0, allow_negative_numbers = true)]
+    share: f32,
+    /// Draw a colour chart, a grey and a chrome ball into the lower left corner
+    #[arg(long)]
+    chart: bool,
+    /// Only hair
+    #[arg(long)]
+    no_head: bool,
+    /// Write what was made, and what happened, as JSON to a file (- for stdout)
+    #[arg(long, value_name = "FILE|-")]
+    report: Option<PathBuf>,
+}
+
+/// The most pictures of a turntable, and the most samples in a pixel.
+const MOST_FRAMES: u32 = 9999;
+const MOST_SAMPLES: u32 = 65536;
+
+/// How thick guides are drawn, cm: thin against a lock, thick against a pixel.
+const GUIDE_WIDTH: f32 = 0.06;
+
+/// What the words ask for.
+struct Asked {
+    size: [u32; 2],
+    formats: Vec<Format>,
+    frames: u32,
+    samples: u32,
+    focal_mm: f32,
+    show: Show,
+    rig: Rig,
+    transform: Transform,
+    look: Look,
+    tone: Tone,
+}
+
+/// What is drawn.
+enum Show {
+    /// The outputs, in the colours of a view.
+    Hair(View),
+    /// The curves that the outputs' hair follows, as lines.
+    Guides,
+    /// The same as tubes.
+    Clusters,
+}
+
+impl RenderArgs {
+    /// What lights the picture, in words.
+    fn lit_by(&self) -> String {
+        match (&self.hdri, &self.light) {
+            (Some(path), _) => path.display().to_string(),
+            (None, light) => light.as_deref().unwrap_or(Rig::NAMES[0]).to_owned(),
+        }
+    }
+
+    /// Refuses words that mean nothing, in one line each.
+    fn understood(&self) -> Result<Asked, Stop> {
+        let show = match &*self.view {
+            "guides" => Show::Guides,
+            "clusters" => Show::Clusters,
+            other => Show::Hair(
+                other.parse().map_err(|reason| Stop::refused(format!("--view {reason}")))?,
+            ),
+        };
+        let models = Model::ALL.map(Model::name);
+        let displays = Transform::ALL.map(|t| t.name().to_lowercase().replace('.', ""));
+        let displays = displays.each_ref().map(String::as_str);
+        let display =
+            |text: &str| displays.iter().position(|name| *name == text).map(|i| Transform::ALL[i]);
+        let tones: Vec<String> = (1..=10).map(|n: u8| n.to_string()).collect();
+        let tones: Vec<&str> = tones.iter().map(String::as_str).chain(["clay"]).collect();
+        let tone = |text: &str| match tones.iter().position(|name| *name == text)? {
+            10 => Some(Tone::Clay),
+            n => Some(Tone::Monk(n as u8 + 1)),
+        };
+        Ok(Asked {
+            size: options::size(&self.size)?,
+            formats: options::files(&self.out, self.turntable.is_some())?,
+            frames: match self.turntable {
+                Some(n) => options::counted("--turntable", n, MOST_FRAMES)?,
+                None => 1,
+            },
+            samples: options::counted("--samples", self.samples, MOST_SAMPLES)?,
+            focal_mm: within("--focal", self.focal, (1.0, 10_000.0), " mm")?,
+            show,
+            rig: self.rig()?,
+            transform: options::named("--display", &self.display, &displays, display)?,
+            look: Look {
+                model: options::named("--model", &self.model, &models, Model::named)?,
+                opacity: within("--opacity", self.opacity, (0.0, 1.0), "")?,
+                share: within("--share", self.share, (0.001, 1.0), "")?,
+                ..Look::default()
+            },
+            tone: options::named("--skin", &self.skin, &tones, tone)?,
+        })
+    }
+
+    /// Lights and surroundings: those of a name, or those of a file.
+    fn rig(&self) -> Result<Rig, Stop> {
+        let turn = within("--hdri-rotation", self.hdri_rotation.unwrap_or(0.0), TURNS, " degrees")?;
+        let blur = within("--hdri-blur", self.hdri_blur.unwrap_or(0.0), (0.0, 180.0), " degrees")?;
+        let exposure = within("--exposure", self.exposure, (-20.0, 20.0), " stops")?;
+        let mut rig = match (&self.light, &self.hdri) {
+            (Some(_), Some(_)) => {
+                return Err(Stop::refused("--light and --hdri: the light comes from one of them"));
+            }
+            (light, None) => {
+                if self.hdri_rotation.or(self.hdri_blur).is_some() {
+                    let text = "--hdri-rotation and --hdri-blur change the sphere of --hdri, and there is none";
+                    return Err(Stop::refused(text));
+                }
+                let name = light.as_deref().unwrap_or(Rig::NAMES[0]);
+                options::named("--light", name, &Rig::NAMES, Rig::named)?
+            }
+            (None, Some(path)) => {
+                let fault =
+                    |reason: String| Stop::refused(format!("--hdri {}: {reason}", path.display()));
+                let bytes = read_at_most(path, MOST_HDRI).map_err(fault)?;
+                let sphere = Hdri::read(&bytes).map_err(|err| fault(err.to_string()))?;
+                sphere.rig(turn, blur)
+            }
+        };
+        rig.exposure += exposure;
+        Ok(rig)
+    }
+}
+
+/// The largest file of surroundings that is read: 8192 x 4096 pixels of three floats, and some room.
+const MOST_HDRI: u64 = 512 << 20;
+/// Degrees that may be asked for.
+const TURNS: (f32, f32) = (-36000.0, 36000.0);
+
+pub(crate) fn run(args: RenderArgs) -> Exit {
+    carry_out(
+        &args.groom.graph,
+        args.report.as_deref(),
+        |cancel, report| draw(&args, cancel, report),
+        summary,
+    )
+}
+
+fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<(), Stop> {
+    let asked = args.understood()?;
+    let opened = args.groom.open(report)?;
+    let place = Place::of(&args.camera, &opened)?;
+    let followed = match asked.show {
+        Show::Hair(_) => vec![],
+        Show::Guides | Show::Clusters => feeders::feeders(
+            &opened.document,
+            opened.outputs.iter().map(|output| &output.socket.node),
+        ),
+    };
+    let more: Vec<Socket> = followed.iter().chain(&place.socket).cloned().collect();
+    if followed.is_empty() && !matches!(asked.show, Show::Hair(_)) {
+        return Err(Stop::refused(format!(
+            "--view {}: no node on the way to the outputs makes hair that follows curves",
+            args.view
+        )));
+    }
+    opened.refuse_problems(&more, &mut report.warnings)?;
+    let device = Device::start(asked.size, cancel);
+    let began = Instant::now();
+    let evaluated = args.groom.evaluate(&opened, &more, cancel, report);
+    let evaluation_ms = since(began);
+    let mut evaluated = match evaluated {
+        // What the device's failure ended was not interrupted by anybody.
+        Err(stop) if stop.is_interruption() => return Err(device.failure().unwrap_or(stop)),
+        evaluated => evaluated?,
+    };
+    let (mut renderer, device_ms) = device.wait()?;
+    let began = Instant::now();
+    let frame = evaluated.scalps.first().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
+    let closest = evaluated.more.split_off(followed.len());
+    let scene = Scene::of(&asked, args, evaluated)?;
+    let still = place.camera(&asked, &scene, closest.first())?;
+    let description = describe(args, &asked, &scene);
+    renderer.set_look(&asked.look);
+    renderer.set_rig(&asked.rig);
+    renderer.set_solids(scene.solids);
+    renderer.set_roots(scene.roots);
+    renderer.set_hair(&scene.drawn, &scene.paint);
+
+    let adapter = adapter(&renderer);
+    let mut texts = vec![
+        ("Software".to_owned(), format!("coif {}", env!("CARGO_PKG_VERSION"))),
+        ("Title".to_owned(), opened.document.title.clone()),
+        ("Description".to_owned(), description.clone()),
+        ("graph".to_owned(), document_hash(&opened.document)),
+        ("hair".to_owned(), hashes(report)),
+        ("view".to_owned(), args.view.clone()),
+        ("camera".to_owned(), format!("{}, {} mm", place.name, asked.focal_mm)),
+        ("light".to_owned(), args.lit_by()),
+        ("samples".to_owned(), asked.samples.to_string()),
+        ("adapter".to_owned(), adapter.clone()),
+    ];
+    texts.retain(|(_, text)| !text.is_empty());
+    let first_sample_ms = Cell::new(None);
+    let mut files = vec![];
+    let mut pending = Pending::default();
+    let bar = Bar::new("samples");
+    let total = (asked.frames * asked.samples) as usize;
+    for number in 0..asked.frames {
+        let turn = 360.0 * number as f32 / asked.frames as f32;
+        let camera = still.turned(frame.origin, frame.up, turn);
+        renderer.set_camera(&camera);
+        let seen = |samples: u32| {
+            if samples > 0 && first_sample_ms.get().is_none() {
+                first_sample_ms.set(Some(since(began)));
+            }
+        };
+        let whole = renderer.render(asked.samples, &|progress| {
+            seen(progress.samples);
+            bar.count((number * asked.samples + progress.samples) as usize, total);
+            cancel.is_cancelled()
+        });
+        if !whole {
+            return Err(Stop::interrupted());
+        }
+        seen(asked.samples);
+        let mut picture = renderer.picture();
+        if args.chart {
+            chart::draw(&mut picture, &asked.rig, &camera);
+        }
+        for (path, format) in args.out.iter().zip(&asked.formats) {
+            let path = options::numbered(path, number + 1);
+            bar.say(format!("writing {}", path.display()));
+            let written = pending.write(&path, cancel, |out| {
+                let written = match format {
+                    Format::Png => {
+                        picture.write_png(out, asked.transform, asked.rig.exposure, &texts)
+                    }
+                    Format::Exr => picture.write_exr(out, Samples::Half, &texts),
+                };
+                written.map_err(|err| err.to_string())
+            });
+            if cancel.is_cancelled() {
+                return Err(Stop::interrupted());
+            }
+            written.map_err(|reason| Stop::failed(format!("{}: {reason}", path.display())))?;
+            files.push(path.display().to_string());
+        }
+    }
+    bar.clear();
+    pending
+        .place()
+        .map_err(|(path, reason)| Stop::failed(format!("{}: {reason}", path.display())))?;
+    report.picture = Some(About {
+        files,
+        width: asked.size[0],
+        height: asked.size[1],
+        description,
+        view: args.view.clone(),
+        camera: place.name,
+        light: args.lit_by(),
+        samples: asked.samples,
+        transform: asked.transform.name(),
+        adapter,
+        evaluation_ms: rounded(evaluation_ms),
+        device_ms: rounded(device_ms),
+        first_sample_ms: rounded(first_sample_ms.get().unwrap_or_default()),
+        draw_ms: rounded(since(began)),
+    });
+    Ok(())
+}
+
+/// Where the picture is seen from.
+struct Place {
+    /// As it is called.
+    name: String,
+    /// A view of a head; none when `socket` gives the points to look at.
+    view: Option<Viewpoint>,
+    socket: Option<Socket>,
+}
+
+impl Place {
+    /// What a name means in a graph.
+    fn of(text: &str, opened: &Opened) -> Result<Self, Stop> {
+        let fault = |reason: String| Stop::refused(format!("--camera {text}: {reason}"));
+        let name = text.to_owned();
+        let Some(node) = text.strip_prefix("close:") else {
+            let view = Viewpoint::named(text).ok_or_else(|| {
+                let known = Viewpoint::NAMES.join(", ");
+                fault(format!(
+                    "is not one of {known}, close:NODE, and the graph has no saved cameras"
+                ))
+            })?;
+            return Ok(Self { name, view: Some(view), socket: None });
+        };
+        let id = NodeId::new(node).map_err(|err| fault(err.to_string()))?;
+        let found = opened.document.nodes.get(&id);
+        let found = found.ok_or_else(|| fault(format!("there is no node {node:?}")))?;
+        let def = coif_nodes::by_id(&found.kind)
+            .ok_or_else(|| fault(format!("its kind {:?} is not known", found.kind)))?;
+        let output = def.outputs.iter().find(|output| output.ty == Type::Curves);
+        let output = output.ok_or_else(|| {
+            fault(format!("a {} gives no curves that the picture could be filled with", def.id))
+        })?;
+        Ok(Self { name, view: None, socket: Some(Socket::new(id, output.name)) })
+    }
+}
+
+impl Place {
+    /// The camera there; `closest` is what `socket` gave.
+    fn camera(
+        &self,
+        asked: &Asked,
+        scene: &Scene,
+        closest: Option<&Value>,
+    ) -> Result<Camera, Stop> {
+        let points = match closest {
+            Some(Value::Curves(curves)) => {
+                curves.tufts().iter().flat_map(|tuft| tuft.points()).copied().collect()
+            }
+            _ => vec![],
+        };
+        let view = match &self.view {
+            Some(view) => view.clone(),
+            None if points.is_empty() => {
+                return Err(Stop::failed(format!("--camera {}: it gives no curves", self.name)));
+            }
+            None => Viewpoint::Close(points),
+        };
+        let subject = Subject {
+            frame: scene.frame,
+            surface: scene.scalp.as_deref().map(Scalp::surface),
+            hair: &scene.hair,
+        };
+        let [width, height] = asked.size.map(|side| side as f32);
+        Ok(camera::frame(&view, &subject, asked.focal_mm, width / height))
+    }
+}
+
+/// What stands before the camera.
+struct Scene {
+    frame: HeadFrame,
+    scalp: Option<Arc<Scalp>>,
+    /// All hair of the outputs, and how many curves it follows where these are shown.
+    hair: Curves,
+    followed: usize,
+    /// What is drawn of it, or of what it follows, and its colours.
+    drawn: Curves,
+    paint: Paint,
+    solids: Vec<Solid>,
+    roots: Option<RootGrid>,
+}
+
+impl Scene {
+    fn of(asked: &Asked, args: &RenderArgs, evaluated: Evaluated) -> Result<Self, Stop> {
+        let Evaluated { groups, scalps, more } = evaluated;
+        // Guides that are handed out besides hair are no hair.
+        let only_guides = groups.iter().all(|group| group.guides);
+        let hair = together(
+            groups.into_iter().filter(|group| only_guides || !group.guides).map(|g| g.curves),
+        );
+        let followed = || {
+            together(more.iter().filter_map(|value| match value {
+                Value::Curves(curves) => Some(curves.clone()),
+                _ => None,
+            }))
+        };
+        let scalp = scalps.first().cloned();
+        let mut solids = vec![];
+        if !args.no_head {
+            solids.extend(scalps.iter().map(|scalp| head_solid(scalp, asked.tone)));
+            solids.extend(ground(&solids));
+        }
+        let of_view = |view: &View, curves: &Curves| {
+            view.paint(curves, scalp.as_deref())
+                .map_err(|reason| Stop::failed(format!("--view {}: {reason}", args.view)))
+        };
+        let by_id = View::Attribute(ID.name.to_owned());
+        let mut count = 0;
+        let (drawn, paint, roots) = match &asked.show {
+            Show::Hair(view) => {
+                let roots = RootGrid::of(&hair, SPREAD);
+                (hair.clone(), of_view(view, &hair)?, roots)
+            }
+            Show::Guides => {
+                let guides = thick(&followed());
+                count = guides.curve_count();
+                let paint = of_view(&by_id, &guides)?;
+                (guides, paint, None)
+            }
+            Show::Clusters => {
+                let clusters = followed();
+                count = clusters.curve_count();
+                solids.push(tubes(&clusters));
+                (Curves::default(), Paint::plain(Vec3::ONE), None)
+            }
+        };
+        let frame = scalp.as_ref().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
+        Ok(Self { frame, scalp, hair, followed: count, drawn, paint, solids, roots })
+    }
+}
+
+fn together(all: impl Iterator<Item = Curves>) -> Curves {
+    Curves::new(all.flat_map(|curves| curves.tufts().to_vec()).collect())
+}
+
+/// The same curves, thick enough to be seen one by one.
+fn thick(curves: &Curves) -> Curves {
+    let thick = |tuft: &Arc<Tuft>| {
+        let mut edited = tuft.edit();
+        edited.set(WIDTH, Domain::Curve, vec![GUIDE_WIDTH]);
+        Arc::new(edited.build())
+    };
+    Curves::new(curves.tufts().iter().map(thick).collect())
+}
+
+/// A renderer in the making.
+struct Device {
+    thread: JoinHandle<Result<(Renderer, f64), Stop>>,
+}
+
+impl Device {
+    /// Begins to make it. When that fails, whatever `cancel` stops is stopped.
+    fn start(size: [u32; 2], cancel: &CancelToken) -> Self {
+        let cancel = cancel.clone();
+        let thread = std::thread::spawn(move || {
+            let began = Instant::now();
+            let made = Gpu::new(Precision::Best)
+                .map_err(|err| Stop::failed(err.to_string()))
+                .and_then(|gpu| {
+                    Renderer::new(Arc::new(gpu), size[0], size[1])
+                        .map_err(|err| Stop::refused(err.to_string()))
+                });
+            if made.is_err() {
+                cancel.cancel();
+            }
+            made.map(|renderer| (renderer, since(began)))
+        });
+        Self { thread }
+    }
+
+    /// The renderer and the milliseconds that making it took.
+    fn wait(self) -> Result<(Renderer, f64), Stop> {
+        let gone = |_| Stop::failed("the graphics driver ended unexpectedly");
+        self.thread.join().map_err(gone)?
+    }
+
+    /// Why it could not be made, if it could not.
+    fn failure(self) -> Option<Stop> {
+        self.wait().err()
+    }
+}
+
+/// Name and driver of what draws.
+fn adapter(renderer: &Renderer) -> String {
+    let info = &renderer.gpu().info;
+    if info.driver_info.is_empty() {
+        return info.name.clone();
+    }
+    format!("{}, {}", info.name, info.driver_info)
+}
+
+/// What the picture is, in words.
+fn describe(args: &RenderArgs, asked: &Asked, scene: &Scene) -> String {
+    let (strands, points) = (scene.hair.curve_count(), scene.hair.point_count());
+    let quality = match args.groom.quality {
+        QualityArg::Final => "final",
+        QualityArg::Preview => "preview (the first tenth)",
+    };
+    let mut text = format!("{quality}, {} strands, {} points", grouped(strands), grouped(points));
+    match asked.show {
+        Show::Hair(_) => {}
+        Show::Guides | Show::Clusters => {
+            text += &format!(", shown as {} {}", grouped(scene.followed), args.view);
+        }
+    }
+    if asked.look.share < 1.0 {
+        text += &format!(", {} % of them drawn", asked.look.share * 100.0);
+    }
+    if let Some(legend) = &scene.paint.legend {
+        text += &format!(", {} {} to {}", legend.name, legend.lowest, legend.highest);
+        if !legend.unit.is_empty() {
+            text += &format!(" {}", legend.unit);
+        }
+    }
+    // A picture is made only when none failed.
+    text + ", no failed nodes"
+}
+
+/// Content hash of each output with its group's name.
+fn hashes(report: &Report) -> String {
+    let all: Vec<String> =
+        report.outputs.iter().map(|output| format!("{} {}", output.group, output.hash)).collect();
+    all.join(", ")
+}
+
+/// A number in groups of three digits.
+fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn since(began: Instant) -> f64 {
+    began.elapsed().as_secs_f64() * 1e3
+}
+
+/// What was made, for a person.
+fn summary(report: &Report) -> String {
+    let Some(picture) = &report.picture else { return String::new() };
+    let memory = report.peak_rss_mib.map_or(String::new(), |m| format!(", {m:.0} MiB"));
+    let mut text = format!(
+        "{}\n{} samples a pixel on {}\nevaluation {:.2} s, first sample {:.2} s, all {:.2} s{memory}",
+        picture.description,
+        picture.samples,
+        picture.adapter,
+        picture.evaluation_ms / 1e3,
+        picture.first_sample_ms / 1e3,
+        report.total_ms / 1e3,
+    );
+    match &picture.files[..] {
+        [first, .., last] if picture.files.len() > 4 => {
+            text += &format!("\nwrote {first} to {last}");
+        }
+        files => files.iter().for_each(|file| text += &format!("\nwrote {file}")),
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_numbers_are_grouped() {
+        for (number, expected) in
+            [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")]
+        {
+            assert_eq!(grouped(number), expected);
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! The words of `coif render`'s options: sizes, numbered files, skins. Each mistake is one line that says what
+//! can be written instead.
+
+use crate::cli::extension_of;
+use crate::cli::groom::Stop;
+use std::path::{Path, PathBuf};
+
+/// Longest side of a picture.
+pub(super) const LONGEST: u32 = 16384;
+
+/// What a picture is written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    /// 8 bits a channel, for a display.
+    Png,
+    /// Scene-linear floats.
+    Exr,
+}
+
+/// `WIDTHxHEIGHT` in pixels.
+pub(super) fn size(text: &str) -> Result<[u32; 2], Stop> {
+    let wrong = || {
+        Stop::refused(format!(
+            "--size {text}: write it as WIDTHxHEIGHT in pixels, each from 1 to {LONGEST}"
+        ))
+    };
+    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
+    let side = |text: &str| {
+        let digits = !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+        text.parse().ok().filter(|side| digits && (1..=LONGEST).contains(side)).ok_or_else(wrong)
+    };
+    Ok([side(width)?, side(height)?])
+}
+
+/// A number within limits.
+pub(super) fn within(
+    option: &str,
+    value: f32,
+    (lo, hi): (f32, f32),
+    unit: &str,
+) -> Result<f32, Stop> {
+    if (lo..=hi).contains(&value) {
+        return Ok(value);
+    }
+    Err(Stop::refused(format!("{option} {value}: must be from {lo} to {hi}{unit}")))
+}
+
+/// A number of things within limits.
+pub(super) fn counted(option: &str, value: u32, most: u32) -> Result<u32, Stop> {
+    if (1..=most).contains(&value) {
+        return Ok(value);
+    }
+    Err(Stop::refused(format!("{option} {value}: must be from 1 to {most}")))
+}
+
+/// One of a few names.
+pub(super) fn named<T>(
+    option: &str,
+    text: &str,
+    known: &[&str],
+    find: impl FnOnce(&str) -> Option<T>,
+) -> Result<T, Stop> {
+    find(text).ok_or_else(|| {
+        Stop::refused(format!("{option} {text}: is not one of {}", known.join(", ")))
+    })
+}
+
+/// The formats of the files to write; their names hold a number exactly when there is a turntable.
+pub(super) fn files(out: &[PathBuf], turntable: bool) -> Result<Vec<Format>, Stop> {
+    if out.is_empty() {
+        return Err(Stop::refused("--out FILE is needed: a picture is written as .png or .exr"));
+    }
+    out.iter()
+        .map(|path| {
+            let fault = |reason: &str| Stop::refused(format!("--out {}: {reason}", path.display()));
+            let format = match extension_of(path).as_str() {
+                "png" => Format::Png,
+                "exr" => Format::Exr,
+                _ => return Err(fault("pictures are written as .png or .exr")),
+            };
+            match (place_of_number(path), turntable) {
+                (Some(_), true) | (None, false) => Ok(format),
+                (None, true) => Err(fault(
+                    "a turntable is many files; put %04d where their number goes, as in turn.%04d.png",
+                )),
+                (Some(_), false) => {
+                    Err(fault("is numbered, which is for --turntable N and that is not given"))
+                }
+            }
+        })
+        .collect()
+}
+
+/// Where in a file's name the number goes: the text before, the digits it has at least, the text after.
+fn place_of_number(path: &Path) -> Option<(&str, usize, &str)> {
+    let name = path.file_name()?.to_str()?;
+    for (start, _) in name.match_indices('%') {
+        let rest = &name[start + 1..];
+        let width = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        let digits = &rest[..width];
+        let known = digits.is_empty() || (digits.starts_with('0') && digits.len() <= 2);
+        if let Some(after) = rest[width..].strip_prefix('d').filter(|_| known) {
+            return Some((&name[..start], digits.parse().unwrap_or(1), after));
+        }
+    }
+    None
+}
+
+/// The file of one picture of a turntable, numbered from 1. A name without a number stays as it is.
+pub(super) fn numbered(path: &Path, number: u32) -> PathBuf {
+    match place_of_number(path) {
+        Some((before, digits, after)) => {
+            path.with_file_name(format!("{before}{number:0digits$}{after}"))
+        }
+        None => path.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said<T>(result: Result<T, Stop>) -> Result<T, String> {
+        result.map_err(|stop| stop.lines().join("\n"))
+    }
+
+    #[test]
+    fn a_size_is_two_whole_numbers_of_pixels() {
+        for (text, expected) in [("1280x720", [1280, 720]), ("1x16384", [1, 16384])] {
+            assert_eq!(said(size(text)), Ok(expected));
+        }
+        for text in
+            ["", "x", "1280", "0x720", "1280x16385", "+1x2", "-1x2", "1 x2", "1x2x3", "1e3x2"]
+        {
+            let said = said(size(text)).unwrap_err();
+            assert!(said.contains("WIDTHxHEIGHT") && said.lines().count() == 1, "{text}: {said}");
+        }
+    }
+
+    #[test]
+    fn numbers_out_of_range_and_what_is_no_number_are_refused() {
+        assert_eq!(said(within("--opacity", 0.5, (0.0, 1.0), "")), Ok(0.5));
+        for value in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
+            let said = said(within("--opacity", value, (0.0, 1.0), "")).unwrap_err();
+            assert!(said.contains("from 0 to 1"), "{said}");
+        }
+        assert_eq!(said(counted("--samples", 3, 4)), Ok(3));
+        assert!(said(counted("--samples", 0, 4)).is_err());
+        assert!(said(counted("--samples", 5, 4)).is_err());
+    }
+
+    #[test]
+    fn turntables_and_only_they_have_numbered_names() {
+        let check = |name: &str, turntable: bool, expected: Result<Format, &str>| {
+            let found = said(files(&[PathBuf::from(name)], turntable));
+            match (found, expected) {
+                (Ok(found), Ok(expected)) => assert_eq!(found, [expected], "{name}"),
+                (Err(found), Err(words)) => assert!(found.contains(words), "{name}: {found}"),
+                (found, _) => panic!("{name}: {found:?}"),
+            }
+        };
+        check("a.png", false, Ok(Format::Png));
+        check("a.EXR", false, Ok(Format::Exr));
+        check("a%04d.png", true, Ok(Format::Png));
+        check("100%.png", false, Ok(Format::Png));
+        check("a%04d.png", false, Err("--turntable"));
+        check("a.png", true, Err("%04d"));
+        check("a%4d.png", true, Err("%04d"));
+        check("%04d/a.png", true, Err("%04d"));
+        check("a.jpg", false, Err(".png or .exr"));
+        check("a", false, Err(".png or .exr"));
+        assert!(said(files(&[], false)).unwrap_err().contains("--out"));
+    }
+
+    #[test]
+    fn pictures_of_a_turntable_are_numbered_as_their_name_asks() {
+        for (name, number, expected) in [
+            ("f/turn.%04d.png", 7, "f/turn.0007.png"),
+            ("%d.exr", 12, "12.exr"),
+            ("100%_%03d.png", 12345, "100%_12345.png"),
+            ("still.png", 3, "still.png"),
+        ] {
+            assert_eq!(numbered(Path::new(name), number), Path::new(expected));
+        }
+    }
+}
