@@ -512,10 +512,10 @@ mod tests {
         let mut frame = Frame::zeroed();
         // Radiance 1 from everywhere.
         frame.sky[0] = [1.0 / 0.282_095; 4];
-        let uniform = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        let shared = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: None,
             contents: bytemuck::bytes_of(&frame),
-            usage: wgpu::BufferUsages::UNIFORM,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::UNIFORM,
         });
         let buffer = |usage| {
             device.create_buffer(&wgpu::BufferDescriptor {
@@ -531,7 +531,7 @@ mod tests {
             label: None,
             layout: &pipeline.get_bind_group_layout(0),
             entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 0, resource: shared.as_entire_binding() },
                 wgpu::BindGroupEntry { binding: 9, resource: result.as_entire_binding() },
             ],
         });

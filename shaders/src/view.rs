@@ -19,6 +19,7 @@ use coif_nodes::data::attributes::{
 };
 use coif_nodes::data::curves::{Curves, Tuft, View as Values};
 use coif_nodes::data::scalp::Scalp;
+use coif_nodes::maths::hair_colour::absorption_of;
 use coif_nodes::maths::hash::{KeyBuilder, mix};
 use glam::{Vec2, Vec3};
 use std::str::FromStr;
@@ -69,7 +70,7 @@ impl Paint {
             key: KeyBuilder::new("paint hair").finish().0 as u64,
             legend: None,
             of: Box::new(|tuft| {
-                let word = |c| colour::pack_absorption(colour::absorption_of(c));
+                let word = |c| colour::pack_absorption(absorption_of(c));
                 words(tuft, &tuft.view(COLOUR), word)
             }),
         }
@@ -776,7 +777,7 @@ mod tests {
         let paint = Paint::hair();
         assert_eq!(paint.shading, Shading::Hair);
         let words = paint.of(&curves.tufts()[0]);
-        let want = colour::absorption_of(Vec3::new(0.4, 0.2, 0.1));
+        let want = absorption_of(Vec3::new(0.4, 0.2, 0.1));
         let off = unpack_absorption(words[7]).map(f32::sqrt) - want.map(f32::sqrt);
         assert!(off.abs().max_element() < 0.0023, "{off}");
         // A colour at each point reads like one a curve.
