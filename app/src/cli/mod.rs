@@ -80,7 +80,9 @@ fn start_up() -> Option<Command> {
         return None;
     }
     complain("there is no editor yet; the start-up groom is drawn to start.png");
-    Args::parse_from(["coif", "render", "start", "--out", "start.png"]).command
+    // Half the samples of a still: somebody waits to see anything at all.
+    let words = ["coif", "render", "start", "--samples", "32", "--out", "start.png"];
+    Args::parse_from(words).command
 }
 
 /// Tells a person what is wrong.
