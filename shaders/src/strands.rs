@@ -118,11 +118,6 @@ impl Strands {
         self.most_points = points;
     }
 
-    /// Curves drawn when all are.
-    pub(crate) fn curve_count(&self) -> usize {
-        self.slots.iter().map(|s| s.tuft.len()).sum()
-    }
-
     /// Box around all points, cm.
     pub(crate) fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let points = self.slots.iter().flat_map(|s| s.tuft.points()).filter(|p| p.is_finite());

@@ -44,6 +44,9 @@ fn shadow(number: u32, p: vec3f, bias: f32, seed: u32) -> Shadow {
   let texels = light.extent.z;
   let at = (vec2f(c.x, -c.y) * 0.5 + 0.5) * texels;
   if any(at < vec2f(0.0)) || any(at >= vec2f(texels)) { return Shadow(0.0, 1.0, 1.0); }
+  // Shadows fade towards the border of the map, so that none ends in a line.
+  let border = min(at, texels - at) * (10.0 / texels);
+  let inside = sat(min(border.x, border.y));
   let reach = light.irradiance.w / light.extent.x * texels;
   let solid_texels = f32(textureDimensions(solid_from_light).x);
   let turn = rnd(seed) * 6.2831853;
@@ -69,7 +72,8 @@ fn shadow(number: u32, p: vec3f, bias: f32, seed: u32) -> Shadow {
     let passed = select(0.0, 1.0, (c.z - solid) * light.extent.y < 0.15 + bias);
     sum.fibres += fibres; sum.passed += passed; sum.clear_ += passed * exp(-fibres);
   }
-  return Shadow(sum.fibres / f32(TAPS), sum.passed / f32(TAPS), sum.clear_ / f32(TAPS));
+  let share = inside / f32(TAPS);
+  return Shadow(sum.fibres * share, 1.0 - inside + sum.passed * share, 1.0 - inside + sum.clear_ * share);
 }
 
 // xyz: towards the open (unit), w: how open. Read somewhere within a voxel and a half, so that over the samples voxels do not show.

@@ -30,11 +30,11 @@ fn written(graph: &str, output: &str, head: &[&str]) -> (Vec<ReadCurves>, PathBu
 fn strands_of_a_braid_touch_and_never_pass_through_each_other_on_any_head() {
     let test = "strands_of_a_braid_touch_and_never_pass_through_each_other_on_any_head";
     let cases = [
-        ("cornrows", "braid.curves", 12, 3),
-        ("braids", "braid_3.curves", 2, 3),
-        ("braids", "braid_4.curves", 2, 4),
-        ("braids", "braid_5.curves", 2, 5),
-        ("braids", "braid_6.curves", 2, 6),
+        ("cornrows", "braid.curves", 14, 3),
+        ("braids", "braid_3.curves", 4, 3),
+        ("braids", "braid_4.curves", 4, 4),
+        ("braids", "braid_5.curves", 4, 5),
+        ("braids", "braid_6.curves", 4, 6),
     ];
     on_every_head(test, |head, scalp| {
         for (graph, output, braids, strands) in cases {
