@@ -224,11 +224,11 @@ const MOST_HDRI: u64 = 512 << 20;
 /// Degrees that may be asked for.
 const TURNS: (f32, f32) = (-36000.0, 36000.0);
 
-pub(crate) fn run(args: RenderArgs) -> Exit {
+pub(crate) fn run(args: &RenderArgs) -> Exit {
     carry_out(
         &args.groom.graph,
         args.report.as_deref(),
-        |cancel, report| draw(&args, cancel, report),
+        |cancel, report| draw(args, cancel, report),
         summary,
     )
 }
@@ -593,7 +593,7 @@ fn grouped(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i) % 3 == 0 {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
             text.push(',');
         }
         text.push(digit);
