@@ -24,8 +24,8 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// The adapter whose bits the goldens are: Mesa's software adapter of this version on 256-bit vectors.
 const PINNED: &str = "lavapipe-22.3.6-256";
-/// The largest mean FLIP error between two adapters. Two seeds of the same picture differ by about 0.025 at the samples used
-/// here, and a hair's edge that is rounded differently by far less; a light, colour or pass that is wrong gives more than 0.05.
+/// The largest mean FLIP error between two adapters. The same pictures with other grain differ by 0.007 to 0.019 at the samples
+/// used here, so another adapter may even draw its own grain; a light, colour or pass that is wrong gives more.
 const OTHER_ADAPTER: f32 = 0.02;
 
 const WIDTH_PIXELS: u32 = 320;
@@ -267,7 +267,9 @@ fn goldens() -> PathBuf {
 
 #[test]
 fn every_view_light_and_model_looks_as_it_did() {
-    let Some(mut renderer) = renderer("every_view_light_and_model_looks_as_it_did") else { return };
+    let Some(gpu) = gpu("every_view_light_and_model_looks_as_it_did") else { return };
+    // A renderer of its own: where strands lie in memory decides their grain, and that depends on what was drawn before.
+    let mut renderer = Renderer::new(gpu, WIDTH_PIXELS, HEIGHT_PIXELS).expect("a small picture");
     let folder = goldens();
     let pinned = adapter(&renderer) == PINNED;
     let drawn = pictures(&mut renderer);
