@@ -82,7 +82,7 @@ impl Rig {
                 0.19,
                 [
                     Light::new([-0.75, 0.75, 0.65], 4.0, WARM, 24.0),
-                    Light::new([0.70, 0.60, -0.90], 4.4, COOL, 16.0),
+                    Light::new([0.70, 0.60, -0.90], 3.3, COOL, 16.0),
                     Light::new([0.90, 0.10, 0.60], 0.8, COOL, 60.0),
                 ],
                 Environment::studio(),
