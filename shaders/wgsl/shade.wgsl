@@ -29,6 +29,10 @@ const TAPS: u32 = 4u;
 const ENDS: vec3f = vec3f(0.12, 0.5, 1.6);
 const LAST: f32 = 6.0;
 
+// Fibres that stand between a light behind a lock and its near side: less and dark hair glows orange at every edge, more and
+// fair hair loses its rim.
+const LOCK: f32 = 2.5;
+
 struct Shadow {
   // Fibres between the light and the point, and how much of the light passes the solids.
   fibres: f32,
@@ -104,7 +108,7 @@ fn groom(base: vec3f, p: vec3f, T: vec3f, V: vec3f, seed: u32) -> vec3f {
     let light = F.lights[i];
     if light.towards.w == 0.0 { continue; }
     let L = light.towards.xyz;
-    let s = shadow(i, p, 0.03, seed + i * 8u);
+    let s = shadow(i, p, 0.0, seed + i * 8u);
     let across = sqrt(max(1.0 - dot(T, L) * dot(T, L), 0.0));
     let H = normalize(L + V);
     let th = dot(T, H);
@@ -124,9 +128,14 @@ fn pigmented(sigma: vec3f, p: vec3f, T: vec3f, V: vec3f, seed: u32) -> vec3f {
   for (var i = 0u; i < 3u; i++) {
     let light = F.lights[i];
     if light.towards.w == 0.0 { continue; }
-    let s = shadow(i, p, 0.03, seed + i * 8u);
+    let s = shadow(i, p, 0.0, seed + i * 8u);
     if s.passed == 0.0 { continue; }
-    c += s.passed * light.irradiance.rgb * hair_light(m, light.towards.xyz, V, T, s.fibres, xi);
+    let L = light.towards.xyz;
+    // A hair that is seen lies on the near side of its lock, and light from behind has crossed the rest of the lock, of which a
+    // texel of the map knows nothing.
+    let cos_phi = dot(normalize(L - T * dot(T, L) + vec3f(1e-6)), normalize(V - T * dot(V, T) + vec3f(1e-6)));
+    let fibres = s.fibres + LOCK * sat(-cos_phi);
+    c += s.passed * light.irradiance.rgb * hair_light(m, L, V, T, fibres, xi);
   }
   let out_ = normalize(V - T * dot(V, T) + vec3f(1e-6));
   let o = open_at(p, out_, seed);
