@@ -343,12 +343,17 @@ impl Renderer {
         }
         Ok(())
     }
-    /// The hair to draw, in the colours of a view. Only tufts that are not there yet are sent.
+    /// The hair to draw, in the colours of a view. Only tufts that are not there yet are sent; where nothing differs from
+    /// what is drawn already, the picture goes on.
     pub fn set_hair(&mut self, curves: &Curves, paint: &Paint) -> Uploaded {
         let uploaded = self.strands.set(&self.gpu, curves, paint);
-        self.shading = paint.shading;
-        self.stale.hair = true;
-        self.restart();
+        let moved = uploaded.tufts + uploaded.removed > 0;
+        // Light does not care for paint.
+        self.stale.hair |= moved;
+        if moved || uploaded.bytes > 0 || self.shading != paint.shading {
+            self.shading = paint.shading;
+            self.restart();
+        }
         uploaded
     }
     /// Head, ground, tubes: all solids there are to be.
@@ -395,7 +400,7 @@ impl Renderer {
     }
 
     /// Compiles what drawing such hair in such a view will need, so that the first picture does not wait for it: a
-    /// software adapter compiles a shader when it first runs.
+    /// software adapter compiles a shader when it first runs. What was drawn so far is dropped.
     pub fn warm_up(&mut self, look: &Look, shading: Shading) {
         let (look, shading) = (
             std::mem::replace(&mut self.look, *look),
@@ -410,6 +415,9 @@ impl Renderer {
         }
         self.submit(encoder, &slices);
         (self.look, self.shading) = (look, shading);
+        // Empty passes clear what they would draw into.
+        self.stale = Stale { hair: true, solids: true, lights: true, table: true };
+        self.restart();
     }
 
     fn shade_for(&self) -> ShadeFor {
@@ -455,7 +463,7 @@ impl Renderer {
     pub fn advance(&mut self, samples: u32, budget: Duration) -> Progress {
         self.target_samples = samples;
         let start = Instant::now();
-        while self.samples < samples {
+        while self.samples < samples && self.lost().is_none() {
             self.slice();
             if start.elapsed() >= budget {
                 break;
@@ -464,10 +472,15 @@ impl Renderer {
         self.progress()
     }
 
-    /// A picture of `samples` samples; false when `cancelled` said so first.
+    /// Why nothing is drawn any more, once the device is gone. A renderer does not come back from that.
+    pub fn lost(&self) -> Option<RenderError> {
+        self.gpu.lost().map(|reason| RenderError::Lost(reason.to_owned()))
+    }
+
+    /// A picture of `samples` samples; false when `cancelled` said so first, or when the device is [`Self::lost`].
     pub fn render(&mut self, samples: u32, cancelled: &dyn Fn(Progress) -> bool) -> bool {
         while self.advance(samples, SLICE).samples < samples {
-            if cancelled(self.progress()) {
+            if self.lost().is_some() || cancelled(self.progress()) {
                 return false;
             }
         }
@@ -479,10 +492,20 @@ impl Renderer {
         ALL.iter().map(|p| (*p, self.spent[*p as usize].0, self.spent[*p as usize].1)).collect()
     }
 
-    /// The curve and point of the tuft that the middle of a pixel shows in the last sample, if it shows hair.
+    /// Whether sums hold a part of the sample that is being made.
+    fn half_shaded(&self) -> bool {
+        let untouched = |step: &&Step| matches!(step, Step::Run { pass: Pass::Shade, next: 0, .. });
+        !self.work.is_empty() && self.work.iter().filter(untouched).count() < self.drawn.len()
+    }
+
+    /// The curve and point of the tuft that the middle of a pixel shows in the last sample, if it shows hair. A sample that
+    /// is being made is finished first.
     pub fn pick(&mut self, x: u32, y: u32) -> Option<(Arc<Tuft>, usize, usize)> {
         if x >= self.width || y >= self.height || self.samples == 0 {
             return None;
+        }
+        while !self.work.is_empty() && self.lost().is_none() {
+            self.slice();
         }
         let words = if self.gpu.wide { 2 } else { 1 };
         let at = u64::from(y * self.width + x) * 4 * words;
@@ -490,10 +513,19 @@ impl Renderer {
         self.strands.named(u32::from_le_bytes(bytes.get(..4)?.try_into().ok()?))
     }
 
-    /// The picture as far as it is.
+    /// The picture as far as it is: black and clear before the first sample is whole. A sample that is being shaded is
+    /// finished first, so that all pixels are sums of as many.
     pub fn picture(&mut self) -> Picture {
+        while self.half_shaded() && self.lost().is_none() {
+            self.slice();
+        }
         let size = u64::from(self.width) * u64::from(self.height) * 16;
-        let bytes = read(&self.gpu, &self.targets.sums, 0, size);
+        let mut bytes = vec![];
+        if self.samples > 0 {
+            bytes = read(&self.gpu, &self.targets.sums, 0, size);
+        }
+        // Nothing is read from a device that is gone.
+        bytes.resize(size as usize, 0);
         let scale = 1.0 / self.samples.max(1) as f32;
         let linear = bytes
             .chunks_exact(16)
@@ -553,6 +585,9 @@ fn read(gpu: &Gpu, buffer: &wgpu::Buffer, offset: u64, size: u64) -> Vec<u8> {
     }
 }
 
+#[cfg(test)]
+mod tests;
+
 // --- work ---------------------------------------------------------------------------------------
 
 impl Renderer {
@@ -578,10 +613,14 @@ impl Renderer {
                         Some(rate) => ((aim - expected) / rate.max(1e-9)) as u32,
                         None => all.div_ceil(16),
                     };
-                    let n = n.max(granule(pass)).next_multiple_of(granule(pass)).min(all);
-                    self.encode(&mut encoder, &mut slices, pass, part, next, n);
-                    expected += self.rates[pass as usize].unwrap_or(aim) * f64::from(n);
-                    done.push((pass, n));
+                    let n = n.clamp(granule(pass), all.max(granule(pass)));
+                    let n = n.next_multiple_of(granule(pass)).min(all);
+                    // A pass over nothing would teach that it is fast.
+                    if n > 0 {
+                        self.encode(&mut encoder, &mut slices, pass, part, next, n);
+                        expected += self.rates[pass as usize].unwrap_or(aim) * f64::from(n);
+                        done.push((pass, n));
+                    }
                     if n < all {
                         self.work[0] = Step::Run { pass, part, next: next + n, end };
                         break;

@@ -216,7 +216,8 @@ fn shade(@builtin(global_invocation_id) thread: vec3u) {
     if id <= S.base || id > S.base + S.points { return; }
     c = vec4f(hair(id - S.base - 1u, at, seed), 1.0);
   }
-  // A sample that is no number would stay in the sum for ever.
-  if !all(abs(c) < vec4f(1e4)) { c = vec4f(clamp(c.rgb, vec3f(0.0), vec3f(1e4)), c.a); }
+  // A sample that is no number would stay in the sum for ever. By its bits, for compilers take it that there are none.
+  let none = (bitcast<vec4u>(c) & vec4u(0x7f800000u)) == vec4u(0x7f800000u);
+  c = vec4f(clamp(select(c.rgb, vec3f(0.0), none.rgb), vec3f(-1e4), vec3f(1e4)), c.a);
   sums[i] = select(sums[i], vec4f(0.0), F.mode.x == 0u) + c;
 }

@@ -312,7 +312,8 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
             cancel.is_cancelled()
         });
         if !whole {
-            return Err(Stop::interrupted());
+            let lost = renderer.lost().map(|lost| Stop::failed(lost.to_string()));
+            return Err(lost.unwrap_or_else(Stop::interrupted));
         }
         seen(asked.samples);
         let mut picture = renderer.picture();
