@@ -137,14 +137,14 @@ impl Rig {
                 0.23,
                 [
                     Light::new([-0.55, 0.80, 0.75], 3.6, WHITE, 50.0),
-                    Light::new([0.95, 0.45, -0.55], 7.0, COOL, 24.0),
-                    Light::new([-0.95, 0.40, -0.60], 5.5, WARM, 24.0),
+                    Light::new([0.95, 0.45, -0.55], 3.6, COOL, 24.0),
+                    Light::new([-0.95, 0.40, -0.60], 2.9, WARM, 24.0),
                 ],
                 Environment::of(
                     |d| {
                         let over = lamp(d, Vec3::new(0.0, 1.0, 0.25), 0.55);
                         let sides = lamp(d, Vec3::X, 0.4) + lamp(d, Vec3::NEG_X, 0.4);
-                        Vec3::splat(0.45 + 1.5 * over + 0.6 * sides)
+                        Vec3::splat(0.45 + 1.5 * over + 0.45 * sides)
                     },
                     sweep(0.40, 0.16),
                 ),

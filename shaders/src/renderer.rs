@@ -84,7 +84,7 @@ impl Default for Look {
             specular: 1.0,
             opacity: 1.0,
             share: 1.0,
-            scalp_tint: 0.8,
+            scalp_tint: 0.5,
         }
     }
 }

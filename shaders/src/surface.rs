@@ -88,16 +88,16 @@ impl Tone {
     /// Albedo of bare skin, linear Rec.709.
     ///
     /// The scale's swatches are made to be told apart on a screen, not to be lit: the lightest would reflect 85 % of all light
-    /// and the darkest 2 %. Their luminances are compressed by one power law to 46 % to 4.5 %, the span of measured skin, and
+    /// and the darkest 2 %. Their luminances are compressed by one power law to 46 % to 5.5 %, about the span of measured skin, and
     /// three quarters of the swatch's own tint are mixed with the red of the blood under it. The law is our choice; the order and the hues are
     /// the scale's.
     pub fn albedo(self) -> Vec3 {
         let Self::Monk(number) = self else { return CLAY };
         let tone = swatch(MONK[usize::from(number.clamp(1, 10)) - 1]);
         let luminance = luminance(tone);
-        let (light, dark) = (0.46f32, 0.045f32);
+        let (light, dark) = (0.46f32, 0.055f32);
         // ln(light / dark) over ln of the ratio of the first and the last swatch.
-        let lit = pow(luminance / 0.8526, 0.605) * light;
+        let lit = pow(luminance / 0.8526, 0.5537) * light;
         let tint = (tone / luminance).map(|c| pow(c, 0.75)) * Vec3::new(1.22, 0.945, 0.87);
         let albedo = tint * (lit.max(dark) / self::luminance(tint));
         albedo.clamp(Vec3::ZERO, Vec3::ONE)
@@ -424,7 +424,7 @@ mod tests {
             assert!(c.x > c.y && c.y > c.z, "skin is redder than green and greener than blue: {c}");
             assert!(c.x / c.z < 5.0 && c.max_element() < 0.75, "{c}");
         }
-        assert!((luminance(all[0]) / luminance(all[9]) - 0.46 / 0.045).abs() < 0.3);
+        assert!((luminance(all[0]) / luminance(all[9]) - 0.46 / 0.055).abs() < 0.3);
         assert_eq!(Tone::Monk(0).albedo(), Tone::Monk(1).albedo());
         assert_eq!(Tone::Monk(99).albedo(), Tone::Monk(10).albedo());
     }
