@@ -160,7 +160,12 @@ struct Stale {
     hair: bool,
     solids: bool,
     lights: bool,
-    table: bool,
+    tables: bool,
+    targets: bool,
+}
+
+impl Stale {
+    const ALL: Self = Self { hair: true, solids: true, lights: true, tables: true, targets: true };
 }
 
 /// Targets of the size of the picture.
@@ -195,6 +200,16 @@ struct Maps {
     opacity_group: wgpu::BindGroup,
 }
 
+/// What shading looks up that neither hair nor solids change. A backdrop may be large, so it is not sent at every turn of
+/// the camera.
+#[derive(Debug)]
+struct Tables {
+    scatter: wgpu::Buffer,
+    backdrop: wgpu::TextureView,
+    roots: wgpu::TextureView,
+    sampler: wgpu::Sampler,
+}
+
 /// Draws one picture, again and again.
 pub struct Renderer {
     gpu: Arc<Gpu>,
@@ -218,6 +233,7 @@ pub struct Renderer {
     shading: Shading,
     frame: Frame,
     table: ScatterTable,
+    tables: Tables,
     maps: Maps,
     grid: Grid,
     /// `@group(1)` of shading.
@@ -278,7 +294,8 @@ impl Renderer {
         let maps = Maps::new(&gpu, &layouts);
         let grid = Grid::new(&gpu, &layouts, [3; 3], &[0; 27]);
         let rig = Rig::default();
-        let lookups = lookups(&gpu, &layouts, &targets, &maps, &grid, &table, &rig, None);
+        let tables = Tables::new(&gpu, &table, &rig, None);
+        let lookups = lookups(&gpu, &layouts, &targets, &maps, &grid, &tables);
         Ok(Self {
             drawn: strands.blocks(&gpu, 1.0),
             shadowing: strands.blocks(&gpu, 1.0),
@@ -305,13 +322,14 @@ impl Renderer {
             shading: Shading::Hair,
             frame: Zeroable::zeroed(),
             table,
+            tables,
             maps,
             grid,
             lookups,
             frame_buffer,
             slice_buffer,
             frame_group,
-            stale: Stale { hair: true, solids: true, lights: true, table: true },
+            stale: Stale::ALL,
             work: VecDeque::new(),
             samples: 0,
             target_samples: 64,
@@ -338,7 +356,7 @@ impl Renderer {
             check_size(&self.gpu, width, height)?;
             self.targets = Targets::new(&self.gpu, &self.layouts, width, height);
             (self.width, self.height) = (width, height);
-            self.stale.table = true;
+            self.stale.targets = true;
             self.restart();
         }
         Ok(())
@@ -366,7 +384,7 @@ impl Renderer {
     /// Where hair grows, which tints the skin.
     pub fn set_roots(&mut self, roots: Option<RootGrid>) {
         self.roots = roots;
-        self.stale.table = true;
+        self.stale.tables = true;
         self.restart();
     }
     /// Where it is seen from.
@@ -381,7 +399,7 @@ impl Renderer {
     pub fn set_rig(&mut self, rig: &Rig) {
         self.rig = rig.clone();
         self.stale.lights = true;
-        self.stale.table = true;
+        self.stale.tables = true;
         self.restart();
     }
     /// How hair is drawn.
@@ -391,7 +409,7 @@ impl Renderer {
             != (look.beta_m, look.beta_n, look.tilt_degrees)
         {
             self.table = bake(look);
-            self.stale.table = true;
+            self.stale.tables = true;
         }
         if old.share != look.share {
             self.drawn = self.strands.blocks(&self.gpu, look.share);
@@ -416,7 +434,7 @@ impl Renderer {
         self.submit(encoder, &slices);
         (self.look, self.shading) = (look, shading);
         // Empty passes clear what they would draw into.
-        self.stale = Stale { hair: true, solids: true, lights: true, table: true };
+        self.stale = Stale::ALL;
         self.restart();
     }
 
@@ -710,16 +728,11 @@ impl Renderer {
             }
             self.plan_light(geometry);
         }
-        self.lookups = lookups(
-            &self.gpu,
-            &self.layouts,
-            &self.targets,
-            &self.maps,
-            &self.grid,
-            &self.table,
-            &self.rig,
-            self.roots.as_ref(),
-        );
+        if stale.tables {
+            self.tables = Tables::new(&self.gpu, &self.table, &self.rig, self.roots.as_ref());
+        }
+        let (targets, tables) = (&self.targets, &self.tables);
+        self.lookups = lookups(&self.gpu, &self.layouts, targets, &self.maps, &self.grid, tables);
         if let Some(roots) = &self.roots {
             self.frame.roots = roots.lower.extend(roots.cell).to_array();
             self.frame.roots_size = [roots.size[0], roots.size[1], roots.size[2], 1];
@@ -1113,63 +1126,68 @@ impl Maps {
     }
 }
 
+impl Tables {
+    fn new(gpu: &Gpu, table: &ScatterTable, rig: &Rig, roots: Option<&RootGrid>) -> Self {
+        let scatter = storage(gpu, "scatter table", size_of_val(&table.values[..]) as u64);
+        gpu.queue.write_buffer(&scatter, 0, bytemuck::cast_slice(&table.values));
+        let texture =
+            |label, size: [u32; 3], dimension, format: wgpu::TextureFormat, bytes: &[u8]| {
+                let usage = U::TEXTURE_BINDING | U::COPY_DST;
+                let texture = view_of(gpu, label, size, dimension, format, usage);
+                let row = size[0] * format.block_copy_size(None).unwrap_or(1);
+                gpu.queue.write_texture(
+                    texture.as_image_copy(),
+                    bytes,
+                    wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some(row),
+                        rows_per_image: Some(size[1]),
+                    },
+                    texture.size(),
+                );
+                texture.create_view(&Default::default())
+            };
+        let (w, h, map) = rig.environment.backdrop_map();
+        let map: Vec<half::f16> = map.iter().flatten().map(|x| half::f16::from_f32(*x)).collect();
+        let backdrop = texture(
+            "backdrop",
+            [w, h, 1],
+            D2,
+            wgpu::TextureFormat::Rgba16Float,
+            bytemuck::cast_slice(&map),
+        );
+        let (size, values_of_roots) = match roots {
+            Some(roots) => (roots.size, &roots.values[..]),
+            // Not of one texel, nor of a power of two: software adapters compile for that.
+            None => ([3; 3], &[0u8; 27][..]),
+        };
+        let roots = texture("roots", size, D3, wgpu::TextureFormat::R8Unorm, values_of_roots);
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        Self { scatter, backdrop, roots, sampler }
+    }
+}
+
 fn lookups(
     gpu: &Gpu,
     layouts: &Layouts,
     targets: &Targets,
     maps: &Maps,
     grid: &Grid,
-    table: &ScatterTable,
-    rig: &Rig,
-    roots: Option<&RootGrid>,
+    tables: &Tables,
 ) -> wgpu::BindGroup {
-    let values = storage(gpu, "scatter table", size_of_val(&table.values[..]) as u64);
-    gpu.queue.write_buffer(&values, 0, bytemuck::cast_slice(&table.values));
-    let texture = |label, size: [u32; 3], dimension, format: wgpu::TextureFormat, bytes: &[u8]| {
-        let usage = U::TEXTURE_BINDING | U::COPY_DST;
-        let texture = view_of(gpu, label, size, dimension, format, usage);
-        let row = size[0] * format.block_copy_size(None).unwrap_or(1);
-        gpu.queue.write_texture(
-            texture.as_image_copy(),
-            bytes,
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(row),
-                rows_per_image: Some(size[1]),
-            },
-            texture.size(),
-        );
-        texture.create_view(&Default::default())
-    };
-    let (w, h, map) = rig.environment.backdrop_map();
-    let map: Vec<half::f16> = map.iter().flatten().map(|x| half::f16::from_f32(*x)).collect();
-    let backdrop = texture(
-        "backdrop",
-        [w, h, 1],
-        D2,
-        wgpu::TextureFormat::Rgba16Float,
-        bytemuck::cast_slice(&map),
-    );
-    let (size, values_of_roots) = match roots {
-        Some(roots) => (roots.size, &roots.values[..]),
-        // Not of one texel, nor of a power of two: software adapters compile for that.
-        None => ([3; 3], &[0u8; 27][..]),
-    };
-    let roots = texture("roots", size, D3, wgpu::TextureFormat::R8Unorm, values_of_roots);
-    let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        ..Default::default()
-    });
     let view = |v| wgpu::BindingResource::TextureView(v);
     group(
         gpu,
         &layouts.lookups,
         &[
-            values.as_entire_binding(),
-            view(&backdrop),
-            view(&roots),
-            wgpu::BindingResource::Sampler(&sampler),
+            tables.scatter.as_entire_binding(),
+            view(&tables.backdrop),
+            view(&tables.roots),
+            wgpu::BindingResource::Sampler(&tables.sampler),
             view(&grid.openness),
             maps.opacity.as_entire_binding(),
             view(&maps.depths),

@@ -267,9 +267,7 @@ fn goldens() -> PathBuf {
 
 #[test]
 fn every_view_light_and_model_looks_as_it_did() {
-    let Some(gpu) = gpu("every_view_light_and_model_looks_as_it_did") else { return };
-    // A renderer of its own: where strands lie in memory decides their grain, and that depends on what was drawn before.
-    let mut renderer = Renderer::new(gpu, WIDTH_PIXELS, HEIGHT_PIXELS).expect("a small picture");
+    let Some(mut renderer) = renderer("every_view_light_and_model_looks_as_it_did") else { return };
     let folder = goldens();
     let pinned = adapter(&renderer) == PINNED;
     let drawn = pictures(&mut renderer);

@@ -34,7 +34,7 @@ fn forget(renderer: &mut Renderer) {
     renderer.strands = Strands::new(&renderer.gpu);
     renderer.drawn = renderer.strands.blocks(&renderer.gpu, 1.0);
     renderer.shadowing = renderer.strands.blocks(&renderer.gpu, 1.0);
-    renderer.stale = Stale { hair: true, solids: true, lights: true, table: true };
+    renderer.stale = Stale::ALL;
     renderer.rates = [None; PASSES];
     renderer.restart();
 }
@@ -634,7 +634,7 @@ fn odd_scenes_give_finite_pictures() {
     };
     let full = Scene::of(tufts(0..25));
     let wanted = full.draw(&mut renderer);
-    let odd: [(&str, Odd); 16] = [
+    let odd: [(&str, Odd); 17] = [
         ("no hair", |s| s.hair = Curves::default()),
         ("no solids", |s| s.solids = vec![]),
         ("nothing", |s| (s.hair, s.solids) = (Curves::default(), vec![])),
@@ -652,7 +652,13 @@ fn odd_scenes_give_finite_pictures() {
         ("a thousandth of the strands", |s| s.look.share = 0.001),
         ("no strands", |s| s.look.share = 0.0),
         ("no light", |s| s.rig = Rig { lights: [crate::light::Light::OFF; 3], ..s.rig.clone() }),
-        ("curves of one length", |s| {
+        ("hair at the ends of the world", |s| {
+            let ends = [Vec3::splat(3e38), Vec3::splat(-3e38), Vec3::splat(1e18), Vec3::X];
+            let mut all = s.hair.tufts().to_vec();
+            all.extend(ends.map(|p| curve(&[p, p * 0.999_999], 0.1).tufts()[0].clone()));
+            s.hair = Curves::new(all);
+        }),
+        ("curves without length", |s| {
             s.hair = curve(&[Vec3::ZERO, Vec3::ZERO, Vec3::X, Vec3::X], 0.1);
         }),
     ];
