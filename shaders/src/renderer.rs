@@ -390,7 +390,7 @@ impl Renderer {
     /// Where it is seen from.
     pub fn set_camera(&mut self, camera: &Camera) {
         if self.camera != *camera {
-            self.camera = camera.clone();
+            self.camera = *camera;
             self.stale.lights |= self.rig.with_camera;
             self.restart();
         }
