@@ -14,7 +14,8 @@
 //! nobody waits long for a software adapter. Between two slices anything may change; what was half done is dropped.
 //!
 //! **Invariant:** all sums over strands are integer sums and every pixel is shaded on its own, so that pictures are the same
-//! to the last bit for any number of threads and any slicing.
+//! to the last bit for any number of threads and any slicing. Random numbers hang from places in space, pixels and samples, so
+//! that what was drawn or uploaded before leaves no trace; `strands.rs` names the one exception.
 
 use crate::camera::{Camera, PORTRAIT_FOCAL, Sphere};
 use crate::frame::Frame;
