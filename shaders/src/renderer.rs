@@ -10,7 +10,7 @@
 //! One sample is what a moving view shows; 64 are a still.
 //!
 //! # Slices
-//! All work is cut into slices that take about [`SLICE`] on the adapter at hand, as measured on the slices before, so that
+//! All work is cut into slices that take about 25 ms on the adapter at hand, as measured on the slices before, so that
 //! nobody waits long for a software adapter. Between two slices anything may change; what was half done is dropped.
 //!
 //! **Invariant:** all sums over strands are integer sums and every pixel is shaded on its own, so that pictures are the same
