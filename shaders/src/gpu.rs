@@ -3,6 +3,7 @@
 //! Prefers a real GPU and takes a software one where there is no other. Only limits that WebGPU
 //! guarantees are asked for; larger bindings and 64-bit atomics are used where the adapter has them.
 
+use std::sync::{Arc, OnceLock};
 use wgpu::{Backends, Features, Limits};
 
 /// Which visibility buffer is drawn into.
@@ -44,6 +45,8 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// The adapter's name and driver, for messages and pictures' metadata.
     pub info: wgpu::AdapterInfo,
+    /// Why the device is gone, once it is.
+    lost: Arc<OnceLock<String>>,
     /// Whether visibility is kept in 64-bit words.
     pub(crate) wide: bool,
 }
@@ -103,7 +106,13 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&request))
             .map_err(|err| too_small(err.to_string()))?;
-        Ok(Self { device, queue, info, wide })
+        let lost = Arc::new(OnceLock::new());
+        let told = lost.clone();
+        device.set_device_lost_callback(move |_, message| {
+            // The first reason is the one that counts.
+            let _ = told.set(message);
+        });
+        Ok(Self { device, queue, info, lost, wide })
     }
 
     /// Whether the adapter is a program on the CPU, on which long work blocks everything.
@@ -111,9 +120,14 @@ impl Gpu {
         self.info.device_type == wgpu::DeviceType::Cpu
     }
 
+    /// Why the device takes no more work, once it was lost. It does not come back: make another.
+    pub fn lost(&self) -> Option<&str> {
+        self.lost.get().map(String::as_str)
+    }
+
     /// Waits until all submitted work is done.
     pub(crate) fn wait(&self) {
-        // A wait without a limit fails only when the device is lost, and then the next call says so.
+        // A wait without a limit fails only when the device is lost, and then `lost` says so.
         let _ = self.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: None });
     }
 }

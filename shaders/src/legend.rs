@@ -11,6 +11,8 @@ use glam::Vec3;
 /// Size of a letter and the room from one to the next, font pixels.
 const LETTER: [usize; 2] = [5, 7];
 const ADVANCE: usize = 6;
+/// How far letters with a tail hang under the line, font pixels.
+const DESCENT: usize = 2;
 /// Font pixels around the legend and within its panel.
 const MARGIN: usize = 6;
 /// Size of the bar, font pixels.
@@ -139,10 +141,11 @@ impl Canvas<'_> {
     }
     fn text(&mut self, x: usize, y: usize, text: &str) {
         for (k, letter) in text.chars().enumerate() {
+            let lower = if "gpqy".contains(letter.to_ascii_lowercase()) { DESCENT } else { 0 };
             for (row, bits) in glyph(letter).into_iter().enumerate() {
                 for column in 0..LETTER[0] {
                     if bits >> (LETTER[0] - 1 - column) & 1 == 1 {
-                        self.fill(x + k * ADVANCE + column, y + row, [INK; 3]);
+                        self.fill(x + k * ADVANCE + column, y + lower + row, [INK; 3]);
                     }
                 }
             }
@@ -160,7 +163,7 @@ fn glyph(letter: char) -> [u8; 7] {
         'd' => [0b00001, 0b00001, 0b01101, 0b10011, 0b10001, 0b10001, 0b01111],
         'e' => [0, 0, 0b01110, 0b10001, 0b11111, 0b10000, 0b01110],
         'f' => [0b00110, 0b01001, 0b01000, 0b11100, 0b01000, 0b01000, 0b01000],
-        'g' => [0, 0b01111, 0b10001, 0b10001, 0b01111, 0b00001, 0b01110],
+        'g' => [0b01111, 0b10001, 0b10001, 0b10001, 0b01111, 0b00001, 0b01110],
         'h' => [0b10000, 0b10000, 0b10110, 0b11001, 0b10001, 0b10001, 0b10001],
         'i' => [0b00100, 0, 0b01100, 0b00100, 0b00100, 0b00100, 0b01110],
         'j' => [0b00010, 0, 0b00110, 0b00010, 0b00010, 0b10010, 0b01100],
@@ -169,8 +172,8 @@ fn glyph(letter: char) -> [u8; 7] {
         'm' => [0, 0, 0b11010, 0b10101, 0b10101, 0b10001, 0b10001],
         'n' => [0, 0, 0b10110, 0b11001, 0b10001, 0b10001, 0b10001],
         'o' => [0, 0, 0b01110, 0b10001, 0b10001, 0b10001, 0b01110],
-        'p' => [0, 0b11110, 0b10001, 0b10001, 0b11110, 0b10000, 0b10000],
-        'q' => [0, 0b01111, 0b10001, 0b10001, 0b01111, 0b00001, 0b00001],
+        'p' => [0b11110, 0b10001, 0b10001, 0b10001, 0b11110, 0b10000, 0b10000],
+        'q' => [0b01111, 0b10001, 0b10001, 0b10001, 0b01111, 0b00001, 0b00001],
         'r' => [0, 0, 0b10110, 0b11001, 0b10000, 0b10000, 0b10000],
         's' => [0, 0, 0b01111, 0b10000, 0b01110, 0b00001, 0b11110],
         't' => [0b01000, 0b01000, 0b11100, 0b01000, 0b01000, 0b01001, 0b00110],
@@ -178,7 +181,7 @@ fn glyph(letter: char) -> [u8; 7] {
         'v' => [0, 0, 0b10001, 0b10001, 0b10001, 0b01010, 0b00100],
         'w' => [0, 0, 0b10001, 0b10001, 0b10101, 0b10101, 0b01010],
         'x' => [0, 0, 0b10001, 0b01010, 0b00100, 0b01010, 0b10001],
-        'y' => [0, 0b10001, 0b10001, 0b10001, 0b01111, 0b00001, 0b01110],
+        'y' => [0b10001, 0b10001, 0b10001, 0b10011, 0b01101, 0b00001, 0b01110],
         'z' => [0, 0, 0b11111, 0b00010, 0b00100, 0b01000, 0b11111],
         '0' => [0b01110, 0b10001, 0b10011, 0b10101, 0b11001, 0b10001, 0b01110],
         '1' => [0b00100, 0b01100, 0b00100, 0b00100, 0b00100, 0b00100, 0b01110],

@@ -10,11 +10,12 @@
 //! One sample is what a moving view shows; 64 are a still.
 //!
 //! # Slices
-//! All work is cut into slices that take about [`SLICE`] on the adapter at hand, as measured on the slices before, so that
+//! All work is cut into slices that take about 25 ms on the adapter at hand, as measured on the slices before, so that
 //! nobody waits long for a software adapter. Between two slices anything may change; what was half done is dropped.
 //!
 //! **Invariant:** all sums over strands are integer sums and every pixel is shaded on its own, so that pictures are the same
-//! to the last bit for any number of threads and any slicing.
+//! to the last bit for any number of threads and any slicing. Random numbers hang from places in space, pixels and samples, so
+//! that what was drawn or uploaded before leaves no trace; `strands.rs` names the one exception.
 
 use crate::camera::{Camera, PORTRAIT_FOCAL, Sphere};
 use crate::frame::Frame;
@@ -84,7 +85,7 @@ impl Default for Look {
             specular: 1.0,
             opacity: 1.0,
             share: 1.0,
-            scalp_tint: 0.8,
+            scalp_tint: 0.5,
         }
     }
 }
@@ -160,7 +161,12 @@ struct Stale {
     hair: bool,
     solids: bool,
     lights: bool,
-    table: bool,
+    tables: bool,
+    targets: bool,
+}
+
+impl Stale {
+    const ALL: Self = Self { hair: true, solids: true, lights: true, tables: true, targets: true };
 }
 
 /// Targets of the size of the picture.
@@ -195,6 +201,16 @@ struct Maps {
     opacity_group: wgpu::BindGroup,
 }
 
+/// What shading looks up that neither hair nor solids change. A backdrop may be large, so it is not sent at every turn of
+/// the camera.
+#[derive(Debug)]
+struct Tables {
+    scatter: wgpu::Buffer,
+    backdrop: wgpu::TextureView,
+    roots: wgpu::TextureView,
+    sampler: wgpu::Sampler,
+}
+
 /// Draws one picture, again and again.
 pub struct Renderer {
     gpu: Arc<Gpu>,
@@ -218,6 +234,7 @@ pub struct Renderer {
     shading: Shading,
     frame: Frame,
     table: ScatterTable,
+    tables: Tables,
     maps: Maps,
     grid: Grid,
     /// `@group(1)` of shading.
@@ -278,7 +295,8 @@ impl Renderer {
         let maps = Maps::new(&gpu, &layouts);
         let grid = Grid::new(&gpu, &layouts, [3; 3], &[0; 27]);
         let rig = Rig::default();
-        let lookups = lookups(&gpu, &layouts, &targets, &maps, &grid, &table, &rig, None);
+        let tables = Tables::new(&gpu, &table, &rig, None);
+        let lookups = lookups(&gpu, &layouts, &targets, &maps, &grid, &tables);
         Ok(Self {
             drawn: strands.blocks(&gpu, 1.0),
             shadowing: strands.blocks(&gpu, 1.0),
@@ -305,13 +323,14 @@ impl Renderer {
             shading: Shading::Hair,
             frame: Zeroable::zeroed(),
             table,
+            tables,
             maps,
             grid,
             lookups,
             frame_buffer,
             slice_buffer,
             frame_group,
-            stale: Stale { hair: true, solids: true, lights: true, table: true },
+            stale: Stale::ALL,
             work: VecDeque::new(),
             samples: 0,
             target_samples: 64,
@@ -338,17 +357,22 @@ impl Renderer {
             check_size(&self.gpu, width, height)?;
             self.targets = Targets::new(&self.gpu, &self.layouts, width, height);
             (self.width, self.height) = (width, height);
-            self.stale.table = true;
+            self.stale.targets = true;
             self.restart();
         }
         Ok(())
     }
-    /// The hair to draw, in the colours of a view. Only tufts that are not there yet are sent.
+    /// The hair to draw, in the colours of a view. Only tufts that are not there yet are sent; where nothing differs from
+    /// what is drawn already, the picture goes on.
     pub fn set_hair(&mut self, curves: &Curves, paint: &Paint) -> Uploaded {
         let uploaded = self.strands.set(&self.gpu, curves, paint);
-        self.shading = paint.shading;
-        self.stale.hair = true;
-        self.restart();
+        let moved = uploaded.tufts + uploaded.removed > 0;
+        // Light does not care for paint.
+        self.stale.hair |= moved;
+        if moved || uploaded.bytes > 0 || self.shading != paint.shading {
+            self.shading = paint.shading;
+            self.restart();
+        }
         uploaded
     }
     /// Head, ground, tubes: all solids there are to be.
@@ -361,13 +385,13 @@ impl Renderer {
     /// Where hair grows, which tints the skin.
     pub fn set_roots(&mut self, roots: Option<RootGrid>) {
         self.roots = roots;
-        self.stale.table = true;
+        self.stale.tables = true;
         self.restart();
     }
     /// Where it is seen from.
     pub fn set_camera(&mut self, camera: &Camera) {
         if self.camera != *camera {
-            self.camera = camera.clone();
+            self.camera = *camera;
             self.stale.lights |= self.rig.with_camera;
             self.restart();
         }
@@ -376,7 +400,7 @@ impl Renderer {
     pub fn set_rig(&mut self, rig: &Rig) {
         self.rig = rig.clone();
         self.stale.lights = true;
-        self.stale.table = true;
+        self.stale.tables = true;
         self.restart();
     }
     /// How hair is drawn.
@@ -386,7 +410,7 @@ impl Renderer {
             != (look.beta_m, look.beta_n, look.tilt_degrees)
         {
             self.table = bake(look);
-            self.stale.table = true;
+            self.stale.tables = true;
         }
         if old.share != look.share {
             self.drawn = self.strands.blocks(&self.gpu, look.share);
@@ -395,7 +419,7 @@ impl Renderer {
     }
 
     /// Compiles what drawing such hair in such a view will need, so that the first picture does not wait for it: a
-    /// software adapter compiles a shader when it first runs.
+    /// software adapter compiles a shader when it first runs. What was drawn so far is dropped.
     pub fn warm_up(&mut self, look: &Look, shading: Shading) {
         let (look, shading) = (
             std::mem::replace(&mut self.look, *look),
@@ -410,6 +434,9 @@ impl Renderer {
         }
         self.submit(encoder, &slices);
         (self.look, self.shading) = (look, shading);
+        // Empty passes clear what they would draw into.
+        self.stale = Stale::ALL;
+        self.restart();
     }
 
     fn shade_for(&self) -> ShadeFor {
@@ -455,7 +482,7 @@ impl Renderer {
     pub fn advance(&mut self, samples: u32, budget: Duration) -> Progress {
         self.target_samples = samples;
         let start = Instant::now();
-        while self.samples < samples {
+        while self.samples < samples && self.lost().is_none() {
             self.slice();
             if start.elapsed() >= budget {
                 break;
@@ -464,10 +491,15 @@ impl Renderer {
         self.progress()
     }
 
-    /// A picture of `samples` samples; false when `cancelled` said so first.
+    /// Why nothing is drawn any more, once the device is gone. A renderer does not come back from that.
+    pub fn lost(&self) -> Option<RenderError> {
+        self.gpu.lost().map(|reason| RenderError::Lost(reason.to_owned()))
+    }
+
+    /// A picture of `samples` samples; false when `cancelled` said so first, or when the device is [`Self::lost`].
     pub fn render(&mut self, samples: u32, cancelled: &dyn Fn(Progress) -> bool) -> bool {
         while self.advance(samples, SLICE).samples < samples {
-            if cancelled(self.progress()) {
+            if self.lost().is_some() || cancelled(self.progress()) {
                 return false;
             }
         }
@@ -479,10 +511,20 @@ impl Renderer {
         ALL.iter().map(|p| (*p, self.spent[*p as usize].0, self.spent[*p as usize].1)).collect()
     }
 
-    /// The curve and point of the tuft that the middle of a pixel shows in the last sample, if it shows hair.
+    /// Whether sums hold a part of the sample that is being made.
+    fn half_shaded(&self) -> bool {
+        let untouched = |step: &&Step| matches!(step, Step::Run { pass: Pass::Shade, next: 0, .. });
+        !self.work.is_empty() && self.work.iter().filter(untouched).count() < self.drawn.len()
+    }
+
+    /// The curve and point of the tuft that the middle of a pixel shows in the last sample, if it shows hair. A sample that
+    /// is being made is finished first.
     pub fn pick(&mut self, x: u32, y: u32) -> Option<(Arc<Tuft>, usize, usize)> {
         if x >= self.width || y >= self.height || self.samples == 0 {
             return None;
+        }
+        while !self.work.is_empty() && self.lost().is_none() {
+            self.slice();
         }
         let words = if self.gpu.wide { 2 } else { 1 };
         let at = u64::from(y * self.width + x) * 4 * words;
@@ -490,10 +532,19 @@ impl Renderer {
         self.strands.named(u32::from_le_bytes(bytes.get(..4)?.try_into().ok()?))
     }
 
-    /// The picture as far as it is.
+    /// The picture as far as it is: black and clear before the first sample is whole. A sample that is being shaded is
+    /// finished first, so that all pixels are sums of as many.
     pub fn picture(&mut self) -> Picture {
+        while self.half_shaded() && self.lost().is_none() {
+            self.slice();
+        }
         let size = u64::from(self.width) * u64::from(self.height) * 16;
-        let bytes = read(&self.gpu, &self.targets.sums, 0, size);
+        let mut bytes = vec![];
+        if self.samples > 0 {
+            bytes = read(&self.gpu, &self.targets.sums, 0, size);
+        }
+        // Nothing is read from a device that is gone.
+        bytes.resize(size as usize, 0);
         let scale = 1.0 / self.samples.max(1) as f32;
         let linear = bytes
             .chunks_exact(16)
@@ -553,6 +604,9 @@ fn read(gpu: &Gpu, buffer: &wgpu::Buffer, offset: u64, size: u64) -> Vec<u8> {
     }
 }
 
+#[cfg(test)]
+mod tests;
+
 // --- work ---------------------------------------------------------------------------------------
 
 impl Renderer {
@@ -578,10 +632,14 @@ impl Renderer {
                         Some(rate) => ((aim - expected) / rate.max(1e-9)) as u32,
                         None => all.div_ceil(16),
                     };
-                    let n = n.max(granule(pass)).next_multiple_of(granule(pass)).min(all);
-                    self.encode(&mut encoder, &mut slices, pass, part, next, n);
-                    expected += self.rates[pass as usize].unwrap_or(aim) * f64::from(n);
-                    done.push((pass, n));
+                    let n = n.clamp(granule(pass), all.max(granule(pass)));
+                    let n = n.next_multiple_of(granule(pass)).min(all);
+                    // A pass over nothing would teach that it is fast.
+                    if n > 0 {
+                        self.encode(&mut encoder, &mut slices, pass, part, next, n);
+                        expected += self.rates[pass as usize].unwrap_or(aim) * f64::from(n);
+                        done.push((pass, n));
+                    }
                     if n < all {
                         self.work[0] = Step::Run { pass, part, next: next + n, end };
                         break;
@@ -671,16 +729,11 @@ impl Renderer {
             }
             self.plan_light(geometry);
         }
-        self.lookups = lookups(
-            &self.gpu,
-            &self.layouts,
-            &self.targets,
-            &self.maps,
-            &self.grid,
-            &self.table,
-            &self.rig,
-            self.roots.as_ref(),
-        );
+        if stale.tables {
+            self.tables = Tables::new(&self.gpu, &self.table, &self.rig, self.roots.as_ref());
+        }
+        let (targets, tables) = (&self.targets, &self.tables);
+        self.lookups = lookups(&self.gpu, &self.layouts, targets, &self.maps, &self.grid, tables);
         if let Some(roots) = &self.roots {
             self.frame.roots = roots.lower.extend(roots.cell).to_array();
             self.frame.roots_size = [roots.size[0], roots.size[1], roots.size[2], 1];
@@ -1074,63 +1127,68 @@ impl Maps {
     }
 }
 
+impl Tables {
+    fn new(gpu: &Gpu, table: &ScatterTable, rig: &Rig, roots: Option<&RootGrid>) -> Self {
+        let scatter = storage(gpu, "scatter table", size_of_val(&table.values[..]) as u64);
+        gpu.queue.write_buffer(&scatter, 0, bytemuck::cast_slice(&table.values));
+        let texture =
+            |label, size: [u32; 3], dimension, format: wgpu::TextureFormat, bytes: &[u8]| {
+                let usage = U::TEXTURE_BINDING | U::COPY_DST;
+                let texture = view_of(gpu, label, size, dimension, format, usage);
+                let row = size[0] * format.block_copy_size(None).unwrap_or(1);
+                gpu.queue.write_texture(
+                    texture.as_image_copy(),
+                    bytes,
+                    wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some(row),
+                        rows_per_image: Some(size[1]),
+                    },
+                    texture.size(),
+                );
+                texture.create_view(&Default::default())
+            };
+        let (w, h, map) = rig.environment.backdrop_map();
+        let map: Vec<half::f16> = map.iter().flatten().map(|x| half::f16::from_f32(*x)).collect();
+        let backdrop = texture(
+            "backdrop",
+            [w, h, 1],
+            D2,
+            wgpu::TextureFormat::Rgba16Float,
+            bytemuck::cast_slice(&map),
+        );
+        let (size, values_of_roots) = match roots {
+            Some(roots) => (roots.size, &roots.values[..]),
+            // Not of one texel, nor of a power of two: software adapters compile for that.
+            None => ([3; 3], &[0u8; 27][..]),
+        };
+        let roots = texture("roots", size, D3, wgpu::TextureFormat::R8Unorm, values_of_roots);
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        Self { scatter, backdrop, roots, sampler }
+    }
+}
+
 fn lookups(
     gpu: &Gpu,
     layouts: &Layouts,
     targets: &Targets,
     maps: &Maps,
     grid: &Grid,
-    table: &ScatterTable,
-    rig: &Rig,
-    roots: Option<&RootGrid>,
+    tables: &Tables,
 ) -> wgpu::BindGroup {
-    let values = storage(gpu, "scatter table", size_of_val(&table.values[..]) as u64);
-    gpu.queue.write_buffer(&values, 0, bytemuck::cast_slice(&table.values));
-    let texture = |label, size: [u32; 3], dimension, format: wgpu::TextureFormat, bytes: &[u8]| {
-        let usage = U::TEXTURE_BINDING | U::COPY_DST;
-        let texture = view_of(gpu, label, size, dimension, format, usage);
-        let row = size[0] * format.block_copy_size(None).unwrap_or(1);
-        gpu.queue.write_texture(
-            texture.as_image_copy(),
-            bytes,
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(row),
-                rows_per_image: Some(size[1]),
-            },
-            texture.size(),
-        );
-        texture.create_view(&Default::default())
-    };
-    let (w, h, map) = rig.environment.backdrop_map();
-    let map: Vec<half::f16> = map.iter().flatten().map(|x| half::f16::from_f32(*x)).collect();
-    let backdrop = texture(
-        "backdrop",
-        [w, h, 1],
-        D2,
-        wgpu::TextureFormat::Rgba16Float,
-        bytemuck::cast_slice(&map),
-    );
-    let (size, values_of_roots) = match roots {
-        Some(roots) => (roots.size, &roots.values[..]),
-        // Not of one texel, nor of a power of two: software adapters compile for that.
-        None => ([3; 3], &[0u8; 27][..]),
-    };
-    let roots = texture("roots", size, D3, wgpu::TextureFormat::R8Unorm, values_of_roots);
-    let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        ..Default::default()
-    });
     let view = |v| wgpu::BindingResource::TextureView(v);
     group(
         gpu,
         &layouts.lookups,
         &[
-            values.as_entire_binding(),
-            view(&backdrop),
-            view(&roots),
-            wgpu::BindingResource::Sampler(&sampler),
+            tables.scatter.as_entire_binding(),
+            view(&tables.backdrop),
+            view(&tables.roots),
+            wgpu::BindingResource::Sampler(&tables.sampler),
             view(&grid.openness),
             maps.opacity.as_entire_binding(),
             view(&maps.depths),

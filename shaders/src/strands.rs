@@ -4,7 +4,9 @@
 //! free takes the next tuft that fits; when more lies free than is used, everything is laid out anew.
 //!
 //! Guaranteed: positions are uploaded bit for bit; a point costs 20 bytes; a chunk never passes the adapter's limit
-//! for one binding. Curves of fewer than two points are not drawn. Not guaranteed: which slot a tuft gets.
+//! for one binding. Curves of fewer than two points, or with a point that is no place, are not drawn. Pictures do not depend
+//! on what was uploaded before, but for segments at the very same depth in a pixel, of which the one that lies further back in
+//! memory is seen. Not guaranteed: which slot a tuft gets.
 
 use crate::gpu::Gpu;
 use crate::twins::twins;
@@ -45,6 +47,8 @@ pub struct Uploaded {
     pub tufts: usize,
     /// Tufts that were there already.
     pub kept: usize,
+    /// Tufts that were there and are not any more.
+    pub removed: usize,
     /// Bytes sent, paint included.
     pub bytes: u64,
 }
@@ -55,12 +59,16 @@ struct Slot {
     tuft: Arc<Tuft>,
     chunk: usize,
     first: u32,
+    /// Box around the curves that are drawn, cm.
+    bounds: Option<(Vec3, Vec3)>,
+    /// Their length in all, cm.
+    length: f64,
 }
 
 /// One binding's worth of points.
 #[derive(Debug)]
 pub(crate) struct Chunk {
-    points: wgpu::Buffer,
+    pub(crate) points: wgpu::Buffer,
     paint: wgpu::Buffer,
     capacity: u32,
     /// First point and length of what is free, in order, never touching each other.
@@ -86,6 +94,8 @@ pub(crate) struct Strands {
     slots: Vec<Slot>,
     paint_key: u64,
     most_points: u32,
+    /// Points that may lie free whatever is used.
+    slack: u64,
 }
 
 impl Strands {
@@ -107,39 +117,40 @@ impl Strands {
         let limits = gpu.device.limits();
         let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let most_points = (bytes / POINT).min(1 << 26) as u32;
-        let mut strands = Self { layout, chunks: vec![], slots: vec![], paint_key: 0, most_points };
+        let mut strands = Self {
+            layout,
+            chunks: vec![],
+            slots: vec![],
+            paint_key: 0,
+            most_points,
+            slack: 65_536,
+        };
         strands.grow(gpu, 1);
         strands
     }
 
-    /// Makes chunks smaller than the adapter's limit, so that a test reaches the second one.
+    /// Makes chunks smaller than the adapter's limit, so that a test reaches the second one, and free room too.
     #[cfg(test)]
     pub(crate) fn limit_chunks(&mut self, points: u32) {
         self.most_points = points;
+        self.slack = u64::from(points);
     }
 
-    /// Curves drawn when all are.
-    pub(crate) fn curve_count(&self) -> usize {
-        self.slots.iter().map(|s| s.tuft.len()).sum()
+    /// Where each tuft lies: its chunk and first point there.
+    #[cfg(test)]
+    pub(crate) fn places(&self) -> Vec<(Arc<Tuft>, usize, u32)> {
+        self.slots.iter().map(|slot| (slot.tuft.clone(), slot.chunk, slot.first)).collect()
     }
 
-    /// Box around all points, cm.
+    /// Box around all curves that are drawn, cm.
     pub(crate) fn bounds(&self) -> Option<(Vec3, Vec3)> {
-        let points = self.slots.iter().flat_map(|s| s.tuft.points()).filter(|p| p.is_finite());
-        points.fold(None, |b, p| {
-            let (lo, hi) = b.unwrap_or((*p, *p));
-            Some((lo.min(*p), hi.max(*p)))
-        })
+        let boxes = self.slots.iter().filter_map(|slot| slot.bounds);
+        boxes.reduce(|(a, b), (lo, hi)| (a.min(lo), b.max(hi)))
     }
 
-    /// Total length of all curves, cm.
+    /// Total length of all curves that are drawn, cm.
     pub(crate) fn length(&self) -> f64 {
-        let lengths = self.slots.iter().flat_map(|s| {
-            (0..s.tuft.len()).map(|i| {
-                s.tuft.curve(i).windows(2).map(|p| f64::from(p[0].distance(p[1]))).sum::<f64>()
-            })
-        });
-        lengths.sum()
+        self.slots.iter().map(|slot| slot.length).sum()
     }
 
     /// Puts these curves, and no others, on the GPU.
@@ -159,6 +170,7 @@ impl Strands {
             }
         }
         for slot in old.into_values().flatten() {
+            uploaded.removed += 1;
             self.chunks[slot.chunk].give_back(slot.first, slot.tuft.points().len() as u32);
         }
         uploaded.kept = kept.len();
@@ -166,7 +178,7 @@ impl Strands {
         self.paint_key = paint.key;
         let total: u64 = curves.point_count() as u64;
         let held: u64 = self.chunks.iter().map(|c| u64::from(c.capacity)).sum();
-        if held > 2 * total + 65_536 && !new.is_empty() {
+        if held > 2 * total + self.slack {
             // More lies free than is used: start over.
             let all = kept.drain(..).map(|(number, slot)| (number, slot.tuft)).collect::<Vec<_>>();
             self.chunks.clear();
@@ -175,6 +187,9 @@ impl Strands {
             again.sort_by_key(|(number, _)| *number);
             uploaded.kept = 0;
             self.place(gpu, &again, paint, &mut kept, &mut uploaded);
+            if self.chunks.is_empty() {
+                self.grow(gpu, 1);
+            }
         } else {
             let new: Vec<(usize, Arc<Tuft>)> =
                 new.into_iter().map(|(n, t)| (n, t.clone())).collect();
@@ -216,18 +231,18 @@ impl Strands {
                 .iter_mut()
                 .enumerate()
                 .find_map(|(i, chunk)| Some((i, chunk.take(size)?)));
-            let (chunk, first) = match found {
-                Some(found) => found,
-                None => {
-                    let chunk = self.grow(gpu, rest.max(u64::from(size)));
-                    (chunk, self.chunks[chunk].take(size).unwrap_or(0))
-                }
-            };
+            let found = found.or_else(|| {
+                let chunk = self.grow(gpu, rest);
+                Some((chunk, self.chunks[chunk].take(size)?))
+            });
             rest -= u64::from(size);
+            // Every tuft fits a chunk: it has 65,536 points at most, and any adapter binds 128 MiB.
+            let Some((chunk, first)) = found else { continue };
             let to = &self.chunks[chunk];
-            points.put(&to.points, u64::from(first) * POINT, bytemuck::cast_slice(&packed(tuft)));
+            let Packed { words, bounds, length } = packed(tuft);
+            points.put(&to.points, u64::from(first) * POINT, bytemuck::cast_slice(&words));
             paints.put(&to.paint, u64::from(first) * 4, bytemuck::cast_slice(&paint.of(tuft)));
-            slots.push((*number, Slot { tuft: tuft.clone(), chunk, first }));
+            slots.push((*number, Slot { tuft: tuft.clone(), chunk, first, bounds, length }));
             uploaded.tufts += 1;
         }
         uploaded.bytes += points.finish() + paints.finish();
@@ -356,16 +371,30 @@ impl Chunk {
     }
 }
 
-/// The points of a tuft as the GPU holds them.
-fn packed(tuft: &Tuft) -> Vec<[u32; 4]> {
+/// A tuft as the GPU holds it.
+struct Packed {
+    words: Vec<[u32; 4]>,
+    bounds: Option<(Vec3, Vec3)>,
+    length: f64,
+}
+
+fn packed(tuft: &Tuft) -> Packed {
     let width = tuft.view(WIDTH);
-    let mut out = Vec::with_capacity(tuft.points().len());
+    let mut out =
+        Packed { words: Vec::with_capacity(tuft.points().len()), bounds: None, length: 0.0 };
     for i in 0..tuft.len() {
         let range = tuft.range(i);
         let curve = tuft.curve(i);
         let whole: f32 = curve.windows(2).map(|p| p[0].distance(p[1])).sum();
         let inverse = if whole > 0.0 { 1.0 / whole } else { 0.0 };
         let finite = whole.is_finite();
+        if finite && curve.len() > 1 {
+            out.length += f64::from(whole);
+            out.bounds = curve.iter().fold(out.bounds, |b, p| {
+                let (lo, hi) = b.unwrap_or((*p, *p));
+                Some((lo.min(*p), hi.max(*p)))
+            });
+        }
         let mut length = 0.0;
         for (j, p) in curve.iter().enumerate() {
             if j > 0 {
@@ -377,7 +406,7 @@ fn packed(tuft: &Tuft) -> Vec<[u32; 4]> {
                 half::f16::from_f32((0.5 * width.at(i, range.start + j)).clamp(0.0, 100.0));
             let last = u32::from(j + 1 == curve.len() || !finite);
             let word = u32::from(radius.to_bits()) | (u << 16) | (last << 31);
-            out.push([p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), word]);
+            out.words.push([p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), word]);
         }
     }
     out

@@ -19,6 +19,7 @@ use coif_nodes::data::attributes::{
 };
 use coif_nodes::data::curves::{Curves, Tuft, View as Values};
 use coif_nodes::data::scalp::Scalp;
+use coif_nodes::maths::hair_colour::absorption_of;
 use coif_nodes::maths::hash::{KeyBuilder, mix};
 use glam::{Vec2, Vec3};
 use std::str::FromStr;
@@ -69,7 +70,7 @@ impl Paint {
             key: KeyBuilder::new("paint hair").finish().0 as u64,
             legend: None,
             of: Box::new(|tuft| {
-                let word = |c| colour::pack_absorption(colour::absorption_of(c));
+                let word = |c| colour::pack_absorption(absorption_of(c));
                 words(tuft, &tuft.view(COLOUR), word)
             }),
         }
@@ -234,6 +235,8 @@ struct Heat {
     limit: Option<f32>,
     /// Numbers below this are grey and count for no range.
     least: Option<f32>,
+    /// The ramp ends no lower than here, so that next to nothing does not look like much.
+    to: Option<f32>,
     numbers: Numbers,
     /// Of what else the numbers depend on.
     depends: u64,
@@ -252,17 +255,18 @@ impl Heat {
             from: None,
             limit: None,
             least: None,
+            to: None,
             numbers: Box::new(numbers),
             depends: 0,
         }
     }
 
     fn paint(self, curves: &Curves, asked: Option<(f32, f32)>) -> Paint {
-        let Self { name, unit, ramp, from, limit, least, numbers, depends } = self;
+        let Self { name, unit, ramp, from, limit, least, to, numbers, depends } = self;
         let (lowest, highest) = asked.unwrap_or_else(|| {
             let (low, high) = robust_range(curves, &numbers, least);
             let low = from.unwrap_or(low);
-            (low, limit.unwrap_or(high).max(low))
+            (low, limit.unwrap_or(high).max(low).max(to.unwrap_or(low)))
         });
         let table: Vec<u32> =
             (0..256).map(|k| colour::pack_colour(ramp.at(k as f32 / 255.0))).collect();
@@ -358,7 +362,9 @@ impl View {
                 Heat {
                     ramp: Ramp::Alarm,
                     from: Some(0.0),
-                    least: Some(f32::MIN_POSITIVE),
+                    // A hundredth of a millimetre is rounding.
+                    least: Some(0.001),
+                    to: Some(0.1),
                     depends: depends.0 as u64,
                     ..heat
                 }
@@ -771,7 +777,7 @@ mod tests {
         let paint = Paint::hair();
         assert_eq!(paint.shading, Shading::Hair);
         let words = paint.of(&curves.tufts()[0]);
-        let want = colour::absorption_of(Vec3::new(0.4, 0.2, 0.1));
+        let want = absorption_of(Vec3::new(0.4, 0.2, 0.1));
         let off = unpack_absorption(words[7]).map(f32::sqrt) - want.map(f32::sqrt);
         assert!(off.abs().max_element() < 0.0023, "{off}");
         // A colour at each point reads like one a curve.

@@ -37,8 +37,10 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) t
   // In texels: length of the segment times its diameter, spread over the columns that are visited.
   let share = length(d.xy) / columns;
   let end_on = max(share, sat(1.0 - d.x));
-  let fibres = end_on * (radius(qa) + radius(qb)) * l.gain / texel * stride;
-  let first = rnd(l.k * 2u + S.light) * stride;
+  // Light passes 100 fibres as little as any more, and sums of this fit.
+  let fibres = min(end_on * (radius(qa) + radius(qb)) * l.gain / texel * stride, 100.0);
+  let seed = seed_of(qa, qb);
+  let first = rnd(seed + S.light) * stride;
   for (var i = first; i < columns; i += stride) {
     let t = sat(i / columns);
     let at = mix(a, b, t);
@@ -49,7 +51,7 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) t
     if counting {
       let start = 1.0 - bitcast<f32>(atomicLoad(&maps[k * 5u]));
       let behind = (at.z - start) * light.extent.y;
-      atomicAdd(&maps[k * 5u + 1u + layer_of(behind)], u32(fibres * UNITS + rnd(l.k + u32(i))));
+      atomicAdd(&maps[k * 5u + 1u + layer_of(behind)], u32(fibres * UNITS + rnd(seed + 3u + u32(i))));
     } else {
       atomicMax(&maps[k * 5u], near);
     }

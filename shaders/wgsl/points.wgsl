@@ -50,6 +50,13 @@ fn along(q: vec4u) -> f32 { return f32((q.w >> 16u) & 0x7fffu) * (1.0 / 32767.0)
 fn is_root(q: vec4u) -> bool { return (q.w & 0x7fff0000u) == 0u; }
 fn is_last(q: vec4u) -> bool { return (q.w >> 31u) == 1u; }
 
+// What a segment's random numbers start from: where it lies in space, and not where it lies in memory, so that a picture does
+// not depend on what was uploaded before. Two segments at the very same place draw the very same pixels.
+fn seed_of(qa: vec4u, qb: vec4u) -> u32 {
+  let far = qb.x ^ ((qb.y << 11u) | (qb.y >> 21u)) ^ ((qb.z << 22u) | (qb.z >> 10u));
+  return hash_u(qa.x + hash_u(qa.y + hash_u(qa.z + hash_u(far))));
+}
+
 // Cubic through the ends of a segment whose tangents are differences by arc length, so that uneven CVs do not swing out.
 struct Segment {
   a: vec3f,

@@ -29,6 +29,10 @@ const TAPS: u32 = 4u;
 const ENDS: vec3f = vec3f(0.12, 0.5, 1.6);
 const LAST: f32 = 6.0;
 
+// Fibres that stand between a light behind a lock and its near side: less and dark hair glows orange at every edge, more and
+// fair hair loses its rim.
+const LOCK: f32 = 2.5;
+
 struct Shadow {
   // Fibres between the light and the point, and how much of the light passes the solids.
   fibres: f32,
@@ -44,6 +48,9 @@ fn shadow(number: u32, p: vec3f, bias: f32, seed: u32) -> Shadow {
   let texels = light.extent.z;
   let at = (vec2f(c.x, -c.y) * 0.5 + 0.5) * texels;
   if any(at < vec2f(0.0)) || any(at >= vec2f(texels)) { return Shadow(0.0, 1.0, 1.0); }
+  // Shadows fade towards the border of the map, so that none ends in a line.
+  let border = min(at, texels - at) * (10.0 / texels);
+  let inside = sat(min(border.x, border.y));
   let reach = light.irradiance.w / light.extent.x * texels;
   let solid_texels = f32(textureDimensions(solid_from_light).x);
   let turn = rnd(seed) * 6.2831853;
@@ -69,7 +76,8 @@ fn shadow(number: u32, p: vec3f, bias: f32, seed: u32) -> Shadow {
     let passed = select(0.0, 1.0, (c.z - solid) * light.extent.y < 0.15 + bias);
     sum.fibres += fibres; sum.passed += passed; sum.clear_ += passed * exp(-fibres);
   }
-  return Shadow(sum.fibres / f32(TAPS), sum.passed / f32(TAPS), sum.clear_ / f32(TAPS));
+  let share = inside / f32(TAPS);
+  return Shadow(sum.fibres * share, 1.0 - inside + sum.passed * share, 1.0 - inside + sum.clear_ * share);
 }
 
 // xyz: towards the open (unit), w: how open. Read somewhere within a voxel and a half, so that over the samples voxels do not show.
@@ -100,7 +108,7 @@ fn groom(base: vec3f, p: vec3f, T: vec3f, V: vec3f, seed: u32) -> vec3f {
     let light = F.lights[i];
     if light.towards.w == 0.0 { continue; }
     let L = light.towards.xyz;
-    let s = shadow(i, p, 0.03, seed + i * 8u);
+    let s = shadow(i, p, 0.0, seed + i * 8u);
     let across = sqrt(max(1.0 - dot(T, L) * dot(T, L), 0.0));
     let H = normalize(L + V);
     let th = dot(T, H);
@@ -120,9 +128,14 @@ fn pigmented(sigma: vec3f, p: vec3f, T: vec3f, V: vec3f, seed: u32) -> vec3f {
   for (var i = 0u; i < 3u; i++) {
     let light = F.lights[i];
     if light.towards.w == 0.0 { continue; }
-    let s = shadow(i, p, 0.03, seed + i * 8u);
+    let s = shadow(i, p, 0.0, seed + i * 8u);
     if s.passed == 0.0 { continue; }
-    c += s.passed * light.irradiance.rgb * hair_light(m, light.towards.xyz, V, T, s.fibres, xi);
+    let L = light.towards.xyz;
+    // A hair that is seen lies on the near side of its lock, and light from behind has crossed the rest of the lock, of which a
+    // texel of the map knows nothing.
+    let cos_phi = dot(normalize(L - T * dot(T, L) + vec3f(1e-6)), normalize(V - T * dot(V, T) + vec3f(1e-6)));
+    let fibres = s.fibres + LOCK * sat(-cos_phi);
+    c += s.passed * light.irradiance.rgb * hair_light(m, L, V, T, fibres, xi);
   }
   let out_ = normalize(V - T * dot(V, T) + vec3f(1e-6));
   let o = open_at(p, out_, seed);
@@ -203,7 +216,8 @@ fn shade(@builtin(global_invocation_id) thread: vec3u) {
     if id <= S.base || id > S.base + S.points { return; }
     c = vec4f(hair(id - S.base - 1u, at, seed), 1.0);
   }
-  // A sample that is no number would stay in the sum for ever.
-  if !all(abs(c) < vec4f(1e4)) { c = vec4f(clamp(c.rgb, vec3f(0.0), vec3f(1e4)), c.a); }
+  // A sample that is no number would stay in the sum for ever. By its bits, for compilers take it that there are none.
+  let none = (bitcast<vec4u>(c) & vec4u(0x7f800000u)) == vec4u(0x7f800000u);
+  c = vec4f(clamp(select(c.rgb, vec3f(0.0), none.rgb), vec3f(-1e4), vec3f(1e4)), c.a);
   sums[i] = select(sums[i], vec4f(0.0), F.mode.x == 0u) + c;
 }

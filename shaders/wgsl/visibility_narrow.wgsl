@@ -1,5 +1,5 @@
-// Visibility in 32-bit words, for adapters without 64-bit atomics: one pass finds the nearest key (24 bits of depth and 8 of
-// the id's hash), a second walks the same way and writes the id where its key won. Of equal keys the highest id wins, whatever
+// Visibility in 32-bit words, for adapters without 64-bit atomics: one pass finds the nearest key (24 bits of depth and 8
+// at random), a second walks the same way and writes the id where its key won. Of equal keys the highest id wins, whatever
 // the order of threads.
 
 //#include "splat.wgsl"
@@ -14,9 +14,9 @@ fn key(depth: f32, tag: u32) -> u32 {
   return ((bitcast<u32>(clamp(depth, 0.0, 0.999999)) << 2u) & 0xffffff00u) | (tag & 0xffu);
 }
 
-fn put(pixel: u32, depth: f32, id: u32) {
+fn put(pixel: u32, depth: f32, id: u32, tag: u32) {
   // 0 is left to the solids, so that hair at the very depth of the skin is drawn as with wide words.
-  let ours = key(depth, 1u + hash_u(id) % 255u);
+  let ours = key(depth, tag);
   if naming {
     if atomicLoad(&keys[pixel]) == ours { atomicMax(&ids[pixel], id); }
   } else {

@@ -6,7 +6,7 @@
 @group(3) @binding(0) var<storage, read_write> visible: array<atomic<u64>>;
 @group(3) @binding(2) var solid_depth: texture_depth_2d;
 
-fn put(pixel: u32, depth: f32, id: u32) {
+fn put(pixel: u32, depth: f32, id: u32, tag: u32) {
   atomicMax(&visible[pixel], (u64(bitcast<u32>(max(depth, 0.0))) << 32u) | u64(id));
 }
 

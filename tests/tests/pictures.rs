@@ -7,7 +7,7 @@
 //! A picture changes only when it is meant to. `UPDATE_EXPECT=1 cargo test -p coif-tests --test pictures` on the pinned adapter
 //! then writes new ones; look at them.
 
-use coif_nodes::data::attributes::{COLOUR, Domain, ID, WIDTH};
+use coif_nodes::data::attributes::{BRAID, COLOUR, Domain, ID, WIDTH};
 use coif_nodes::data::curves::Curves;
 use coif_nodes::maths::hair_colour::{absorption_of_melanin, colour_of};
 use coif_nodes::maths::hash::KeyBuilder;
@@ -24,13 +24,13 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// The adapter whose bits the goldens are: Mesa's software adapter of this version on 256-bit vectors.
 const PINNED: &str = "lavapipe-22.3.6-256";
-/// The largest mean FLIP error between two adapters. Two seeds of the same picture differ by about 0.025 at the samples used
-/// here, and a hair's edge that is rounded differently by far less; a light, colour or pass that is wrong gives more than 0.05.
+/// The largest mean FLIP error between two adapters. The same pictures with other grain differ by 0.007 to 0.019 at the samples
+/// used here, so another adapter may even draw its own grain; a light, colour or pass that is wrong gives more.
 const OTHER_ADAPTER: f32 = 0.02;
 
 const WIDTH_PIXELS: u32 = 320;
 const HEIGHT_PIXELS: u32 = 180;
-const SAMPLES: u32 = 4;
+const SAMPLES: u32 = 2;
 
 /// The one renderer of this program; tests take turns.
 fn renderer(test: &str) -> Option<MutexGuard<'static, Renderer>> {
@@ -107,9 +107,16 @@ fn with_ground(head: Solid) -> Vec<Solid> {
     solids
 }
 
-/// The start-up groom with so many hairs.
+/// The start-up groom with so many of its 60,000 hairs, wider by as much as keeps the head covered.
 fn start(count: u32) -> Groom {
-    groom("start", &[("hair.by", "count"), ("hair.count", &count.to_string())], &["guides.curves"])
+    let wider = |width: f32| (width * (60_000.0 / count as f32).sqrt()).to_string();
+    let edits = [
+        ("hair.by", "count"),
+        ("hair.count", &count.to_string()),
+        ("width.root", &wider(0.008)),
+        ("width.tip", &wider(0.002)),
+    ];
+    groom("start", &edits, &["guides.curves"])
 }
 
 /// The cornrows with a tenth of their hair, each ten times as wide.
@@ -158,9 +165,7 @@ fn pictures(renderer: &mut Renderer) -> Vec<(String, Picture, Transform)> {
     let (start, cornrows) = (start(4000), cornrows());
     let mut all = vec![];
     let mut add = |name: String, scene: Scene, transform| {
-        let b = std::time::Instant::now();
-        all.push((name.clone(), scene.draw(renderer), transform));
-        eprintln!("TIME {name} {:?}", b.elapsed());
+        all.push((name, scene.draw(renderer), transform));
     };
     for name in Rig::NAMES {
         let rig = Rig::named(name).unwrap();
@@ -266,7 +271,6 @@ fn every_view_light_and_model_looks_as_it_did() {
     let folder = goldens();
     let pinned = adapter(&renderer) == PINNED;
     let drawn = pictures(&mut renderer);
-    eprintln!("TIME {:?}", renderer.spent());
     drop(renderer);
     if std::env::var_os("UPDATE_EXPECT").is_some() {
         assert!(pinned, "goldens are drawn on {PINNED}");
@@ -370,9 +374,80 @@ fn brown_hair_is_brown_and_not_auburn() {
         let drawn = coloured(&groom.hair, brown);
         let picture = Scene { drawn, look, ..Scene::of_hair(&groom) }.draw(&mut renderer);
         let hair: Vec<&[f32; 4]> = picture.linear.iter().filter(|p| p[3] > 0.9).collect();
-        assert!(hair.len() > 500, "{} pixels of hair", hair.len());
+        assert!(hair.len() > 300, "{} pixels of hair", hair.len());
         let mean = |k: usize| hair.iter().map(|p| p[k]).sum::<f32>() / hair.len() as f32;
         let ratio = mean(0) / mean(1);
         assert!((1.0..1.3).contains(&ratio), "{model}: red over green is {ratio}");
+    }
+}
+
+#[test]
+fn dark_hair_can_be_judged_on_any_skin() {
+    let Some(mut renderer) = renderer("dark_hair_can_be_judged_on_any_skin") else { return };
+    let groom = groom("cornrows", &[("fill.points", "120")], &["rows.curves"]);
+    let black = coloured(&groom.hair, colour_of(absorption_of_melanin(0.97, 0.0)));
+    let skin = groom.scalp.skin();
+    let from_row = |p: Vec3| {
+        let rows = groom.more[0].each().flat_map(|(tuft, i)| tuft.curve(i).windows(2));
+        let distances = rows.map(|ends| {
+            let (start, along) = (ends[0], ends[1] - ends[0]);
+            let t = ((p - start).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+            p.distance(start + along * t)
+        });
+        distances.fold(f32::MAX, f32::min)
+    };
+    // A few braids behind the top of the head, as close as one judges them.
+    let head = groom.scalp.frame();
+    let middle = head.origin + (0.9 * head.up - 0.45 * head.forward) * head.radius;
+    let points = groom.hair.tufts().iter().flat_map(|tuft| tuft.points()).copied();
+    let near: Vec<Vec3> = points.filter(|p| p.distance(middle) < 2.5).collect();
+    for tone in [1, 10] {
+        let scene = Scene {
+            drawn: black.clone(),
+            solids: with_ground(head_solid(&groom.scalp, Tone::Monk(tone))),
+            viewpoint: Viewpoint::Close(near.clone()),
+            rig: Rig::named("dark-hair").unwrap(),
+            samples: 8,
+            ..Scene::of(&groom)
+        };
+        let picture = scene.draw(&mut renderer);
+        // What the middle of the picture shows: how high over the scalp, for hair of a braid.
+        let (left, top, columns, rows) = (100, 50, 120, 80);
+        let shown: Vec<Option<Vec3>> = (0..rows * columns)
+            .map(|i| {
+                let (tuft, curve, point) = renderer.pick(left + i % columns, top + i / columns)?;
+                let braid = tuft.view(BRAID).at(curve, point) != 0;
+                Some(if braid { tuft.points()[point] } else { Vec3::NAN })
+            })
+            .collect();
+        // Only pixels that are not on an edge count: what lies among its like.
+        let (mut braids, mut hair, mut parting) = (vec![], vec![], vec![]);
+        for (x, y) in (1..rows - 1).flat_map(|y| (1..columns - 1).map(move |x| (x, y))) {
+            let near = |dx: u32, dy: u32| shown[((y + dy - 1) * columns + x + dx - 1) as usize];
+            let around = || (0..9).map(|k| near(k % 3, k / 3));
+            let light = luminance(&picture.linear[((top + y) * WIDTH_PIXELS + left + x) as usize]);
+            match near(1, 1) {
+                // Along the middle of the braid, where strands rise and dive; its flanks are no valleys.
+                Some(p) if around().flatten().filter(|p| p.is_finite()).count() == 9 => {
+                    hair.push(light);
+                    let height = |p: Vec3| skin.distance(p) / 9.0;
+                    if from_row(skin.closest(p).expect("a head").point) < 0.3 {
+                        braids.push((around().flatten().map(height).sum::<f32>(), light));
+                    }
+                }
+                None if around().all(|h| h.is_none()) => parting.push(light),
+                _ => {}
+            }
+        }
+        braids.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mean = |of: &[(f32, f32)]| of.iter().map(|p| p.1).sum::<f32>() / of.len() as f32;
+        let fifth = braids.len() / 5;
+        let (valley, crown) = (mean(&braids[..fifth]), mean(&braids[braids.len() - fifth..]));
+        let mean = |of: &[f32]| of.iter().sum::<f32>() / of.len() as f32;
+        let (hair, skin) = (mean(&hair), mean(&parting));
+        assert!(braids.len() > 500 && parting.len() > 50);
+        let apart = |a: f32, b: f32| (a / b).max(b / a);
+        assert!(apart(crown, valley) >= 1.5, "skin {tone}: crown {crown}, valley {valley}");
+        assert!(apart(skin, hair) >= 2.0, "skin {tone}: parting {skin}, hair {hair}");
     }
 }

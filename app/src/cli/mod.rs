@@ -32,7 +32,7 @@ enum Command {
     Eval(eval::EvalArgs),
     /// Draw a graph's hair: pictures, turntables, heat maps
     #[cfg(feature = "render")]
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
     /// Check graphs without evaluating them: syntax, types, missing inputs, unknown nodes, a target's limits
     Check(check::CheckArgs),
     /// Print the manual of all nodes, or of one
@@ -60,7 +60,7 @@ pub(crate) fn main() -> ExitCode {
     let exit = match command {
         Some(Command::Eval(args)) => eval::run(args),
         #[cfg(feature = "render")]
-        Some(Command::Render(args)) => render::run(args),
+        Some(Command::Render(args)) => render::run(&args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Nodes(args)) => nodes::run(args),
         Some(Command::Measure(args)) => measure::run(args),
@@ -80,7 +80,9 @@ fn start_up() -> Option<Command> {
         return None;
     }
     complain("there is no editor yet; the start-up groom is drawn to start.png");
-    Args::parse_from(["coif", "render", "start", "--out", "start.png"]).command
+    // Half the samples of a still: somebody waits to see anything at all.
+    let words = ["coif", "render", "start", "--samples", "32", "--out", "start.png"];
+    Args::parse_from(words).command
 }
 
 /// Tells a person what is wrong.

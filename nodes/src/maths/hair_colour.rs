@@ -61,6 +61,7 @@ pub fn absorption_of(colour: Vec3) -> Vec3 {
 }
 
 #[cfg(test)]
+#[expect(clippy::disallowed_methods, reason = "what ours is compared with")]
 mod tests {
     use super::*;
 

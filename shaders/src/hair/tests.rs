@@ -505,7 +505,7 @@ impl<'a> Shader<'a> {
         };
         let mut frame: crate::frame::Frame = bytemuck::Zeroable::zeroed();
         frame.sky = sky.sky();
-        let frame = filled(bytemuck::bytes_of(&frame), Usage::UNIFORM);
+        let frame = filled(bytemuck::bytes_of(&frame), Usage::STORAGE);
         let input = filled(bytemuck::cast_slice(calls), Usage::STORAGE);
         let table = filled(bytemuck::cast_slice(&table.values), Usage::STORAGE);
         let result = device.create_buffer(&wgpu::BufferDescriptor {

@@ -187,7 +187,7 @@ mod tests {
         assert!(solid_voxels(&[], lower, 0.0, [0; 3]).is_empty());
         // A ball that lies outside, or half outside, the grid.
         let marks = solid_voxels(&[ball(8.0, 3)], Vec3::ZERO, cell, size);
-        assert!(marks.iter().any(|m| *m == 1));
+        assert!(marks.contains(&1));
         assert!(
             solid_voxels(&[ball(8.0, 3)], Vec3::splat(99.0), cell, size).iter().all(|m| *m == 0)
         );

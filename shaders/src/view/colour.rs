@@ -8,7 +8,7 @@
 
 use crate::display::linear_from_srgb;
 use coif_nodes::maths::hash::mix;
-use coif_nodes::maths::transcendental::{ln, sin_cos_turns};
+use coif_nodes::maths::transcendental::sin_cos_turns;
 use glam::Vec3;
 
 /// The greatest root of absorption that a packed colour of hair holds.
@@ -26,18 +26,6 @@ pub(crate) fn pack_absorption(sigma: Vec3) -> u32 {
 pub(crate) fn pack_colour(colour: Vec3) -> u32 {
     let bits = |c: f32| (c.clamp(0.0, 1.0).sqrt() * 255.0).round() as u32;
     bits(colour.x) | bits(colour.y) << 8 | bits(colour.z) << 16
-}
-
-/// What hair of a colour absorbs, per fibre radius: the inverse of the reflectance fit of Chiang, Bitterli, Tappan, Burley
-/// 2016 ("A practical and controllable hair and fur model for production path tracing", section 4.2) at an azimuthal
-/// roughness of 0.3. 0 absorbs as much as a word holds.
-pub(crate) fn absorption_of(colour: Vec3) -> Vec3 {
-    const STEEPNESS: f32 = 5.888_415;
-    let one = |c: f32| {
-        let root = if c > 0.0 { (-ln(c.min(1.0)) / STEEPNESS).min(DEEPEST) } else { DEEPEST };
-        root * root
-    };
-    Vec3::new(one(colour.x), one(colour.y), one(colour.z))
 }
 
 /// An sRGB swatch, `0xRRGGBB`, as linear light.
@@ -140,6 +128,7 @@ pub(crate) fn of_direction(direction: Vec3) -> Vec3 {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use coif_nodes::maths::hair_colour::{absorption_of, colour_of};
 
     pub(crate) fn unpack_colour(word: u32) -> Vec3 {
         let root = [0, 8, 16].map(|at| (word >> at & 255) as f32 / 255.0);
@@ -175,12 +164,11 @@ pub(crate) mod tests {
         for k in 1..=50 {
             let colour = Vec3::new(0.02, 0.01, 0.005) * k as f32;
             let sigma = unpack_absorption(pack_absorption(absorption_of(colour)));
-            let back = sigma.map(|s| (-s.sqrt() * 5.888_415).exp());
+            let back = colour_of(sigma);
             assert!(((back - colour) / colour).abs().max_element() < 0.014, "{colour} {back}");
         }
-        assert_eq!(absorption_of(Vec3::ONE), Vec3::ZERO);
-        assert_eq!(absorption_of(Vec3::ZERO), Vec3::splat(20.25));
-        assert_eq!(absorption_of(Vec3::splat(f32::NAN)), Vec3::splat(20.25));
+        assert_eq!(pack_absorption(absorption_of(Vec3::ONE)), 0);
+        assert_eq!(pack_absorption(absorption_of(Vec3::ZERO)), u32::MAX);
     }
 
     #[test]

@@ -188,7 +188,7 @@ pub(super) fn partings(curves: &Curves) -> Known {
         for i in 0..tuft.len() {
             let range = tuft.range(i);
             let distance = match tuft.curve(i).first() {
-                Some(root) => tree.from_parting(*root, territory(tuft, i)),
+                Some(root) => tree.parting_distance(*root, territory(tuft, i)),
                 None => f32::NAN,
             };
             out.extend(std::iter::repeat_n(distance, range.len()));
@@ -214,7 +214,7 @@ impl Territories {
     }
 
     /// Distance from `p`, which is of `own` territory, to the line between it and the nearest other.
-    fn from_parting(&self, p: Vec3, own: u64) -> f32 {
+    fn parting_distance(&self, p: Vec3, own: u64) -> f32 {
         if !p.is_finite() {
             return f32::NAN;
         }

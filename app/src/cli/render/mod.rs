@@ -25,7 +25,7 @@ use coif_shaders::hdri::Hdri;
 use coif_shaders::light::Rig;
 use coif_shaders::picture::Samples;
 use coif_shaders::surface::{RootGrid, SPREAD, Solid, Tone, ground, head_solid, tubes};
-use coif_shaders::view::{Paint, View};
+use coif_shaders::view::{Paint, Shading, View};
 use coif_shaders::{Gpu, Look, Model, Precision, Renderer, chart};
 use glam::Vec3;
 use options::{Format, within};
@@ -224,11 +224,11 @@ const MOST_HDRI: u64 = 512 << 20;
 /// Degrees that may be asked for.
 const TURNS: (f32, f32) = (-36000.0, 36000.0);
 
-pub(crate) fn run(args: RenderArgs) -> Exit {
+pub(crate) fn run(args: &RenderArgs) -> Exit {
     carry_out(
         &args.groom.graph,
         args.report.as_deref(),
-        |cancel, report| draw(&args, cancel, report),
+        |cancel, report| draw(args, cancel, report),
         summary,
     )
 }
@@ -252,7 +252,11 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
         )));
     }
     opened.refuse_problems(&more, &mut report.warnings)?;
-    let device = Device::start(asked.size, cancel);
+    let shading = match asked.show {
+        Show::Hair(View::Hair) => Shading::Hair,
+        _ => Shading::Colour,
+    };
+    let device = Device::start(asked.size, asked.look, shading, cancel);
     let began = Instant::now();
     let evaluated = args.groom.evaluate(&opened, &more, cancel, report);
     let evaluation_ms = since(began);
@@ -308,7 +312,8 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
             cancel.is_cancelled()
         });
         if !whole {
-            return Err(Stop::interrupted());
+            let lost = renderer.lost().map(|lost| Stop::failed(lost.to_string()));
+            return Err(lost.unwrap_or_else(Stop::interrupted));
         }
         seen(asked.samples);
         let mut picture = renderer.picture();
@@ -507,8 +512,8 @@ struct Device {
 }
 
 impl Device {
-    /// Begins to make it. When that fails, whatever `cancel` stops is stopped.
-    fn start(size: [u32; 2], cancel: &CancelToken) -> Self {
+    /// Begins to make it, with the shaders that a look needs. When that fails, whatever `cancel` stops is stopped.
+    fn start(size: [u32; 2], look: Look, shading: Shading, cancel: &CancelToken) -> Self {
         let cancel = cancel.clone();
         let thread = std::thread::spawn(move || {
             let began = Instant::now();
@@ -521,7 +526,10 @@ impl Device {
             if made.is_err() {
                 cancel.cancel();
             }
-            made.map(|renderer| (renderer, since(began)))
+            made.map(|mut renderer| {
+                renderer.warm_up(&look, shading);
+                (renderer, since(began))
+            })
         });
         Self { thread }
     }
@@ -586,7 +594,7 @@ fn grouped(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i) % 3 == 0 {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
             text.push(',');
         }
         text.push(digit);
