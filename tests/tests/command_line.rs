@@ -181,7 +181,7 @@ fn without_arguments_the_start_up_groom_is_drawn_here() {
     let said = String::from_utf8_lossy(&out.stderr);
     assert!(out.status.success(), "{said}");
     assert_eq!(folder.names(), ["start.png"]);
-    assert!(said.contains("60,000 strands") && said.contains("start.png"), "{said}");
+    assert!(said.contains("100,000 strands") && said.contains("start.png"), "{said}");
 }
 
 #[test]
