@@ -1,6 +1,7 @@
 //! Pictures: each view, light and model against one that was looked at, and the laws that every picture keeps.
 //!
-//! On the adapter that the goldens were drawn by ([`PINNED`]) pictures are the same to the last bit, by hash. Any other adapter
+//! On the adapter that the goldens were drawn by ([`PINNED`], on a processor of the kind that `hashes.txt` names, for the
+//! adapter compiles for it) pictures are the same to the last bit, by hash. Any other adapter
 //! rounds differently, so that single samples of a pixel fall to the other side of a hair's edge; there the mean FLIP error
 //! (Andersson et al. 2020) stays under [`OTHER_ADAPTER`].
 //!
@@ -261,6 +262,19 @@ fn hash(picture: &Picture) -> String {
     format!("{:032x}", KeyBuilder::new("picture").column(&bytes).finish().0)
 }
 
+/// The kind of processor, as far as a software adapter's code depends on it.
+fn processor() -> String {
+    let about = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let value = |key: &str| {
+        let line = about.lines().find(|line| line.starts_with(key))?;
+        line.split_once(':').map(|(_, value)| value.trim().to_owned())
+    };
+    let flags = value("flags").unwrap_or_default();
+    let has = |flag: &&str| flags.split(' ').any(|f| f == *flag);
+    let known: Vec<&str> = ["avx2", "fma", "avx512f"].into_iter().filter(has).collect();
+    format!("{} {}", value("vendor_id").unwrap_or_default(), known.join(" "))
+}
+
 fn goldens() -> PathBuf {
     repository().join("tests/goldens/pictures").join(PINNED)
 }
@@ -276,7 +290,7 @@ fn every_view_light_and_model_looks_as_it_did() {
         assert!(pinned, "goldens are drawn on {PINNED}");
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).unwrap();
-        let mut lines = String::new();
+        let mut lines = format!("processor {}\n", processor());
         for (name, picture, transform) in &drawn {
             lines += &format!("{name} {}\n", hash(picture));
             let rgb = flip_image(picture, *transform).to_vec();
@@ -287,7 +301,10 @@ fn every_view_light_and_model_looks_as_it_did() {
     }
     let lines =
         std::fs::read_to_string(folder.join("hashes.txt")).expect("UPDATE_EXPECT=1 makes them");
-    let hashes: BTreeMap<&str, &str> = lines.lines().filter_map(|l| l.split_once(' ')).collect();
+    let mut hashes: BTreeMap<&str, &str> =
+        lines.lines().filter_map(|l| l.split_once(' ')).collect();
+    let pinned = pinned && hashes.remove("processor") == Some(processor().as_str());
+    hashes.remove("processor");
     let mut wrong = vec![];
     for (name, picture, transform) in &drawn {
         if pinned && hashes.get(&**name) == Some(&&*hash(picture)) {
