@@ -6,6 +6,7 @@ pub const ALL: &[(&str, &str)] = &[
     ("cornrows", include_str!("../grooms/cornrows.ron")),
     ("braids", include_str!("../grooms/braids.ron")),
     ("curls", include_str!("../grooms/curls.ron")),
+    ("curls_3b", include_str!("../grooms/curls_3b.ron")),
     ("coils_4a", include_str!("../grooms/coils_4a.ron")),
     ("zigzag_4b", include_str!("../grooms/zigzag_4b.ron")),
     ("afro_4c", include_str!("../grooms/afro_4c.ron")),
