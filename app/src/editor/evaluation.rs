@@ -6,7 +6,7 @@
 //! Not guaranteed: that every request has an answer.
 
 use coif_graphs::document::graph::{downstream, upstream};
-use coif_graphs::document::{Document, NodeId, Socket};
+use coif_graphs::document::{Document, Node, NodeId, Setting, Socket};
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::{BadRequest, plan};
 use coif_graphs::schedule::result::{NodeReport, Outcome};
@@ -339,16 +339,22 @@ fn evaluate(
     })
 }
 
-/// What is displayed: the outputs of the node with the display flag, else of every `groom_output`, else of the nodes that
-/// nothing reads.
+/// What is displayed: the output of the node with the display flag, else the hair of every `groom_output` (guides where
+/// there is no hair), else what nothing reads.
 pub fn displayed(document: &Document) -> Vec<Socket> {
     if let Some(socket) = document.display.as_ref().and_then(|id| first_output(document, id)) {
         return vec![socket];
     }
-    let outputs = document.nodes.iter().filter(|(_, node)| node.kind == "groom_output");
-    let outputs: Vec<Socket> = outputs.filter_map(|(id, _)| first_output(document, id)).collect();
-    if !outputs.is_empty() {
-        return outputs;
+    let guides =
+        |node: &Node| matches!(node.inputs.get("guides"), Some(Setting::Known(Value::Bool(true))));
+    for with_guides in [false, true] {
+        let outputs = document.nodes.iter().filter(|(_, node)| node.kind == "groom_output");
+        let outputs = outputs.filter(|(_, node)| with_guides || !guides(node));
+        let sockets: Vec<Socket> =
+            outputs.filter_map(|(id, _)| first_output(document, id)).collect();
+        if !sockets.is_empty() {
+            return sockets;
+        }
     }
     let ends = document.nodes.keys().filter(|id| downstream(document, [*id]).len() <= 1);
     ends.filter_map(|id| first_output(document, id)).collect()
