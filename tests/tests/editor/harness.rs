@@ -57,9 +57,3 @@ pub(crate) fn is_sound(document: &Document) {
         wrong.iter().all(|text| text.contains("not connected") || text.contains("wire"));
     assert!(only_unwired, "{wrong:?}");
 }
-
-/// CPU time of this thread so far; none where the system does not say.
-pub(crate) fn cpu() -> Option<Duration> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    Some(Duration::from_nanos(text.split_whitespace().next()?.parse().ok()?))
-}
