@@ -1,6 +1,7 @@
 //! Every shipped groom opens, evaluates to all of its hair, and is not changed by looking at it.
 
 use super::harness::{is_sound, on_groom, settle};
+use coif::editor::event::Event;
 use coif_graphs::{file, grooms};
 
 #[test]
@@ -18,4 +19,16 @@ fn every_shipped_groom_opens_and_shows_all_of_its_hair() {
         assert!(!state.history.is_changed(), "{name}");
         is_sound(&state.document);
     }
+}
+
+#[test]
+fn a_displayed_hair_leads_to_the_nodes_that_made_it_and_its_ancestors() {
+    let mut ui = on_groom("cornrows");
+    settle(&mut ui);
+    let shown = ui.state().state.shown.clone().expect("something is shown");
+    let (tuft, i) = shown.curves.each().next().expect("hair");
+    ui.state_mut().apply(Event::Trace(tuft.id(i)));
+    settle(&mut ui);
+    let line: Vec<&str> = ui.state().state.traced.iter().map(|a| a.node.as_str()).collect();
+    assert_eq!(line, ["fill", "braid", "rows"]);
 }
