@@ -5,6 +5,7 @@
 //! ends while its nodes are out of sight.
 
 use crate::editor::evaluation::Reports;
+use crate::editor::state::State;
 use coif_graphs::document::graph::{self, Severity};
 use coif_graphs::document::{Document, NodeId, Socket};
 use coif_nodes::define::{Arity, InputDef, NodeDef, NodeError, Type};
@@ -362,25 +363,39 @@ pub(super) fn count(n: usize) -> String {
 /// Kept faces: worked out again when what they show changed.
 #[derive(Default)]
 pub(super) struct FaceCache {
-    key: Option<(u64, u64, usize, Option<NodeId>, BTreeSet<Socket>)>,
+    key: Option<Key>,
     faces: Arc<Faces>,
+}
+
+/// All that faces are worked out from.
+#[derive(PartialEq)]
+struct Key {
+    /// Cheap: nodes are shared with the document, and equal when they are the same.
+    document: Document,
+    reports: usize,
+    exposed: BTreeSet<Socket>,
+    pinned: Option<NodeId>,
 }
 
 impl FaceCache {
     /// The faces of a state.
-    pub(super) fn of(&mut self, state: &crate::editor::state::State) -> Arc<Faces> {
+    pub(super) fn of(&mut self, state: &State) -> Arc<Faces> {
         let reports = &state.run.reports;
-        let fresh = (
-            state.changes,
-            reports.revision,
-            Arc::as_ptr(reports) as usize,
-            state.pinned.clone(),
-            state.exposed.clone(),
-        );
-        if self.key.as_ref() != Some(&fresh) {
+        let same = self.key.as_ref().is_some_and(|key| {
+            key.document == state.document
+                && key.reports == Arc::as_ptr(reports) as usize
+                && key.exposed == state.exposed
+                && key.pinned == state.pinned
+        });
+        if !same {
             let (document, pinned) = (&state.document, state.pinned.as_ref());
             self.faces = Faces::new(document, reports, &state.exposed, pinned).into();
-            self.key = Some(fresh);
+            self.key = Some(Key {
+                document: document.clone(),
+                reports: Arc::as_ptr(reports) as usize,
+                exposed: state.exposed.clone(),
+                pinned: state.pinned.clone(),
+            });
         }
         self.faces.clone()
     }

@@ -275,7 +275,7 @@ pub(super) fn line(
         break_anywhere: true,
         overflow_character: Some('\u{2026}'),
     };
-    ui.fonts_mut(|fonts| fonts.layout_job(job))
+    ui.painter().layout_job(job)
 }
 
 fn end(
