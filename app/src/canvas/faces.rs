@@ -378,6 +378,11 @@ struct Key {
 }
 
 impl FaceCache {
+    /// The faces that were asked for last.
+    pub(super) fn last(&self) -> &Faces {
+        &self.faces
+    }
+
     /// The faces of a state.
     pub(super) fn of(&mut self, state: &State) -> Arc<Faces> {
         let reports = &state.run.reports;

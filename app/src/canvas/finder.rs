@@ -27,8 +27,8 @@ pub(super) enum Task {
     Insert(Wire, Pos2),
     /// Another kind for a node.
     Swap(NodeId),
-    /// An input for the wire of this output.
-    Connect(Socket),
+    /// An input for a wire from a node.
+    Connect(NodeId),
 }
 
 /// What was picked.
@@ -36,8 +36,8 @@ pub(super) enum Task {
 pub(super) enum Pick {
     /// A kind of node, and whether it is wired as the task says.
     Kind(&'static NodeDef, bool),
-    /// An input, by its node and its number among the node's plugs.
-    Plug(NodeId, usize),
+    /// A wire from an output to an input, by its node and its number among the node's plugs.
+    Plug(Socket, NodeId, usize),
 }
 
 /// An open search.
@@ -196,13 +196,22 @@ impl Finder {
             Task::Add { .. } => "Enter adds, Escape closes".to_owned(),
             Task::Insert(..) => "Enter inserts on the wire, Escape closes".to_owned(),
             Task::Swap(_) => "Enter changes the kind; what fits is kept".to_owned(),
-            Task::Connect(from) => format!("Enter wires {}", plain(document, from)),
+            Task::Connect(from) => format!("Enter wires {} to it", document.name_of(from)),
         }
     }
 
     fn lines(&self, document: &Document, faces: &Faces, recent: &[String]) -> Vec<Line> {
         match &self.task {
-            Task::Connect(from) => plugs(document, faces, from, &self.typed),
+            Task::Connect(from) => {
+                let outputs = faces.all.get(from).map_or(&[][..], |face| &face.outputs);
+                let several = outputs.len() > 1;
+                let each = outputs.iter().flat_map(|output| {
+                    plugs(document, faces, &output.socket, &self.typed, several)
+                });
+                let mut found: Vec<_> = each.collect();
+                found.sort_by_key(|(order, _)| *order);
+                found.into_iter().take(MOST).map(|(_, line)| line).collect()
+            }
             Task::Add { link, .. } => {
                 let fits = |def: &&'static NodeDef| link.as_ref().is_none_or(|l| takes(document, l, def));
                 let dropped = matches!(self.task, Task::Add { dropped: true, .. });
@@ -275,8 +284,18 @@ fn followers<'a>(document: &'a Document, near: Option<&NodeId>) -> BTreeMap<&'a 
     after
 }
 
+/// How a line stands among others: what fits the letters, what is free, what is of the very type,
+/// what is needed.
+type Order = (search::Score, bool, bool, bool);
+
 /// The inputs that an output can be wired to, those that wait for one first.
-fn plugs(document: &Document, faces: &Faces, from: &Socket, typed: &str) -> Vec<Line> {
+fn plugs(
+    document: &Document,
+    faces: &Faces,
+    from: &Socket,
+    typed: &str,
+    name_output: bool,
+) -> Vec<(Order, Line)> {
     let loose = wiring::LooseWire::from_output(document, from.clone());
     let given = wiring::output_type(document, from);
     let mut found = vec![];
@@ -285,10 +304,14 @@ fn plugs(document: &Document, faces: &Faces, from: &Socket, typed: &str) -> Vec<
             if loose.reason(&plug.socket).is_some() {
                 continue;
             }
-            let label = format!("{}: {}", face.label, plug.label());
+            let mut label = format!("{}: {}", face.label, plug.label());
             let entry = Entry { label: &label, id: face.id.as_str(), ..Entry::default() };
             let Some(score) = search::score(typed, &entry) else { continue };
-            let wired = plug.wire.and_then(|at| document.wires(&face.id, &plug.socket.name).get(at));
+            let here = document.wires(&face.id, &plug.socket.name);
+            let wired = plug.wire.and_then(|at| here.get(at));
+            if wired == Some(from) {
+                continue;
+            }
             let beside = match (wired, plug.needed) {
                 (Some(from), _) => format!("has {}", document.name_of(&from.node)),
                 (None, true) => "needed".to_owned(),
@@ -296,18 +319,16 @@ fn plugs(document: &Document, faces: &Faces, from: &Socket, typed: &str) -> Vec<
             };
             let tip = face.def.and_then(|def| def.input(&plug.socket.name));
             let tip = tip.map_or(String::new(), |(_, input)| input.doc());
+            if name_output {
+                label = format!("{} \u{2192} {label}", words(&from.name));
+            }
             let order = (score, wired.is_some(), plug.ty != given, !plug.needed);
-            let pick = Pick::Plug(face.id.clone(), number);
+            let pick = Pick::Plug(from.clone(), face.id.clone(), number);
             found.push((order, Line { label, beside, tip, pick }));
         }
     }
     found.sort_by_key(|(order, _)| *order);
-    found.into_iter().take(MOST).map(|(_, line)| line).collect()
-}
-
-/// An output or input in words.
-pub(super) fn plain(document: &Document, socket: &Socket) -> String {
-    format!("{}: {}", document.name_of(&socket.node), words(&socket.name))
+    found
 }
 
 #[cfg(test)]
@@ -341,11 +362,14 @@ mod tests {
     fn inputs_that_wait_for_a_wire_come_first() {
         let mut document = document("cornrows");
         document.links.remove(&socket("fill.curves"));
-        let lines = plugs(&document, &faces(&document), &socket("braid.curves"), "");
+        let plugs = |typed: &str| -> Vec<Line> {
+            let found = plugs(&document, &faces(&document), &socket("braid.curves"), typed, false);
+            found.into_iter().map(|(_, line)| line).collect()
+        };
+        let lines = plugs("");
         assert_eq!(lines[0].label, format!("{}: curves", document.name_of(&socket("fill.x").node)));
         assert_eq!(lines[0].beside, "needed");
         assert!(lines.iter().all(|line| !line.label.contains("rows: ")), "a circle is offered");
-        let typed = plugs(&document, &faces(&document), &socket("braid.curves"), "partings out");
-        assert_eq!(typed.len(), 1);
+        assert_eq!(plugs("partings out").len(), 1);
     }
 }

@@ -557,9 +557,10 @@ impl Canvas {
                     Err(why) => out.push(Event::Say(Note::error(why).of(id.clone()))),
                 }
             }
-            (Task::Connect(from), Pick::Plug(node, number)) => {
+            (Task::Connect(_), Pick::Plug(from, node, number)) => {
                 let plug = faces.all.get(&node).and_then(|face| face.inputs.get(number));
-                out.extend(plug.and_then(|p| edits::connect(document, from, p, None)).map(Event::Edit));
+                let edit = plug.and_then(|plug| edits::connect(document, &from, plug, None));
+                out.extend(edit.map(Event::Edit));
             }
             _ => {}
         }
