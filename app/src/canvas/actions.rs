@@ -1,12 +1,12 @@
 //! The canvas's part of the table of actions.
 
-use super::Canvas;
+use super::{Canvas, Clipboard};
 use super::arrange::Line;
 use crate::editor::Editor;
 use crate::editor::actions::{Action, always};
 use crate::editor::event::Event;
 use crate::editor::state::State;
-use egui::{Vec2, ViewportCommand, vec2};
+use egui::{Vec2, vec2};
 
 type When = fn(&Editor) -> Result<(), &'static str>;
 
@@ -106,9 +106,9 @@ const NODES: [Action; 27] = [
     node("canvas.connect", "Wire to\u{2026}", "Searches the input that a wire from this node goes to.", "connect link plug", active, |editor| canvas(editor, Canvas::connect)),
     node("node.disconnect", "Disconnect", "Takes the wires off the selected nodes; hair runs past them. With wires selected: takes these off.", "unplug cut extract shake", |editor| if editor.canvas.memory.wires.is_empty() { selected(editor) } else { Ok(()) }, |editor| canvas(editor, Canvas::disconnect)),
     node("node.duplicate", "Duplicate", "Copies the selected nodes beside themselves, with the wires they take.", "clone copy", selected, |editor| canvas(editor, Canvas::duplicate)),
-    node("canvas.cut", "Cut", "Copies the selected nodes as text and removes them.", "clipboard", selected, |editor| editor.ctx.send_viewport_cmd(ViewportCommand::RequestCut)),
-    node("canvas.copy", "Copy", "Copies the selected nodes as text: it can be pasted here, in another groom, or in a mail.", "clipboard ron text", selected, |editor| editor.ctx.send_viewport_cmd(ViewportCommand::RequestCopy)),
-    node("canvas.paste", "Paste", "Adds nodes from text: what was copied here, or a whole groom.", "clipboard ron text insert", always, |editor| editor.ctx.send_viewport_cmd(ViewportCommand::RequestPaste)),
+    node("canvas.cut", "Cut", "Copies the selected nodes as text and removes them.", "clipboard", selected, |editor| editor.canvas.memory.clipboard = Some(Clipboard::Cut)),
+    node("canvas.copy", "Copy", "Copies the selected nodes as text: it can be pasted here, in another groom, or in a mail.", "clipboard ron text", selected, |editor| editor.canvas.memory.clipboard = Some(Clipboard::Copy)),
+    node("canvas.paste", "Paste", "Adds nodes from text: what was copied here, or a whole groom.", "clipboard ron text insert", always, |editor| editor.canvas.memory.clipboard = Some(Clipboard::Paste)),
     node("node.delete", "Delete", "Removes what is selected on the canvas: nodes, wires, a bend or a frame. Wires through removed nodes heal.", "remove erase dissolve", something, |editor| canvas(editor, Canvas::delete)),
     node("canvas.frame_nodes", "Frame the nodes", "Puts a comment frame round the selected nodes. They move with it.", "comment group box backdrop network", selected, |editor| canvas(editor, Canvas::frame_nodes)),
     node("canvas.tidy", "Lay out", "Places the selected nodes, or all, in the order in which hair flows.", "arrange auto layout tidy clean", nodes, |editor| canvas(editor, Canvas::tidy)),

@@ -69,7 +69,7 @@ pub(super) enum Trouble {
 }
 
 /// What one node shows.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(super) struct Face {
     /// Whose it is.
     pub id: NodeId,
@@ -141,7 +141,7 @@ impl Face {
 }
 
 /// The faces of a document and where they stand.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub(super) struct Faces {
     /// By id, in the order of ids.
     pub all: BTreeMap<NodeId, Face>,
@@ -262,7 +262,7 @@ fn outputs(id: &NodeId, def: Option<&NodeDef>, taken: Option<&BTreeSet<&str>>) -
         socket: Socket::new(id.clone(), name),
         ty,
         wire: None,
-        many: true,
+        many: false,
         needed: false,
     };
     let declared = def.map_or(&[][..], |def| def.outputs);

@@ -32,7 +32,7 @@ pub(super) enum Task {
 }
 
 /// What was picked.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(super) enum Pick {
     /// A kind of node, and whether it is wired as the task says.
     Kind(&'static NodeDef, bool),
@@ -286,7 +286,7 @@ fn followers<'a>(document: &'a Document, near: Option<&NodeId>) -> BTreeMap<&'a 
 
 /// How a line stands among others: what fits the letters, what is free, what is of the very type,
 /// what is needed.
-type Order = (search::Score, bool, bool, bool);
+type Standing = (search::Score, bool, bool, bool);
 
 /// The inputs that an output can be wired to, those that wait for one first.
 fn plugs(
@@ -295,7 +295,7 @@ fn plugs(
     from: &Socket,
     typed: &str,
     name_output: bool,
-) -> Vec<(Order, Line)> {
+) -> Vec<(Standing, Line)> {
     let loose = wiring::LooseWire::from_output(document, from.clone());
     let given = wiring::output_type(document, from);
     let mut found = vec![];
@@ -329,6 +329,11 @@ fn plugs(
     }
     found.sort_by_key(|(order, _)| *order);
     found
+}
+
+/// An output or input in words.
+pub(super) fn plain(document: &Document, socket: &Socket) -> String {
+    format!("{}: {}", document.name_of(&socket.node), words(&socket.name))
 }
 
 #[cfg(test)]

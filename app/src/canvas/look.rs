@@ -29,7 +29,7 @@ const STAGES: [Color32; 10] = [
     Color32::from_rgb(120, 180, 195),
     Color32::from_rgb(125, 165, 215),
     Color32::from_rgb(170, 175, 180),
-    Color32::from_rgb(200, 110, 105),
+    Color32::from_rgb(225, 140, 132),
 ];
 
 /// Colours of comment frames: their names, and how they are painted.

@@ -32,6 +32,7 @@ pub(crate) use actions::ACTIONS;
 
 use crate::editor::event::Event;
 use crate::editor::notes::Note;
+use crate::editor::rooms::Room;
 use crate::editor::state::{Select, State};
 use crate::editor::theme;
 use coif_graphs::document::edit::Edit;
@@ -93,6 +94,10 @@ struct Memory {
     pointer: Option<Pos2>,
     /// The wheel turned last, not a touchpad.
     wheel: bool,
+    /// What the menu asked of the clipboard.
+    clipboard: Option<Clipboard>,
+    /// A paste was asked for and has not come yet.
+    pasting: bool,
     /// What is to be brought into sight when the room is drawn next.
     look_at: Option<BTreeSet<NodeId>>,
 }
@@ -123,6 +128,14 @@ impl Memory {
     }
 }
 
+/// What the menu asks of the clipboard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Clipboard {
+    Cut,
+    Copy,
+    Paste,
+}
+
 /// The id of the graph's widgets.
 fn graph_id() -> egui::Id {
     egui_graph::id("coif canvas")
@@ -138,9 +151,7 @@ impl Canvas {
         let faces = self.cache.of(state);
         self.meet(state, &faces, area);
         self.steer(ui, area);
-        if state.focus == crate::editor::rooms::Room::Canvas {
-            self.clipboard(state, &faces, ui, out);
-        }
+        self.clipboard(state, &faces, ui, out);
         self.settle(state, &faces);
         let pointer = ui.input(|i| i.pointer.latest_pos());
         let over = pointer.filter(|at| area.contains(*at) || !matches!(self.memory.hand, Hand::Empty));
@@ -159,6 +170,7 @@ impl Canvas {
         let shown = ui.scope(|ui| {
             // The crate finds sockets within this; ours lie over them and take the pointer.
             ui.spacing_mut().interact_size = vec2(8.0, 8.0);
+            ui.visuals_mut().window_corner_radius = egui::CornerRadius::ZERO;
             egui_graph::Graph::from_id(graph_id())
                 .background(false)
                 .dot_grid(false)
@@ -566,21 +578,29 @@ impl Canvas {
         }
     }
 
-    /// Copy, cut and paste as the system says them.
+    /// Copy, cut and paste, as keys or menus say them.
     fn clipboard(&mut self, state: &State, faces: &Faces, ui: &Ui, out: &mut Vec<Event>) {
-        if ui.ctx().egui_wants_keyboard_input() {
-            return;
+        let asked = self.memory.clipboard.take();
+        if asked == Some(Clipboard::Paste) {
+            // What the clipboard holds comes as an event, some frames later.
+            ui.ctx().send_viewport_cmd(egui::ViewportCommand::RequestPaste);
+            self.memory.pasting = true;
         }
+        let typing = ui.ctx().egui_wants_keyboard_input();
+        let ours = state.focus == Room::Canvas && !typing;
         let events = ui.input(|i| i.events.clone());
-        for event in events {
-            match event {
-                egui::Event::Copy => self.copy(state, faces, ui.ctx()),
-                egui::Event::Cut => {
-                    self.copy(state, faces, ui.ctx());
-                    out.extend(self.delete(state));
-                }
-                egui::Event::Paste(text) => out.extend(self.paste(state, faces, &text)),
-                _ => {}
+        let has = |wanted: &egui::Event| ours && events.contains(wanted);
+        if asked == Some(Clipboard::Copy) || has(&egui::Event::Copy) {
+            self.copy(state, faces, ui.ctx());
+        }
+        if asked == Some(Clipboard::Cut) || has(&egui::Event::Cut) {
+            self.copy(state, faces, ui.ctx());
+            out.extend(self.delete(state));
+        }
+        for event in &events {
+            if let (egui::Event::Paste(text), true) = (event, ours || self.memory.pasting) {
+                self.memory.pasting = false;
+                out.extend(self.paste(state, faces, text));
             }
         }
     }

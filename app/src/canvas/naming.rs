@@ -76,6 +76,8 @@ impl Naming {
             Named::Note(_) => ("Note of the node", "Note; Ctrl+Enter keeps it"),
             Named::Frame(_) => ("Title of the frame", "Title"),
         };
+        let letters = self.text.chars().count();
+        let fresh = !self.shown;
         let area = Area::new(Id::new("canvas naming"))
             .order(Order::Foreground)
             .fixed_pos(at)
@@ -91,8 +93,8 @@ impl Naming {
                     let response = ui.add(field);
                     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(label));
                     response.request_focus();
-                    if !self.shown {
-                        select_all(ui.ctx(), response.id, self.text.chars().count());
+                    if fresh {
+                        select_all(ui.ctx(), response.id, letters);
                     }
                 });
             });

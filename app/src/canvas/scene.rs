@@ -283,6 +283,9 @@ impl Scene<'_> {
                 hovered = Some(run.wire.clone());
             }
             self.wire_clicked(&response, run, bend, at);
+            let document = &self.state.document;
+            let ends = [&run.from, &run.wire.to].map(|end| super::finder::plain(document, end));
+            response.on_hover_text(ends.join(" \u{2192} "));
         }
         let hidden = match &self.memory.hand {
             Hand::Wire(Loose { lifted: Some(wire), .. }) => vec![wire.clone()],

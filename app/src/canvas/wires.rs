@@ -5,7 +5,7 @@ use super::arrange::pos;
 use super::faces::Faces;
 use coif_graphs::document::{Document, NodeId, Socket};
 use coif_nodes::define::Type;
-use egui::{Pos2, Rect, Vec2, pos2, vec2};
+use egui::{Pos2, Rect, Vec2, vec2};
 use egui_graph::bezier;
 use egui_graph::edge::EdgeShape;
 use std::collections::BTreeMap;
@@ -227,7 +227,7 @@ impl Shake {
 #[cfg(test)]
 pub(super) fn middle(run: &Run) -> Pos2 {
     let points = run.points(4.0);
-    points.get(points.len() / 2).copied().unwrap_or(pos2(0.0, 0.0))
+    points.get(points.len() / 2).copied().unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -235,6 +235,7 @@ mod tests {
     use super::*;
     use crate::canvas::testing::{document, faces, id};
     use coif_graphs::document::Point;
+    use egui::pos2;
 
     fn all(document: &Document) -> Vec<Run> {
         let faces = faces(document);
