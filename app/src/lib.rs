@@ -3,6 +3,8 @@
 //! The program's `main` only hands over to [`main`]. What is public here is public for the tests of the whole
 //! program; nobody else links to it.
 
+#[cfg(feature = "editor")]
+pub mod canvas;
 mod cli;
 #[cfg(feature = "editor")]
 pub mod editor;

@@ -20,6 +20,7 @@ pub mod state;
 pub mod theme;
 pub mod visibility;
 
+use crate::canvas::Canvas;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::cache::usual_budget;
@@ -48,6 +49,7 @@ pub struct Editor {
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
+    pub(crate) canvas: Canvas,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -91,6 +93,7 @@ impl Editor {
             keys,
             palette: Palette::default(),
             key_sheet: false,
+            canvas: Canvas::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -368,7 +371,6 @@ fn dock_style(ui: &egui::Ui) -> egui_dock::Style {
 /// Shows the rooms in their tabs.
 struct Tabs<'a> {
     editor: &'a mut Editor,
-    #[expect(dead_code, reason = "rooms say here what happened")]
     out: &'a mut Vec<Event>,
 }
 
@@ -385,6 +387,10 @@ impl egui_dock::TabViewer for Tabs<'_> {
         let over = ui.rect_contains_pointer(ui.max_rect());
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
+        }
+        let Editor { state, canvas, .. } = &mut *self.editor;
+        if *room == Room::Canvas {
+            canvas.ui(state, ui, self.out);
         }
     }
     fn scroll_bars(&self, _: &Room) -> [bool; 2] {
