@@ -20,6 +20,7 @@ pub mod state;
 pub mod theme;
 pub mod visibility;
 
+use crate::inspector::Inspector;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::{file, grooms};
@@ -47,6 +48,7 @@ pub struct Editor {
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
+    inspector: Inspector,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -90,6 +92,7 @@ impl Editor {
             keys,
             palette: Palette::default(),
             key_sheet: false,
+            inspector: Inspector::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -225,6 +228,13 @@ impl Editor {
                 self.changed(set.map_err(|err| err.to_string()), true);
             }
             Event::Pin(node) => state.pinned = node,
+            Event::Expose { socket, exposed: true } => {
+                state.exposed.insert(socket);
+            }
+            Event::Expose { socket, exposed: false } => {
+                state.exposed.remove(&socket);
+            }
+            Event::Visibility(visibility) => state.visibility = visibility,
             Event::Settings(settings) => state.settings = *settings,
             Event::Say(note) => state.notes.say(note),
             Event::Evaluate => self.forced = true,
@@ -362,7 +372,6 @@ fn dock_style(ui: &egui::Ui) -> egui_dock::Style {
 /// Shows the rooms in their tabs.
 struct Tabs<'a> {
     editor: &'a mut Editor,
-    #[expect(dead_code, reason = "rooms say here what happened")]
     out: &'a mut Vec<Event>,
 }
 
@@ -379,6 +388,10 @@ impl egui_dock::TabViewer for Tabs<'_> {
         let over = ui.rect_contains_pointer(ui.max_rect());
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
+        }
+        let Editor { state, inspector, .. } = &mut *self.editor;
+        if *room == Room::Inspector {
+            inspector.ui(state, ui, self.out);
         }
     }
     fn scroll_bars(&self, _: &Room) -> [bool; 2] {

@@ -5,7 +5,7 @@
 //! shown does not move under the hand.
 
 use super::number::Scale;
-use super::slider::{Done, NumberField};
+use super::slider::{Done, NumberField, moved};
 use super::stops::{self, Limits};
 use super::target::How;
 use super::text::{icon_button, set_name};
@@ -130,7 +130,7 @@ impl RampField<'_> {
             memory.drag = None;
         }
         if let Some(drag) = memory.drag.as_mut().filter(|_| response.dragged()) {
-            let (delta, modifiers) = (response.drag_delta(), ui.input(|input| input.modifiers));
+            let (delta, modifiers) = (moved(response), ui.input(|input| input.modifiers));
             let fine = if modifiers.ctrl || modifiers.command { 0.1 } else { 1.0 };
             let size = view.rect.size();
             if !modifiers.shift {
@@ -412,11 +412,4 @@ impl View {
             corner(frame.center().x, frame.bottom() - 2.0, Align2::CENTER_BOTTOM, scale.text(lo));
         }
     }
-}
-
-/// A ramp as small as an icon.
-pub(crate) fn thumbnail(ui: &Ui, rect: Rect, ramp: &Ramp) {
-    let view = View { rect: rect.shrink(2.0), shown: stops::shown(ramp, Some((0.0, 1.0))) };
-    let points = (0..=16).map(|i| view.pos((i as f32 / 16.0, ramp.at(i as f32 / 16.0))));
-    ui.painter().add(Shape::line(points.collect(), Stroke::new(1.2, theme::ACCENT)));
 }

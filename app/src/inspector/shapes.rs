@@ -160,7 +160,7 @@ fn row(
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
         let (rect, _) = ui.allocate_exact_size(Vec2::splat(THUMBNAIL), Sense::hover());
-        paint(ui, rect, section, None);
+        let _ = paint(ui, rect, section, None);
         ui.vertical(|ui| {
             ui.spacing_mut().item_spacing.y = 2.0;
             ui.horizontal(|ui| {

@@ -47,7 +47,7 @@ struct Drag {
 }
 
 /// Text that is being typed, and the number it began with.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 struct Typing {
     text: String,
     of: Option<f64>,
@@ -62,7 +62,10 @@ impl NumberField<'_> {
         let (response, mut done) = if ui.memory(|memory| memory.has_focus(id)) {
             self.typed(ui, id, size)
         } else {
-            self.dragged(ui, id, size)
+            let (response, done) = self.dragged(ui, id, size);
+            // The keyboard went elsewhere by a click or Tab: what was typed counts.
+            let left = ui.data_mut(|data| data.remove_temp::<Typing>(id));
+            (response, done.or_else(|| self.read(ui, &left?)))
         };
         use egui::accesskit::{Action, ActionData};
         ui.input(|input| {
@@ -105,13 +108,12 @@ impl NumberField<'_> {
     }
 
     fn typed(&self, ui: &mut Ui, id: Id, size: Vec2) -> (Response, Option<Done>) {
-        let first = self.value.map_or(String::new(), |x| self.scale.exact(x));
         // A number that changed meanwhile (nudged, undone) goes before what was typed.
         let kept = ui.data_mut(|data| data.remove_temp::<Typing>(id));
-        let mut typing = kept
-            .filter(|typing| typing.of == self.value)
-            .unwrap_or_else(|| Typing { text: first.clone(), of: self.value });
-        if ui.memory(|memory| memory.gained_focus(id)) {
+        let kept = kept.filter(|typing| typing.of == self.value);
+        let fresh = kept.is_none();
+        let mut typing = kept.unwrap_or_else(|| Typing { text: self.first(), of: self.value });
+        if fresh {
             let all = CCursorRange::two(CCursor::new(0), CCursor::new(typing.text.chars().count()));
             let mut state = TextEdit::load_state(ui.ctx(), id).unwrap_or_default();
             state.cursor.set_char_range(Some(all));
@@ -131,18 +133,26 @@ impl NumberField<'_> {
             return (response, Some(Done::Nudged(nudges * step)));
         }
         if response.lost_focus() {
-            let left = ui.input(|input| input.key_pressed(Key::Escape));
-            if left || typing.text == first || typing.text.trim().is_empty() {
-                return (response, None);
-            }
-            let done = match self.scale.read(&typing.text) {
-                Ok(entry) => Done::Typed(entry),
-                Err(why) => Done::Refused(why),
-            };
-            return (response, Some(done));
+            let done = self.read(ui, &typing);
+            return (response, done);
         }
         ui.data_mut(|data| data.insert_temp(id, typing));
         (response, None)
+    }
+
+    /// The text that typing begins with.
+    fn first(&self) -> String {
+        self.value.map_or(String::new(), |x| self.scale.exact(x))
+    }
+
+    /// What typed text does when the field is left.
+    fn read(&self, ui: &Ui, typing: &Typing) -> Option<Done> {
+        let left = ui.input(|input| input.key_pressed(Key::Escape));
+        let same = typing.of != self.value || typing.text == self.first();
+        if left || same || typing.text.trim().is_empty() {
+            return None;
+        }
+        Some(self.scale.read(&typing.text).map_or_else(Done::Refused, Done::Typed))
     }
 
     fn dragged(&self, ui: &mut Ui, id: Id, size: Vec2) -> (Response, Option<Done>) {
@@ -172,7 +182,7 @@ impl NumberField<'_> {
             _ => step * 0.25,
         };
         let fine = if modifiers.shift { 0.1 } else { 1.0 };
-        drag.gone += f64::from(response.drag_delta().x) * per_point * fine;
+        drag.gone += f64::from(moved(&response).x) * per_point * fine;
         ui.data_mut(|data| data.insert_temp(id, drag));
         let grid = match (modifiers.shift, modifiers.command || modifiers.ctrl) {
             _ if self.scale.whole => 1.0,
@@ -234,6 +244,12 @@ impl NumberField<'_> {
             if quiet { theme::QUIET } else { theme::TEXT },
         );
     }
+}
+
+/// How far the hand went since the last frame; when a drag begins, since the press.
+pub(crate) fn moved(response: &Response) -> Vec2 {
+    let begun = response.drag_started().then(|| response.total_drag_delta()).flatten();
+    begun.unwrap_or_else(|| response.drag_delta())
 }
 
 /// Steps asked for by Up and Down, or by the wheel over the field that has the keyboard; Shift fine, Ctrl large.

@@ -9,7 +9,7 @@ use crate::editor::state::State;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::values::fit;
 use coif_graphs::document::{NodeId, Setting, Socket};
-use coif_nodes::define::{InputDef, NodeDef, Value};
+use coif_nodes::define::{InputDef, Value};
 use std::collections::BTreeMap;
 
 /// How a value changed.
@@ -89,8 +89,6 @@ pub(crate) struct Target<'a> {
     pub(crate) state: &'a State,
     /// The active node first.
     pub(crate) nodes: &'a [NodeId],
-    /// Their kind.
-    pub(crate) def: &'static NodeDef,
     /// Where events go.
     pub(crate) out: &'a mut Vec<Event>,
     /// The drag under way.

@@ -203,8 +203,7 @@ fn apply(target: &mut Target, input: &'static InputDef, scale: &Scale, done: Don
         Done::Nudged(by) => {
             let new = |held: Held| {
                 let x = as_number(&held)? + by;
-                let grid = by.abs().max(f64::MIN_POSITIVE);
-                Some(value(scale.clamp(scale.snap(x, grid)).0))
+                Some(value(scale.clamp(scale.snap(x, scale.step(x) / 10.0)).0))
             };
             target.set_each(input, How::Nudge, new);
         }
