@@ -5,8 +5,8 @@ use super::rooms::Room;
 use super::settings::Settings;
 use super::state::Select;
 use super::visibility::Visibility;
-use coif_graphs::document::{NodeId, Socket};
 use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{NodeId, Socket};
 
 /// Something that happened.
 #[derive(Clone, Debug)]

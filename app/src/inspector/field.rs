@@ -90,13 +90,16 @@ impl FieldEditor<'_> {
         let at = source(field);
         let mut new = None;
         let sign = ["1", "∿", "A", "◐", "×"][at];
-        let menu = ui.menu_button(sign, |ui| {
+        let size = egui::Vec2::splat(ui.spacing().interact_size.y);
+        let button = egui::Button::new(sign).min_size(size);
+        let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
             for (to, (label, tip)) in SOURCES.iter().enumerate() {
                 let can = match to {
                     3 => !self.known.masks.is_empty() || at == 3,
                     _ => true,
                 };
-                let chosen = ui.add_enabled_ui(can, |ui| ui.selectable_label(at == to, *label)).inner;
+                let chosen =
+                    ui.add_enabled_ui(can, |ui| ui.selectable_label(at == to, *label)).inner;
                 let chosen = chosen.on_hover_text(*tip);
                 if chosen.on_disabled_hover_text("No head with masks is shown.").clicked() {
                     new = (to != at).then(|| self.switched(field, to));
@@ -104,8 +107,8 @@ impl FieldEditor<'_> {
                 }
             }
         });
-        set_name(ui, &menu.response, &format!("{} source", self.name));
-        menu.response.on_hover_text(format!("{}: {} Click to switch.", SOURCES[at].0, SOURCES[at].1));
+        set_name(ui, &response, &format!("{} source", self.name));
+        response.on_hover_text(format!("{}: {} Click to switch.", SOURCES[at].0, SOURCES[at].1));
         new
     }
 

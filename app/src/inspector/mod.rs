@@ -17,8 +17,8 @@ mod tests;
 pub(crate) mod text;
 mod value;
 
-use crate::editor::event::Event;
 use crate::editor::evaluation::Shown;
+use crate::editor::event::Event;
 use crate::editor::state::{Select, State};
 use crate::editor::theme;
 use coif_graphs::document::edit::Edit;
@@ -100,6 +100,8 @@ impl Inspector {
         if def.inputs.len() >= FILTERED_FROM {
             let filter = TextEdit::singleline(&mut self.filter)
                 .hint_text("Filter inputs")
+                .vertical_align(egui::Align::Center)
+                .min_size(ui.spacing().interact_size)
                 .desired_width(f32::INFINITY);
             let filter = ui.add(filter);
             set_name(ui, &filter, "Filter inputs");
@@ -108,15 +110,16 @@ impl Inspector {
         let mut target = Target { state, nodes: &nodes, out, gesture, said };
         let wired = |input: &&&InputDef| matches!(input.ty, Type::Curves | Type::Scalp);
         let asked = |input: &&'static InputDef| matches(input, filter);
+        let width = ui.available_width();
         let inputs: Vec<&'static InputDef> = def.inputs.iter().filter(asked).collect();
         for input in inputs.iter().filter(wired) {
-            ui.push_id(input.name, |ui| row::show(ui, &mut target, input, known));
+            ui.push_id(input.name, |ui| row::show(ui, &mut target, input, known, width));
         }
         if inputs.iter().any(|input| wired(&input)) && inputs.iter().any(|input| !wired(&input)) {
             ui.separator();
         }
         for input in inputs.iter().filter(|input| !wired(input)) {
-            ui.push_id(input.name, |ui| row::show(ui, &mut target, input, known));
+            ui.push_id(input.name, |ui| row::show(ui, &mut target, input, known, width));
         }
         if inputs.is_empty() && !def.inputs.is_empty() {
             ui.weak(format!("No input is called {filter:?}."));
@@ -134,7 +137,12 @@ impl Inspector {
             let socket = problem.socket.as_deref().map_or(String::new(), text::spoken);
             let head = if socket.is_empty() { String::new() } else { format!("{socket}: ") };
             let text = format!("{head}{}; {}.", problem.text, problem.remedy);
-            message(ui, problem.severity == Severity::Error, problem.severity == Severity::Warning, text);
+            message(
+                ui,
+                problem.severity == Severity::Error,
+                problem.severity == Severity::Warning,
+                text,
+            );
         }
         let reports = &state.run.reports;
         let report = reports.nodes.get(id);
@@ -255,7 +263,8 @@ fn header(
             }
             let can = !edits.is_empty();
             let reset = ui.add_enabled(can, egui::Button::new("Reset all inputs"));
-            let reset = reset.on_hover_text("Every input but strokes gets its default; wires stay.");
+            let reset =
+                reset.on_hover_text("Every input but strokes gets its default; wires stay.");
             if reset.on_disabled_hover_text("All are at their defaults.").clicked() {
                 once(edits, out);
                 ui.close();
@@ -277,7 +286,8 @@ fn header(
         let right = egui::Layout::right_to_left(egui::Align::Center);
         ui.with_layout(right, |ui| {
             let check = ui.checkbox(&mut bypass, "Bypass");
-            let check = check.on_hover_text("Passes its input through as if the node were not there.");
+            let check =
+                check.on_hover_text("Passes its input through as if the node were not there.");
             if check.changed() {
                 let edit = |id: &NodeId| Edit::SetBypass { id: id.clone(), bypass };
                 once(nodes.iter().map(edit).collect(), out);
@@ -289,7 +299,9 @@ fn header(
         let same = nodes.len();
         ui.weak(match same == selected {
             true => format!("{same} nodes of this kind are edited at once."),
-            false => format!("{same} of {selected} selected nodes are of this kind and edited at once."),
+            false => {
+                format!("{same} of {selected} selected nodes are of this kind and edited at once.")
+            }
         });
     }
     let width = ui.available_width();

@@ -88,12 +88,7 @@ impl Scale {
 
     /// A range in the shown unit.
     pub(crate) fn range(&self, (lo, hi): (f64, f64)) -> String {
-        format!(
-            "{} to {}{}",
-            plain(lo / self.shown, 7),
-            plain(hi / self.shown, 7),
-            self.suffix
-        )
+        format!("{} to {}{}", plain(lo / self.shown, 7), plain(hi / self.shown, 7), self.suffix)
     }
 
     /// The step of one nudge: a round number in the shown unit, a hundredth of the slider or less; 1 for whole numbers.
@@ -113,7 +108,11 @@ impl Scale {
     pub(crate) fn snap(&self, x: f64, step: f64) -> f64 {
         let x = if self.whole { x.round() } else { (x / step).round() * step };
         // The grid's own rounding shows in the sixth digit of small units.
-        if self.whole { x } else { plain(x / self.shown, 9).parse::<f64>().unwrap_or(x) * self.shown }
+        if self.whole {
+            x
+        } else {
+            plain(x / self.shown, 9).parse::<f64>().unwrap_or(x) * self.shown
+        }
     }
 
     /// `x` within the hard range, and what to say when it was not.
@@ -305,8 +304,7 @@ impl Parser<'_> {
 
     /// The unit that comes next, letters or one sign.
     fn word(&self) -> Option<&str> {
-        let letters =
-            self.rest.find(|c: char| !c.is_alphabetic()).unwrap_or(self.rest.len());
+        let letters = self.rest.find(|c: char| !c.is_alphabetic()).unwrap_or(self.rest.len());
         let sign = self.rest.chars().next().filter(|c| ['%', '°', '"', '\''].contains(c));
         match (letters, sign) {
             (0, Some(sign)) => Some(&self.rest[..sign.len_utf8()]),
@@ -324,8 +322,7 @@ impl Parser<'_> {
         let tail = &text[end..];
         let exponent = tail.strip_prefix(['e', 'E']).map(|t| {
             let sign = usize::from(t.starts_with(['+', '-']));
-            let digits =
-                t[sign..].find(|c: char| !c.is_ascii_digit()).unwrap_or(t.len() - sign);
+            let digits = t[sign..].find(|c: char| !c.is_ascii_digit()).unwrap_or(t.len() - sign);
             (sign, digits)
         });
         if let Some((sign, digits @ 1..)) = exponent.filter(|_| end > 0) {

@@ -81,9 +81,10 @@ impl RampField<'_> {
     ) -> Option<(Ramp, How)> {
         let (rect, _) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::hover());
         let response = ui.interact(rect, id.with("plot"), Sense::click_and_drag());
-        let slider = self.scale.slider.map(|(lo, hi)| (lo as f32, hi as f32));
-        let shown = memory.drag.map_or_else(|| stops::shown(ramp, slider), |drag| drag.shown);
-        let view = View { rect: rect.shrink2(vec2(9.0, 8.0)), shown };
+        let (lo, hi) = self.scale.slider.unwrap_or((0.0, 1.0));
+        let fit = || stops::shown(ramp, (lo as f32, hi as f32));
+        let shown = memory.drag.map_or_else(fit, |drag| drag.shown);
+        let view = View { rect: plotted(rect), shown };
         let new = self.handled(ui, &response, &view, ramp, memory);
         if response.clicked() || response.drag_started() {
             response.request_focus();
@@ -119,11 +120,8 @@ impl RampField<'_> {
         if response.drag_started()
             && let Some(at) = ui.input(|input| input.pointer.press_origin())
         {
-            memory.drag = near(at).map(|stop| Drag {
-                stop,
-                at: ramp.stops()[stop],
-                shown: view.shown,
-            });
+            memory.drag =
+                near(at).map(|stop| Drag { stop, at: ramp.stops()[stop], shown: view.shown });
             memory.selected = near(at).or(memory.selected);
         }
         if response.drag_stopped() || !response.dragged() && !response.drag_started() {
@@ -159,9 +157,8 @@ impl RampField<'_> {
             return None;
         }
         let i = memory.selected?;
-        let pressed = |key| {
-            ui.input_mut(|input| input.consume_key(Modifiers::NONE, key)) as i32 as f32
-        };
+        let pressed =
+            |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key)) as i32 as f32;
         if pressed(Key::Delete) + pressed(Key::Backspace) > 0.0 {
             memory.selected = None;
             return Some((stops::remove(ramp, i), How::Once));
@@ -190,9 +187,8 @@ impl RampField<'_> {
         let limits = self.limits();
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
-            let height = ui.spacing().interact_size.y;
             let blend = ComboBox::from_id_salt(id.with("blend"))
-                .width(82.0)
+                .width(78.0)
                 .selected_text(blend_name(ramp.blend))
                 .show_ui(ui, |ui| {
                     for (blend, tip) in [
@@ -207,32 +203,32 @@ impl RampField<'_> {
                     }
                 });
             set_name(ui, &blend.response, &format!("{} blending", self.name));
-            let menu = ui.menu_button("Shape", |ui| {
+            let menu = ui.menu_button("Shape…", |ui| {
                 new = self.menu(ui, id, ramp).or(new.take());
             });
             set_name(ui, &menu.response, &format!("{} shape", self.name));
-            let rest = (width - (ui.cursor().left() - ui.min_rect().left())).max(0.0);
-            match memory.selected.and_then(|i| Some((i, *ramp.stops().get(i)?))) {
-                Some((i, at)) => {
-                    let field = ((rest - height - 6.0) / 2.0).max(40.0);
-                    new = self.numbers(ui, ramp, i, at, field).or(new.take());
-                    let remove = icon_button(ui, "✖", &format!("{}: remove the point", self.name));
-                    if remove.clicked() {
-                        new = Some((stops::remove(ramp, i), How::Once));
-                        memory.selected = None;
-                    }
-                }
-                None => {
-                    let add = icon_button(ui, "+", &format!("{}: add a point", self.name));
-                    if add.clicked() {
-                        let (more, at) = stops::add(ramp, 0.5, None, limits);
-                        memory.selected = Some(at);
-                        new = Some((more, How::Once));
-                    }
-                    ui.weak(format!("{} points", ramp.stops().len()));
+            let name = format!("{}: add a point", self.name);
+            if icon_button(ui, "+", &name).clicked() {
+                let (more, at) = stops::add(ramp, 0.5, None, limits);
+                memory.selected = Some(at);
+                new = Some((more, How::Once));
+            }
+            if let Some(i) = memory.selected {
+                let name = format!("{}: remove the point", self.name);
+                if icon_button(ui, "✖", &name).clicked() {
+                    new = Some((stops::remove(ramp, i), How::Once));
+                    memory.selected = None;
                 }
             }
         });
+        if let Some(i) = memory.selected
+            && let Some(at) = ramp.stops().get(i)
+        {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 3.0;
+                new = self.numbers(ui, ramp, i, *at, (width - 3.0) / 2.0).or(new.take());
+            });
+        }
         new
     }
 
@@ -315,6 +311,12 @@ impl RampField<'_> {
         }
         new.map(|new| (new, How::Once))
     }
+}
+
+/// The part of the frame in which values are drawn; below it stands which end is which.
+pub(crate) fn plotted(frame: Rect) -> Rect {
+    let inner = frame.shrink2(vec2(9.0, 8.0));
+    inner.with_max_y((frame.bottom() - 18.0).max(inner.top() + 1.0))
 }
 
 fn blend_name(blend: Blend) -> &'static str {

@@ -19,9 +19,14 @@ const EDGE: f32 = 20.0;
 /// The share of the width that names take.
 const NAMES: f32 = 0.38;
 
-/// Shows an input of the target.
-pub(crate) fn show(ui: &mut Ui, target: &mut Target, input: &'static InputDef, known: &super::Known) {
-    let width = ui.available_width();
+/// Shows an input of the target, `width` points wide.
+pub(crate) fn show(
+    ui: &mut Ui,
+    target: &mut Target,
+    input: &'static InputDef,
+    known: &super::Known,
+    width: f32,
+) {
     let height = ui.spacing().interact_size.y;
     let names = (width * NAMES).max(84.0) - EDGE;
     let name = spoken(input.name);
@@ -174,9 +179,10 @@ fn menu(ui: &mut Ui, target: &mut Target, input: &'static InputDef) {
 }
 
 fn reset(ui: &mut Ui, target: &mut Target, input: &'static InputDef, name: &str, height: f32) {
-    let sense = if target.is_set(input) { Sense::click() } else { Sense::hover() };
+    let changed = target.is_changed(input);
+    let sense = if changed { Sense::click() } else { Sense::hover() };
     let (rect, response) = ui.allocate_exact_size(vec2(EDGE, height), sense);
-    if !target.is_set(input) {
+    if !changed {
         return;
     }
     set_name(ui, &response, &format!("{name}: reset"));
@@ -209,7 +215,8 @@ fn wires(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, width: 
                 output => format!("⏵ {source}: {}", spoken(output).to_lowercase()),
             };
             let size = vec2((width - button - 3.0).max(40.0), button);
-            let go = ui.add_enabled(there, egui::Button::new(text).truncate().min_size(size));
+            let go = egui::Button::new(text).right_text("").truncate().min_size(size);
+            let go = ui.add_enabled(there, go);
             let number = if several { format!(" {}", i + 1) } else { String::new() };
             set_name(ui, &go, &format!("{name}{number}: go to {source}"));
             if go.on_hover_text(format!("Wired from {wire}. Click to go to that node.")).clicked() {

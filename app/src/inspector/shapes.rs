@@ -201,9 +201,8 @@ fn row(
                     moved.swap(i, i + 1);
                 }
                 let last = list.0.len() == 1;
-                let remove = ui.add_enabled_ui(!last, |ui| {
-                    icon_button(ui, "✖", &format!("{name}: remove"))
-                });
+                let remove =
+                    ui.add_enabled_ui(!last, |ui| icon_button(ui, "✖", &format!("{name}: remove")));
                 if remove.inner.clicked() {
                     moved.remove(i);
                 }
@@ -284,7 +283,8 @@ fn drawing(ui: &mut Ui, name: &str, points: &[Point], width: f32) -> Option<(Sec
     let at = |p: Pos2| Point::new(p.x - rect.center().x, rect.center().y - p.y) / unit;
     let near = |p: Pos2| {
         let far = |q: &Point| to(*q).distance(p);
-        let nearest = (0..points.len()).min_by(|a, b| far(&points[*a]).total_cmp(&far(&points[*b])));
+        let nearest =
+            (0..points.len()).min_by(|a, b| far(&points[*a]).total_cmp(&far(&points[*b])));
         nearest.filter(|i| far(&points[*i]) < 10.0)
     };
     for p in points.iter().filter(|p| p.is_finite()) {

@@ -231,7 +231,8 @@ impl NumberField<'_> {
             };
             painter.rect(bar, rounding, fill, Stroke::NONE, StrokeKind::Inside);
             let at = egui::lerp(rect.x_range(), a).clamp(rect.left() + 1.0, rect.right() - 1.0);
-            painter.vline(at, rect.y_range(), Stroke::new(2.0, theme::ACCENT));
+            let mark = theme::ACCENT.gamma_multiply(if response.hovered() { 1.0 } else { 0.55 });
+            painter.vline(at, rect.y_range().shrink(1.0), Stroke::new(1.5, mark));
         }
         let line = if response.hovered() { visuals.bg_stroke.color } else { theme::LINE };
         painter.rect_stroke(rect, rounding, Stroke::new(1.0, line), StrokeKind::Inside);
@@ -257,7 +258,7 @@ fn nudges(ui: &mut Ui, id: Id) -> f64 {
     let mut steps = 0.0;
     ui.input_mut(|input| {
         for (modifiers, size) in
-            [(Modifiers::SHIFT, 0.1), (Modifiers::CTRL, 10.0), (Modifiers::NONE, 1.0)]
+            [(Modifiers::SHIFT, 0.1), (Modifiers::COMMAND, 10.0), (Modifiers::NONE, 1.0)]
         {
             steps += size * input.count_and_consume_key(modifiers, Key::ArrowUp) as f64;
             steps -= size * input.count_and_consume_key(modifiers, Key::ArrowDown) as f64;

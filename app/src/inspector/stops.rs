@@ -96,19 +96,42 @@ pub(crate) const PRESETS: &[Preset] = &[
 
 /// A preset as high as `ramp` is now, so that it keeps its strength.
 pub(crate) fn preset(ramp: &Ramp, (_, blend, shape): Preset, limits: Limits) -> Ramp {
-    let highest = ramp.stops().iter().fold(0.0f32, |most, (_, y)| if y.abs() > most.abs() { *y } else { most });
+    let highest = ramp
+        .stops()
+        .iter()
+        .fold(0.0f32, |most, (_, y)| if y.abs() > most.abs() { *y } else { most });
     let height = if highest == 0.0 { 1.0f32.max(limits.0).min(limits.1) } else { highest };
     let stops = shape.iter().map(|(x, y)| (*x, y * height)).collect();
     made(ramp, blend, stops, limits)
 }
 
-/// The heights that an editor of the ramp should show: what there is, and zero, with a little air; never empty.
-pub(crate) fn shown(ramp: &Ramp, slider: Option<(f32, f32)>) -> (f32, f32) {
-    let (mut lo, mut hi) = slider.unwrap_or((0.0, 1.0));
+/// The heights that an editor of the ramp should show: what there is with some air, from zero where nothing is below it,
+/// up to the slider's end where that is not far; never empty.
+pub(crate) fn shown(ramp: &Ramp, slider: (f32, f32)) -> (f32, f32) {
+    let (mut lo, mut hi) = (0.0f32, 0.0f32);
     for (_, y) in ramp.stops() {
         (lo, hi) = (lo.min(*y), hi.max(*y));
     }
-    if hi - lo < 1e-6 { (lo, lo + 1.0) } else { (lo, hi) }
+    let end = |reach: f32, end: f32| match reach {
+        0.0 => end,
+        // Near enough to the slider's end to show all of it.
+        y if y <= end && y * 2.5 >= end => end,
+        y => round_up(y * 1.15),
+    };
+    let top = if hi == 0.0 && lo < 0.0 { 0.0 } else { end(hi, slider.1.max(0.0)) };
+    let bottom = if lo == 0.0 && slider.0 >= 0.0 { 0.0 } else { -end(-lo, -slider.0.min(0.0)) };
+    if top - bottom < 1e-6 || !(top - bottom).is_finite() {
+        (bottom, bottom + 1.0)
+    } else {
+        (bottom, top)
+    }
+}
+
+/// The next of 1, 1.5, 2, 3, 5, 7 times a power of ten.
+fn round_up(y: f32) -> f32 {
+    let power = 10f32.powf(y.log10().floor());
+    let next = [1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0].into_iter().find(|n| n * power >= y * 0.9999);
+    next.unwrap_or(10.0) * power
 }
 
 #[cfg(test)]
@@ -190,6 +213,21 @@ mod tests {
         let ramp = preset(&Ramp::linear(0.0, 0.4), PRESETS[2], ALL);
         assert_eq!((ramp.at(0.0), ramp.at(1.0)), (0.4, 0.0));
         assert_eq!(preset(&Ramp::constant(0.0), PRESETS[1], (0.0, 0.5)).at(1.0), 0.5);
-        assert_eq!(shown(&Ramp::constant(3.0), Some((0.0, 1.0))), (0.0, 3.0));
+    }
+
+    #[test]
+    fn the_editor_shows_what_there_is_with_some_air() {
+        let check = |from: f32, to: f32, slider, want: (f32, f32)| {
+            let (lo, hi) = shown(&Ramp::linear(from, to), slider);
+            assert!((lo - want.0).abs() + (hi - want.1).abs() < 1e-4, "{from} {to}: {lo} {hi}");
+        };
+        check(0.0, 1.0, (0.0, 1.0), (0.0, 1.0));
+        check(0.5, 0.5, (0.0, 1.0), (0.0, 1.0));
+        check(3.0, 3.0, (0.0, 1.0), (0.0, 5.0));
+        check(0.2, 0.4, (0.2, 5.0), (0.0, 0.5));
+        check(0.0, 0.0, (0.0, 4.0), (0.0, 4.0));
+        check(0.0, 0.0, (-180.0, 180.0), (-180.0, 180.0));
+        check(-90.0, 0.0, (-180.0, 180.0), (-180.0, 0.0));
+        check(1e30, 1e38, (0.0, 1.0), (0.0, 1.5e38));
     }
 }

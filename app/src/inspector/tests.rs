@@ -31,18 +31,19 @@ pub(super) fn id(text: &str) -> NodeId {
 pub(super) fn hands(document: Document, nodes: &[&str], size: (f32, f32)) -> Hands {
     let editor = Editor::new(&egui::Context::default(), document, OpenFile::default());
     let bench = Bench { editor, inspector: Inspector::default(), events: vec![] };
-    let mut hands = Harness::builder().with_size(vec2(size.0, size.1)).with_step_dt(0.02).build_ui_state(
-        |ui, bench: &mut Bench| {
-            theme::apply(ui.ctx(), false);
-            let mut out = vec![];
-            bench.inspector.ui(&bench.editor.state, ui, &mut out);
-            for event in out {
-                bench.events.push(event.clone());
-                bench.editor.apply(event);
-            }
-        },
-        bench,
-    );
+    let mut hands =
+        Harness::builder().with_size(vec2(size.0, size.1)).with_step_dt(0.02).build_ui_state(
+            |ui, bench: &mut Bench| {
+                theme::apply(ui.ctx(), false);
+                let mut out = vec![];
+                bench.inspector.ui(&bench.editor.state, ui, &mut out);
+                for event in out {
+                    bench.events.push(event.clone());
+                    bench.editor.apply(event);
+                }
+            },
+            bench,
+        );
     let nodes = nodes.iter().map(|name| id(name)).collect();
     hands.state_mut().editor.apply(Event::Select(Select::Nodes(nodes)));
     hands.run_steps(3);
@@ -301,7 +302,7 @@ fn stops_of_ramps_are_added_moved_and_removed() {
     // Set width has a profile from 0 to 1, straight.
     let mut hands = hands(nodes(&[("a", "set_width")]), &["a"], (380.0, 900.0));
     let plot = hands.get_by_label("Profile").rect();
-    let inner = plot.shrink2(vec2(9.0, 8.0));
+    let inner = ramp::plotted(plot);
     let at = |x: f32, y: f32| {
         Pos2::new(egui::lerp(inner.x_range(), x), egui::lerp(inner.bottom()..=inner.top(), y))
     };
@@ -461,7 +462,10 @@ fn odd_values_are_shown_without_harm() {
     let odd = [
         ("length", Value::Float(f32::MAX)),
         ("lie", Value::from(Field::Product(vec![]))),
-        ("radius", Value::from(Field::Product(vec![Field::Product(vec![Field::Mask(String::new())])]))),
+        (
+            "radius",
+            Value::from(Field::Product(vec![Field::Product(vec![Field::Mask(String::new())])])),
+        ),
         ("mask", Value::from(Field::Ramp(Ramp::constant(1e30)))),
         ("seed", Value::Int(i64::MIN)),
         ("count", Value::Int(i64::MAX)),

@@ -17,8 +17,10 @@ pub(crate) fn set_name(ui: &Ui, response: &Response, name: &str) {
 /// A square button with a sign on it, whose tooltip is its name.
 pub(crate) fn icon_button(ui: &mut Ui, sign: &str, name: &str) -> Response {
     let size = ui.spacing().interact_size.y;
-    let button = egui::Button::new(sign).frame_when_inactive(false).min_size(Vec2::splat(size));
-    let response = ui.add(button);
+    let response = ui.add_sized(
+        Vec2::splat(size),
+        egui::Button::new(sign).frame_when_inactive(false).min_size(Vec2::splat(size)),
+    );
     set_name(ui, &response, name);
     response.on_hover_text(name)
 }
@@ -39,7 +41,7 @@ pub(crate) fn text_field(
         let height = ui.spacing().interact_size.y;
         TextEdit::singleline(&mut typed).min_size(Vec2::new(0.0, height))
     };
-    let width = (width - 8.0).max(20.0);
+    let width = width.max(20.0);
     let edit = edit.id(id).hint_text(hint).vertical_align(egui::Align::Center);
     let response = ui.add(edit.desired_width(width));
     set_name(ui, &response, name);

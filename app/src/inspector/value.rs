@@ -50,7 +50,9 @@ pub(crate) fn show(
                 ui.colored_label(colour, text);
             });
         }
-        (Type::Bool, value) => bool(ui, target, input, name, matches!(value, Some(Value::Bool(true)))),
+        (Type::Bool, value) => {
+            bool(ui, target, input, name, matches!(value, Some(Value::Bool(true))))
+        }
         (Type::Int | Type::Float, value) => number(ui, target, input, name, value.as_ref(), width),
         (Type::Field, value) => field(ui, target, input, name, value.as_ref(), known, width),
         (Type::Vec3, Some(Value::Vec3(v))) => vector(ui, target, input, name, v, width),
@@ -155,9 +157,11 @@ fn number(
         }
         response.on_hover_ui(|ui| {
             super::row::tooltip(ui, target, input, name);
-            ui.weak("Drag, or click to type: units and arithmetic are read (3mm, 1/3, +=0.2, *=2).");
+            ui.weak(
+                "Drag, or click to type: units and arithmetic are read (3mm, 1/3, +=0.2, *=2).",
+            );
         });
-        if seed && icon_button(ui, "⚄", "New seed").clicked() {
+        if seed && icon_button(ui, "🎲", "New seed").clicked() {
             let of = |held: Held| Some(Value::Int(next_seed(as_number(&held)? as i64)));
             target.set_each(input, How::Once, of);
         }
@@ -333,7 +337,8 @@ fn choice(
         .selected_text(shown)
         .show_ui(ui, |ui| {
             for (known, tip) in words {
-                let chosen = ui.selectable_label(!differ && *known == word, known.replace('_', " "));
+                let chosen =
+                    ui.selectable_label(!differ && *known == word, known.replace('_', " "));
                 if chosen.on_hover_text(tip.trim()).clicked() {
                     target.set(input, *known, How::Once);
                 }
@@ -371,7 +376,8 @@ fn drawn(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, strokes
     let points: usize = strokes.0.iter().map(|stroke| stroke.samples.len()).sum();
     let count = strokes.0.len();
     let plural = if count == 1 { "" } else { "s" };
-    let pinned = target.nodes.first().is_some_and(|node| target.state.pinned.as_ref() == Some(node));
+    let pinned =
+        target.nodes.first().is_some_and(|node| target.state.pinned.as_ref() == Some(node));
     ui.horizontal_wrapped(|ui| {
         ui.label(format!("{count} stroke{plural}, {points} points"));
     });
