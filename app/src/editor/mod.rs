@@ -16,6 +16,7 @@ pub mod notes;
 mod palette;
 pub mod rooms;
 pub mod settings;
+mod spreadsheet;
 pub mod state;
 pub mod theme;
 pub mod visibility;
@@ -33,6 +34,7 @@ use notes::Note;
 use palette::Palette;
 use rooms::Room;
 use settings::{Evaluate, Settings};
+use spreadsheet::Spreadsheet;
 use state::{OpenFile, State};
 use std::path::PathBuf;
 
@@ -49,6 +51,7 @@ pub struct Editor {
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
     inspector: Inspector,
+    spreadsheet: Spreadsheet,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -93,6 +96,7 @@ impl Editor {
             palette: Palette::default(),
             key_sheet: false,
             inspector: Inspector::default(),
+            spreadsheet: Spreadsheet::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -389,9 +393,11 @@ impl egui_dock::TabViewer for Tabs<'_> {
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
         }
-        let Editor { state, inspector, .. } = &mut *self.editor;
-        if *room == Room::Inspector {
-            inspector.ui(state, ui, self.out);
+        let Editor { state, inspector, spreadsheet, .. } = &mut *self.editor;
+        match room {
+            Room::Inspector => inspector.ui(state, ui, self.out),
+            Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),
+            _ => {}
         }
     }
     fn scroll_bars(&self, _: &Room) -> [bool; 2] {

@@ -190,7 +190,7 @@ impl Scale {
 }
 
 /// `x` with at most `digits` digits that count, without zeros at its end.
-fn plain(x: f64, digits: usize) -> String {
+pub(crate) fn plain(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         return x.to_string();
     }

@@ -298,9 +298,9 @@ impl Parser<'_> {
                 None => number.parse().ok(),
             };
             self.rest = text[end..].trim_start();
-            return x
-                .map(Term::Number)
-                .ok_or_else(|| format!("{} is no number", number.chars().take(20).collect::<String>()));
+            return x.map(Term::Number).ok_or_else(|| {
+                format!("{} is no number", number.chars().take(20).collect::<String>())
+            });
         }
         if word_end == 0 {
             return Err(match text {
@@ -392,7 +392,10 @@ mod tests {
 
     #[test]
     fn any_text_is_read_or_refused_quickly() {
-        let parts = ["length", " and ", " or ", "not ", "(", ")", "<", "==", "1", "\"a\"", "-", "é", "!", "'"];
+        let parts = [
+            "length", " and ", " or ", "not ", "(", ")", "<", "==", "1", "\"a\"", "-", "é", "!",
+            "'",
+        ];
         let mut seed = 9u64;
         for _ in 0..20_000 {
             let mut text = String::new();
