@@ -9,6 +9,8 @@ mod cli;
 #[cfg(feature = "editor")]
 pub mod editor;
 #[cfg(feature = "editor")]
+mod inspector;
+#[cfg(feature = "editor")]
 pub mod viewport;
 
 /// Runs what the words of the command line ask for.

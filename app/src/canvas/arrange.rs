@@ -90,10 +90,7 @@ pub(super) fn laid_out(
         from.iter().enumerate().filter_map(|(at, from)| {
             let (a, b) = (faces.get(&from.node)?, faces.get(&to.node)?);
             let both = nodes.contains(&from.node) && nodes.contains(&to.node);
-            both.then_some((
-                (a.key, a.output(&from.name)?),
-                (b.key, b.plug_of(&to.name, at)?),
-            ))
+            both.then_some(((a.key, a.output(&from.name)?), (b.key, b.plug_of(&to.name, at)?)))
         })
     });
     let params = LayoutParams::new(egui::Direction::LeftToRight)
@@ -102,9 +99,7 @@ pub(super) fn laid_out(
         .component_gap(GAP.x)
         .straighten_edges(true);
     let found = egui_graph::layout(boxes, wires, params);
-    among()
-        .filter_map(|face| Some((face.id.clone(), found.get(&face.key)?.round())))
-        .collect()
+    among().filter_map(|face| Some((face.id.clone(), found.get(&face.key)?.round()))).collect()
 }
 
 /// The edit that lays nodes out in place.

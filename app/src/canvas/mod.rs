@@ -154,15 +154,12 @@ impl Canvas {
         self.clipboard(state, &faces, ui, out);
         self.settle(state, &faces);
         let pointer = ui.input(|i| i.pointer.latest_pos());
-        let over = pointer.filter(|at| area.contains(*at) || !matches!(self.memory.hand, Hand::Empty));
+        let over =
+            pointer.filter(|at| area.contains(*at) || !matches!(self.memory.hand, Hand::Empty));
         self.memory.pointer = over.map(|at| self.to_canvas(at));
         ui.painter().rect_filled(area, 0.0, theme::SUNKEN);
-        let selected: HashSet<egui_graph::NodeId> = state
-            .selection
-            .nodes
-            .iter()
-            .map(|id| egui_graph::NodeId::new(id.as_str()))
-            .collect();
+        let selected: HashSet<egui_graph::NodeId> =
+            state.selection.nodes.iter().map(|id| egui_graph::NodeId::new(id.as_str())).collect();
         let scale = self.scale();
         let Self { view, memory, .. } = self;
         let given_up = memory.given_up;
@@ -304,8 +301,11 @@ impl Canvas {
             self.memory.select_frame(None);
         }
         let boxed = response.drag_stopped_by(egui::PointerButton::Primary);
-        if let (true, Some(from)) = (boxed && ui.input(|i| i.modifiers.shift), ui.input(|i| i.pointer.press_origin())) {
-            let rect = Rect::from_two_pos(self.to_canvas(from), self.memory.pointer.unwrap_or_default());
+        if let (true, Some(from)) =
+            (boxed && ui.input(|i| i.modifiers.shift), ui.input(|i| i.pointer.press_origin()))
+        {
+            let rect =
+                Rect::from_two_pos(self.to_canvas(from), self.memory.pointer.unwrap_or_default());
             let touched = found.runs.iter().filter(|run| run.touches(rect));
             self.memory.wires.extend(touched.map(|run| run.wire.clone()));
         }
@@ -377,7 +377,8 @@ impl Canvas {
         let corner = *found.corners.get(id)?;
         let face = self.cache.last().all.get(id)?.size();
         let middle = Rect::from_min_size(corner, face).center();
-        let near: Vec<_> = found.runs.iter().filter(|run| run.wire.to.node != *id).cloned().collect();
+        let near: Vec<_> =
+            found.runs.iter().filter(|run| run.wire.to.node != *id).cloned().collect();
         let (run, _) = wires::nearest(&near, middle, face.y.min(face.x) * 0.4)?;
         let fits = wiring::insert_on_wire(&state.document, id, &run.wire.to, run.wire.at);
         fits.is_ok().then(|| run.wire.clone())
@@ -541,7 +542,14 @@ impl Canvas {
     }
 
     /// Something was picked in the search.
-    fn picked(&mut self, state: &State, faces: &Faces, task: &Task, pick: Pick, out: &mut Vec<Event>) {
+    fn picked(
+        &mut self,
+        state: &State,
+        faces: &Faces,
+        task: &Task,
+        pick: Pick,
+        out: &mut Vec<Event>,
+    ) {
         let document = &state.document;
         match (task, pick) {
             (Task::Add { at, link, dropped }, Pick::Kind(def, wired)) => {
@@ -622,8 +630,17 @@ fn reason(ui: &Ui, area: Rect, at: Pos2, why: &str) {
     let text = p.layout(why.to_owned(), font, theme::ERROR, 280.0);
     let size = text.size() + vec2(30.0, 12.0);
     let mut rect = Rect::from_min_size(at + vec2(14.0, 12.0), size);
-    rect = rect.translate(vec2((area.right() - rect.right()).min(0.0), (area.bottom() - rect.bottom()).min(0.0)));
-    p.rect(rect, 4.0, theme::GROUND, egui::Stroke::new(1.0, theme::ERROR), egui::StrokeKind::Inside);
+    rect = rect.translate(vec2(
+        (area.right() - rect.right()).min(0.0),
+        (area.bottom() - rect.bottom()).min(0.0),
+    ));
+    p.rect(
+        rect,
+        4.0,
+        theme::GROUND,
+        egui::Stroke::new(1.0, theme::ERROR),
+        egui::StrokeKind::Inside,
+    );
     look::error_mark(&p, pos2(rect.left() + 13.0, rect.top() + 14.0), 6.5);
     p.galley(rect.min + vec2(24.0, 6.0), text, theme::ERROR);
     // Told to screen readers as well.

@@ -9,8 +9,8 @@ use crate::editor::theme;
 use egui::accesskit::Role;
 use egui::text::{LayoutJob, TextFormat, TextWrapping};
 use egui::{
-    Align2, Color32, CornerRadius, FontId, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2,
-    pos2, vec2,
+    Align2, Color32, CornerRadius, FontId, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui,
+    Vec2, pos2, vec2,
 };
 
 /// One end of a node: an input or an output, by its number among the node's plugs.
@@ -322,7 +322,8 @@ fn end(
         };
         ui.painter().galley(pos2(x, y), text, colour);
     }
-    let response = if mood.wiring { response } else { response.on_hover_ui(|ui| tip(ui, face, end, plug)) };
+    let response =
+        if mood.wiring { response } else { response.on_hover_ui(|ui| tip(ui, face, end, plug)) };
     touched.ends.push((end, response));
 }
 

@@ -88,7 +88,8 @@ impl Run {
 
     /// Whether it crosses a line of straight pieces.
     pub(super) fn crosses(&self, line: &[Pos2]) -> bool {
-        let Some(reach) = line.iter().copied().map(|p| Rect::from_min_max(p, p)).reduce(Rect::union)
+        let Some(reach) =
+            line.iter().copied().map(|p| Rect::from_min_max(p, p)).reduce(Rect::union)
         else {
             return false;
         };
@@ -206,7 +207,9 @@ impl Shake {
             return false;
         }
         match self.turn {
-            Some((_, _, since)) if now - since > 0.4 => *self = Self { last: Some(to), ..Self::default() },
+            Some((_, _, since)) if now - since > 0.4 => {
+                *self = Self { last: Some(to), ..Self::default() }
+            }
             Some((_, before, _)) if before == way => {}
             Some((at, _, _)) if (last.x - at.x).abs() < 15.0 => self.turn = Some((at, way, now)),
             Some(_) => {
@@ -286,7 +289,8 @@ mod tests {
         let run = runs.iter().find(|run| run.wire.to.node == id("braids_out")).unwrap();
         let at = middle(run);
         let line = [at - vec2(0.0, 15.0), at + vec2(0.0, 15.0)];
-        let cut: Vec<&Socket> = runs.iter().filter(|r| r.crosses(&line)).map(|r| &r.wire.to).collect();
+        let cut: Vec<&Socket> =
+            runs.iter().filter(|r| r.crosses(&line)).map(|r| &r.wire.to).collect();
         assert_eq!(cut, [&run.wire.to]);
         assert!(!run.crosses(&[]) && !run.crosses(&line[..1]));
         assert!(run.touches(Rect::from_center_size(at, vec2(8.0, 8.0))));
@@ -309,7 +313,8 @@ mod tests {
                 shake.moved(pos2(*x, 5.0), now)
             })
         };
-        let to_and_fro: Vec<f32> = (0..40).map(|i| [0.0, 20.0, 40.0, 60.0, 40.0, 20.0][i % 6]).collect();
+        let to_and_fro: Vec<f32> =
+            (0..40).map(|i| [0.0, 20.0, 40.0, 60.0, 40.0, 20.0][i % 6]).collect();
         assert!(shaken(&to_and_fro, 0.02));
         assert!(!shaken(&to_and_fro, 0.3), "slowly");
         let trembling: Vec<f32> = (0..40).map(|i| [0.0, 5.0][i % 2]).collect();
