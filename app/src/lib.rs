@@ -6,6 +6,10 @@
 mod cli;
 #[cfg(feature = "editor")]
 pub mod editor;
+#[cfg(feature = "render")]
+mod feeders;
+#[cfg(feature = "render")]
+pub mod scene;
 #[cfg(feature = "editor")]
 pub mod viewport;
 

@@ -19,6 +19,7 @@ pub mod state;
 pub mod theme;
 pub mod visibility;
 
+use crate::viewport::Viewport;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::{file, grooms};
@@ -46,6 +47,8 @@ pub struct Editor {
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
+    /// The groom on the screen.
+    pub viewport: Viewport,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -53,7 +56,7 @@ pub struct Editor {
     /// Evaluate whatever the mode is.
     forced: bool,
     /// Seconds since the window opened, and when the last nudge was.
-    now: f64,
+    pub(crate) now: f64,
     nudged: f64,
     last_final_ms: f64,
 }
@@ -89,6 +92,7 @@ impl Editor {
             keys,
             palette: Palette::default(),
             key_sheet: false,
+            viewport: Viewport::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -275,7 +279,10 @@ impl Editor {
         Wanted {
             revision: state.revision,
             quality: if preview { Quality::Preview } else { Quality::Final },
-            also: also.filter_map(|id| first_output(&state.document, id)).collect(),
+            also: also
+                .filter_map(|id| first_output(&state.document, id))
+                .chain(self.viewport.wants(state))
+                .collect(),
             folder: state.file.folder.clone(),
         }
     }
@@ -348,7 +355,6 @@ fn dock_style(ui: &egui::Ui) -> egui_dock::Style {
 /// Shows the rooms in their tabs.
 struct Tabs<'a> {
     editor: &'a mut Editor,
-    #[expect(dead_code, reason = "rooms say here what happened")]
     out: &'a mut Vec<Event>,
 }
 
@@ -365,6 +371,10 @@ impl egui_dock::TabViewer for Tabs<'_> {
         let over = ui.rect_contains_pointer(ui.max_rect());
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
+        }
+        let Editor { state, viewport, .. } = &mut *self.editor;
+        if *room == Room::Viewport {
+            viewport.ui(state, ui, self.out);
         }
     }
     fn scroll_bars(&self, _: &Room) -> [bool; 2] {
@@ -391,7 +401,9 @@ pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
         "coif",
         options,
         Box::new(move |cc| {
-            Ok(Box::new(Window { editor: Editor::new(&cc.egui_ctx, document, file) }))
+            let mut editor = Editor::new(&cc.egui_ctx, document, file);
+            editor.viewport.start(&cc.egui_ctx);
+            Ok(Box::new(Window { editor }))
         }),
     )
     .map_err(|err| err.to_string())
