@@ -10,6 +10,7 @@ pub mod actions;
 pub mod evaluation;
 pub mod event;
 pub mod keys;
+pub mod lineage;
 mod menus;
 pub mod notes;
 mod palette;
@@ -22,10 +23,11 @@ pub mod visibility;
 use crate::viewport::Viewport;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Socket};
+use coif_graphs::schedule::cache::usual_budget;
 use coif_graphs::{file, grooms};
 use coif_nodes::eval::Quality;
 use egui_dock::{DockArea, DockState};
-use evaluation::{Evaluation, Finished, Request, first_output};
+use evaluation::{Evaluation, Finished, Request, Trace, first_output};
 use event::Event;
 use keys::Keys;
 use notes::Note;
@@ -80,7 +82,7 @@ impl Editor {
             let ctx = ctx.clone();
             move || ctx.request_repaint()
         };
-        let evaluation = Evaluation::start(1 << 30, wake)
+        let evaluation = Evaluation::start(usual_budget(), wake)
             .inspect_err(|why| state.notes.say(Note::error(format!("nothing is evaluated: {why}"))))
             .ok();
         let keys = Keys::shipped().unwrap_or_else(|why| {
@@ -99,7 +101,8 @@ impl Editor {
             forced: false,
             now: 0.0,
             nudged: f64::NEG_INFINITY,
-            last_final_ms: 0.0,
+            // Nothing is known yet: a preview comes first.
+            last_final_ms: f64::INFINITY,
         }
     }
 
@@ -124,6 +127,9 @@ impl Editor {
             self.finished(finished);
         }
         if let Some(evaluation) = &self.evaluation {
+            if let Some(line) = evaluation.take_traced() {
+                self.state.traced = line;
+            }
             self.state.run = evaluation.status();
         }
         if let Some(action) = palette::ui(self, &ctx) {
@@ -208,6 +214,16 @@ impl Editor {
             Event::Select(select) => {
                 state.selection.change(select);
                 state.selection.keep(&state.document);
+            }
+            Event::Trace(id) => {
+                if let (Some(evaluation), Some(shown)) = (&self.evaluation, &state.shown) {
+                    evaluation.trace(Trace {
+                        id,
+                        document: state.document.clone(),
+                        folder: state.file.folder.clone(),
+                        quality: shown.quality,
+                    });
+                }
             }
             Event::Display(node) => {
                 // What is displayed is saved with the groom, but it is no step.
@@ -335,6 +351,10 @@ fn means_something(edit: &Edit) -> bool {
         | Edit::SetNote(_)
         | Edit::SetLabel { .. }
         | Edit::SetNodeNote { .. }
+        | Edit::SetFrame { .. }
+        | Edit::SetBends { .. }
+        | Edit::SetCollapsed { .. }
+        | Edit::SetView { .. }
         | Edit::SetComment { .. } => false,
         Edit::Several(edits) => edits.iter().any(means_something),
         _ => true,

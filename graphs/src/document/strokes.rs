@@ -6,8 +6,13 @@
 
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use coif_nodes::maths::hash::KeyBuilder;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::sync::Arc;
+
+pub mod cvs;
+#[cfg(test)]
+mod tests;
+pub mod whole;
 
 /// How far the kept stroke may lie from the pen's samples, absolute, in head units (cm): a fifth of
 /// a millimetre is a few hair widths and under the tremor of a hand. Larger shows as corners in
@@ -21,11 +26,16 @@ const STEPS_PER_CM: f64 = 100.0;
 const PRESSURE_STEPS: f64 = 256.0;
 /// Steps of time in a second: pens report at most each millisecond.
 const STEPS_PER_SECOND: f64 = 1000.0;
+/// Steps of tilt in a right angle: 1.4 degrees, finer than any hand.
+const TILT_STEPS: f64 = 64.0;
 /// What simplifying may use of [`TOLERANCE`] once rounding has had its share.
 const SHARE: f32 = 0.011;
 /// How far pressure may be from the pen's, absolute: 4 of 256 steps. One step would keep the noise
 /// of the sensor, a tenth would show where pressure is width.
 const PRESSURE_TOLERANCE: f32 = 4.0 / 256.0;
+/// How far tilt may be from the pen's, in right angles: 5.6 degrees. A finer one would keep samples for
+/// the way a wrist turns, which shows nowhere.
+const TILT_TOLERANCE: f32 = 4.0 / 64.0;
 /// Farther from the head's centre than anything drawn, near enough for exact sums (cm).
 const FARTHEST: f64 = 1e5;
 /// Longer than anybody draws one stroke (seconds).
@@ -36,7 +46,7 @@ const WINDOW: usize = 2048;
 
 /// A sample in whole steps of the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Steps(pub(crate) [i64; 5]);
+pub(crate) struct Steps(pub(crate) [i64; 7]);
 
 /// Nearest step; values beyond `most` are moved to it, NaN to 0.
 fn steps(x: f32, per_unit: f64, most: f64) -> i64 {
@@ -50,15 +60,18 @@ impl Steps {
     pub(crate) fn of(sample: &Sample) -> Self {
         let [x, y, z] = sample.position.to_array().map(|x| steps(x, STEPS_PER_CM, FARTHEST));
         let pressure = steps(sample.pressure, PRESSURE_STEPS, 1.0).max(0);
-        Self([x, y, z, pressure, steps(sample.time, STEPS_PER_SECOND, LONGEST).max(0)])
+        let time = steps(sample.time, STEPS_PER_SECOND, LONGEST).max(0);
+        let [right, near] = sample.tilt.to_array().map(|x| steps(x, TILT_STEPS, 1.0));
+        Self([x, y, z, pressure, time, right, near])
     }
     pub(crate) fn sample(self) -> Sample {
-        let [x, y, z, pressure, time] = self.0;
+        let [x, y, z, pressure, time, right, near] = self.0;
         let [x, y, z] = [x, y, z].map(|x| value(x, STEPS_PER_CM, FARTHEST));
         Sample {
             position: Vec3::new(x, y, z),
             pressure: value(pressure, PRESSURE_STEPS, 1.0).max(0.0),
             time: value(time, STEPS_PER_SECOND, LONGEST).max(0.0),
+            tilt: Vec2::new(value(right, TILT_STEPS, 1.0), value(near, TILT_STEPS, 1.0)),
         }
     }
 }
@@ -66,21 +79,21 @@ impl Steps {
 /// The strokes with every sample on the grid: the same `Arc` when they are already. Samples that
 /// are not finite are left as they are, to be refused as such.
 pub fn on_the_grid(strokes: Arc<Strokes>) -> Arc<Strokes> {
-    let on_grid = |s: &Sample| !is_finite(s) || Steps::of(s).sample() == *s;
-    if strokes.0.iter().all(|stroke| stroke.samples.iter().all(on_grid)) {
+    let on_grid = |s: &Sample| !s.is_finite() || Steps::of(s).sample() == *s;
+    let is_kept =
+        |stroke: &Stroke| stroke.samples.iter().all(on_grid) && stroke.drawn.iter().all(on_grid);
+    if strokes.0.iter().all(is_kept) {
         return strokes;
     }
     let mut strokes = Arc::unwrap_or_clone(strokes);
-    for sample in strokes.0.iter_mut().flat_map(|stroke| &mut stroke.samples) {
-        if is_finite(sample) {
-            *sample = Steps::of(sample).sample();
+    for stroke in &mut strokes.0 {
+        for sample in stroke.samples.iter_mut().chain(&mut stroke.drawn) {
+            if sample.is_finite() {
+                *sample = Steps::of(sample).sample();
+            }
         }
     }
     Arc::new(strokes)
-}
-
-fn is_finite(s: &Sample) -> bool {
-    s.position.is_finite() && s.pressure.is_finite() && s.time.is_finite()
 }
 
 /// A finished stroke from what the pen gave: simplified, on the grid, with an id of its own among
@@ -89,10 +102,10 @@ fn is_finite(s: &Sample) -> bool {
 /// Every sample given lies within [`TOLERANCE`] of the stroke; first and last samples stay. Samples
 /// that are not finite are left out; none is made when nothing remains.
 pub fn finish(samples: &[Sample], others: &Strokes) -> Option<Stroke> {
-    let samples: Vec<Sample> = samples.iter().copied().filter(is_finite).collect();
+    let samples: Vec<Sample> = samples.iter().copied().filter(Sample::is_finite).collect();
     let kept = simplify(&samples);
     let samples: Vec<Sample> = kept.into_iter().map(|i| Steps::of(&samples[i]).sample()).collect();
-    (!samples.is_empty()).then(|| Stroke { id: free_id(&samples, others), samples })
+    (!samples.is_empty()).then(|| Stroke::new(free_id(&samples, others), samples))
 }
 
 /// An id that no stroke of `others` has, of 32 bits, drawn from what was drawn: strokes that two
@@ -108,8 +121,8 @@ fn free_id(samples: &[Sample], others: &Strokes) -> u64 {
     0
 }
 
-/// The numbers of the samples to keep: Douglas and Peucker's method (1973), on position and on
-/// pressure, in windows whose ends stay.
+/// The numbers of the samples to keep: Douglas and Peucker's method (1973), on position, pressure and
+/// tilt, in windows whose ends stay.
 fn simplify(samples: &[Sample]) -> Vec<usize> {
     let n = samples.len();
     let mut keep = vec![false; n];
@@ -145,101 +158,6 @@ fn misfit(a: &Sample, b: &Sample, s: &Sample) -> f32 {
     };
     let off = (to - span * t).length();
     let pressure = (a.pressure + (b.pressure - a.pressure) * t - s.pressure).abs();
-    (off / SHARE).max(pressure / PRESSURE_TOLERANCE)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::testing::Random;
-    use super::*;
-
-    fn distance(p: Vec3, path: &[Sample]) -> f32 {
-        let to = |a: Vec3, b: Vec3| {
-            let span = b - a;
-            let t = if span.length_squared() > 0.0 {
-                (p - a).dot(span) / span.length_squared()
-            } else {
-                0.0
-            };
-            (a + span * t.clamp(0.0, 1.0)).distance(p)
-        };
-        let ends = path.windows(2).map(|w| to(w[0].position, w[1].position));
-        ends.fold(path[0].position.distance(p), f32::min)
-    }
-
-    #[test]
-    fn a_finished_stroke_is_within_tolerance_of_every_sample_and_much_shorter() {
-        let (mut worst, mut given, mut kept) = (0.0f32, 0, 0);
-        for seed in 0..40 {
-            let samples = Random::new(seed).pen(300);
-            let stroke = finish(&samples, &Strokes::default()).unwrap();
-            given += samples.len();
-            kept += stroke.samples.len();
-            for sample in &samples {
-                worst = worst.max(distance(sample.position, &stroke.samples));
-            }
-        }
-        assert!(worst <= TOLERANCE, "{worst}");
-        assert!(kept * 3 < given, "{kept} of {given}");
-    }
-
-    #[test]
-    fn the_grid_holds_what_is_on_it() {
-        let mut random = Random::new(9);
-        for _ in 0..20_000 {
-            let mut at = |most: f32| (random.unit() - 0.5) * 2.0 * most;
-            let (x, y, z) = (at(60.0), at(1.0), at(1e5));
-            let sample = Sample {
-                position: Vec3::new(x, y, z),
-                pressure: random.unit(),
-                time: random.number(),
-            };
-            let once = Steps::of(&sample).sample();
-            assert_eq!(Steps::of(&once).sample(), once);
-            assert!(
-                (once.position.x - x).abs() < 0.00501
-                    && (once.pressure - sample.pressure).abs() < 0.002
-            );
-        }
-    }
-
-    #[test]
-    fn strokes_on_the_grid_are_shared_and_others_brought_there() {
-        let strokes = Arc::new(Random::new(4).strokes());
-        assert!(Arc::ptr_eq(&strokes, &on_the_grid(strokes.clone())));
-        let mut off = (*strokes).clone();
-        off.0.push(Stroke { id: 1, samples: Random::new(4).pen(5) });
-        let on = on_the_grid(Arc::new(off));
-        assert!(Arc::ptr_eq(&on, &on_the_grid(on.clone())));
-    }
-
-    #[test]
-    fn degenerate_strokes_have_an_answer() {
-        let none = Strokes::default();
-        assert_eq!(finish(&[], &none), None);
-        let bad = Sample { position: Vec3::NAN, pressure: 0.5, time: 0.0 };
-        assert_eq!(finish(&[bad], &none), None);
-        let dot = Sample { position: Vec3::ONE, pressure: 0.5, time: 0.0 };
-        let one = finish(&[dot, bad], &none).unwrap();
-        assert_eq!(one.samples, [dot]);
-        // A pen that rests keeps its ends only.
-        let rest: Vec<Sample> = (0..9).map(|k| Sample { time: k as f32 * 0.5, ..dot }).collect();
-        let rested = finish(&rest, &none).unwrap();
-        assert_eq!(rested.samples.len(), 2);
-        let huge = Sample { position: Vec3::splat(f32::MAX), pressure: 9.0, time: -1.0 };
-        let sample = finish(&[huge], &none).unwrap().samples[0];
-        assert_eq!((sample.position.x, sample.pressure, sample.time), (1e5, 1.0, 0.0));
-    }
-
-    #[test]
-    fn ids_differ_within_a_list_and_are_the_same_in_a_replay() {
-        let samples = Random::new(2).pen(30);
-        let mut strokes = Strokes::default();
-        for _ in 0..5 {
-            let stroke = finish(&samples, &strokes).unwrap();
-            assert_eq!(stroke, finish(&samples, &strokes).unwrap());
-            strokes.0.push(stroke);
-        }
-        assert_eq!(strokes.fault(), None);
-    }
+    let tilt = (a.tilt + (b.tilt - a.tilt) * t - s.tilt).abs().max_element();
+    (off / SHARE).max(pressure / PRESSURE_TOLERANCE).max(tilt / TILT_TOLERANCE)
 }
