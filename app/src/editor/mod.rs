@@ -23,6 +23,7 @@ pub mod visibility;
 
 use crate::canvas::Canvas;
 use crate::inspector::Inspector;
+use crate::viewport::Viewport;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::cache::usual_budget;
@@ -55,6 +56,8 @@ pub struct Editor {
     pub(crate) canvas: Canvas,
     inspector: Inspector,
     spreadsheet: Spreadsheet,
+    /// The groom on the screen.
+    pub viewport: Viewport,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -62,7 +65,7 @@ pub struct Editor {
     /// Evaluate whatever the mode is.
     forced: bool,
     /// Seconds since the window opened, and when the last nudge was.
-    now: f64,
+    pub(crate) now: f64,
     nudged: f64,
     last_final_ms: f64,
 }
@@ -101,6 +104,7 @@ impl Editor {
             canvas: Canvas::default(),
             inspector: Inspector::default(),
             spreadsheet: Spreadsheet::default(),
+            viewport: Viewport::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -308,7 +312,10 @@ impl Editor {
         Wanted {
             revision: state.revision,
             quality: if preview { Quality::Preview } else { Quality::Final },
-            also: also.filter_map(|id| first_output(&state.document, id)).collect(),
+            also: also
+                .filter_map(|id| first_output(&state.document, id))
+                .chain(self.viewport.wants(state))
+                .collect(),
             folder: state.file.folder.clone(),
         }
     }
@@ -402,8 +409,9 @@ impl egui_dock::TabViewer for Tabs<'_> {
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
         }
-        let Editor { state, canvas, inspector, spreadsheet, .. } = &mut *self.editor;
+        let Editor { state, viewport, canvas, inspector, spreadsheet, .. } = &mut *self.editor;
         match room {
+            Room::Viewport => viewport.ui(state, ui, self.out),
             Room::Canvas => canvas.ui(state, ui, self.out),
             Room::Inspector => inspector.ui(state, ui, self.out),
             Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),
@@ -434,7 +442,9 @@ pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
         "coif",
         options,
         Box::new(move |cc| {
-            Ok(Box::new(Window { editor: Editor::new(&cc.egui_ctx, document, file) }))
+            let mut editor = Editor::new(&cc.egui_ctx, document, file);
+            editor.viewport.start(&cc.egui_ctx);
+            Ok(Box::new(Window { editor }))
         }),
     )
     .map_err(|err| err.to_string())
