@@ -13,6 +13,7 @@ pub mod keys;
 pub mod lineage;
 mod menus;
 pub mod notes;
+mod outliner;
 mod palette;
 pub mod rooms;
 pub mod settings;
@@ -32,6 +33,7 @@ use evaluation::{Evaluation, Finished, Request, Trace, first_output};
 use event::Event;
 use keys::Keys;
 use notes::Note;
+use outliner::Outliner;
 use palette::Palette;
 use rooms::Room;
 use settings::{Evaluate, Settings};
@@ -53,6 +55,7 @@ pub struct Editor {
     pub(crate) key_sheet: bool,
     inspector: Inspector,
     spreadsheet: Spreadsheet,
+    outliner: Outliner,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -98,6 +101,7 @@ impl Editor {
             key_sheet: false,
             inspector: Inspector::default(),
             spreadsheet: Spreadsheet::default(),
+            outliner: Outliner::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -399,9 +403,10 @@ impl egui_dock::TabViewer for Tabs<'_> {
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
         }
-        let Editor { state, inspector, spreadsheet, .. } = &mut *self.editor;
+        let Editor { state, inspector, spreadsheet, outliner, .. } = &mut *self.editor;
         match room {
             Room::Inspector => inspector.ui(state, ui, self.out),
+            Room::Outliner => outliner.ui(state, ui, self.out),
             Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),
             _ => {}
         }

@@ -44,6 +44,10 @@ pub(crate) fn text_field(
     let width = width.max(20.0);
     let edit = edit.id(id).hint_text(hint).vertical_align(egui::Align::Center);
     let response = ui.add(edit.desired_width(width));
+    // Where it was asked for, as renaming does, the keyboard comes here at once.
+    if ui.data_mut(|data| data.remove_temp::<bool>(ui.id().with("focus"))).unwrap_or(false) {
+        response.request_focus();
+    }
     set_name(ui, &response, name);
     if response.lost_focus() {
         ui.data_mut(|data| data.remove::<String>(id));
