@@ -81,7 +81,8 @@ pub(crate) struct Outliner {
     open: BTreeMap<Item, bool>,
     filter: String,
     cursor: usize,
-    renaming: Option<NodeId>,
+    /// The row that is being renamed: what it stands below, and its node.
+    renaming: Option<(Option<NodeId>, NodeId)>,
     /// Whether renaming begins in this frame.
     begun: bool,
 }
@@ -358,7 +359,7 @@ impl Outliner {
         if response.double_clicked()
             && let Item::Node(node) = &row.item
         {
-            (self.renaming, self.begun) = (Some(node.clone()), true);
+            (self.renaming, self.begun) = (Some((row.under.clone(), node.clone())), true);
         } else if response.clicked() {
             self.cursor = i;
             list.request_focus();
@@ -374,7 +375,8 @@ impl Outliner {
     }
 
     fn renaming_here(&self, row: &Row) -> bool {
-        matches!(&row.item, Item::Node(node) if self.renaming.as_ref() == Some(node))
+        let Item::Node(node) = &row.item else { return false };
+        self.renaming.as_ref().is_some_and(|(under, of)| *under == row.under && of == node)
     }
 
     fn rename(
@@ -394,7 +396,7 @@ impl Outliner {
             let id = inner.id().with("focus");
             inner.data_mut(|data| data.insert_temp(id, true));
         }
-        let field = inner.next_auto_id().with(name);
+        let field = inner.id().with(name);
         let typed = text_field(&mut inner, name, &old, hint, (at.width(), 1));
         let left = !inner.memory(|memory| memory.has_focus(field));
         if let Some(label) = typed.as_ref() {
@@ -451,7 +453,7 @@ impl Outliner {
         if pressed(Key::F2)
             && let Item::Node(node) = &row.item
         {
-            (self.renaming, self.begun) = (Some(node.clone()), true);
+            (self.renaming, self.begun) = (Some((row.under.clone(), node.clone())), true);
         }
     }
 }

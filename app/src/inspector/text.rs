@@ -33,7 +33,8 @@ pub(crate) fn text_field(
     hint: &str,
     (width, lines): (f32, usize),
 ) -> Option<String> {
-    let id = ui.next_auto_id().with(name);
+    // By name and not by order: what appears above, such as a message, must not end the typing.
+    let id = ui.id().with(name);
     let mut typed = ui.data(|data| data.get_temp(id)).unwrap_or_else(|| text.to_owned());
     let edit = if lines > 1 {
         TextEdit::multiline(&mut typed).desired_rows(lines)
