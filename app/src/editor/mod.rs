@@ -13,6 +13,7 @@ pub mod keys;
 pub mod lineage;
 mod menus;
 pub mod notes;
+mod outliner;
 mod palette;
 pub mod rooms;
 pub mod settings;
@@ -35,6 +36,7 @@ use evaluation::{Evaluation, Finished, Request, Trace, first_output};
 use event::Event;
 use keys::Keys;
 use notes::Note;
+use outliner::Outliner;
 use palette::Palette;
 use rooms::Room;
 use settings::{Evaluate, Settings};
@@ -61,6 +63,7 @@ pub struct Editor {
     spreadsheet: Spreadsheet,
     /// The groom on the screen.
     pub viewport: Viewport,
+    outliner: Outliner,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -109,6 +112,7 @@ impl Editor {
             inspector: Inspector::default(),
             spreadsheet: Spreadsheet::default(),
             viewport: Viewport::default(),
+            outliner: Outliner::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -419,11 +423,13 @@ impl egui_dock::TabViewer for Tabs<'_> {
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
         }
-        let Editor { state, viewport, canvas, inspector, spreadsheet, .. } = &mut *self.editor;
+        let Editor { state, viewport, canvas, inspector, spreadsheet, outliner, .. } =
+            &mut *self.editor;
         match room {
             Room::Viewport => viewport.ui(state, ui, self.out),
             Room::Canvas => canvas.ui(state, ui, self.out),
             Room::Inspector => inspector.ui(state, ui, self.out),
+            Room::Outliner => outliner.ui(state, ui, self.out),
             Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),
             _ => {}
         }
