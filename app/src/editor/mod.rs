@@ -16,10 +16,13 @@ pub mod notes;
 mod palette;
 pub mod rooms;
 pub mod settings;
+mod spreadsheet;
 pub mod state;
 pub mod theme;
 pub mod visibility;
 
+use crate::canvas::Canvas;
+use crate::inspector::Inspector;
 use crate::viewport::Viewport;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Socket};
@@ -34,6 +37,7 @@ use notes::Note;
 use palette::Palette;
 use rooms::Room;
 use settings::{Evaluate, Settings};
+use spreadsheet::Spreadsheet;
 use state::{OpenFile, State};
 use std::path::PathBuf;
 
@@ -49,6 +53,9 @@ pub struct Editor {
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
+    pub(crate) canvas: Canvas,
+    inspector: Inspector,
+    spreadsheet: Spreadsheet,
     /// The groom on the screen.
     pub viewport: Viewport,
     dock: DockState<Room>,
@@ -94,6 +101,9 @@ impl Editor {
             keys,
             palette: Palette::default(),
             key_sheet: false,
+            canvas: Canvas::default(),
+            inspector: Inspector::default(),
+            spreadsheet: Spreadsheet::default(),
             viewport: Viewport::default(),
             dock: rooms::first_layout(),
             evaluation,
@@ -231,6 +241,13 @@ impl Editor {
                 self.changed(set.map_err(|err| err.to_string()), true);
             }
             Event::Pin(node) => state.pinned = node,
+            Event::Expose { socket, exposed: true } => {
+                state.exposed.insert(socket);
+            }
+            Event::Expose { socket, exposed: false } => {
+                state.exposed.remove(&socket);
+            }
+            Event::Visibility(visibility) => state.visibility = visibility,
             Event::Settings(settings) => state.settings = *settings,
             Event::Say(note) => state.notes.say(note),
             Event::Evaluate => self.forced = true,
@@ -392,9 +409,13 @@ impl egui_dock::TabViewer for Tabs<'_> {
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
         }
-        let Editor { state, viewport, .. } = &mut *self.editor;
-        if *room == Room::Viewport {
-            viewport.ui(state, ui, self.out);
+        let Editor { state, viewport, canvas, inspector, spreadsheet, .. } = &mut *self.editor;
+        match room {
+            Room::Viewport => viewport.ui(state, ui, self.out),
+            Room::Canvas => canvas.ui(state, ui, self.out),
+            Room::Inspector => inspector.ui(state, ui, self.out),
+            Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),
+            _ => {}
         }
     }
     fn scroll_bars(&self, _: &Room) -> [bool; 2] {
