@@ -19,6 +19,7 @@ pub mod state;
 pub mod theme;
 pub mod visibility;
 
+use crate::pen::Pen;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::{file, grooms};
@@ -46,6 +47,8 @@ pub struct Editor {
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
+    /// The pen room: tools, and what they hold.
+    pub pen: Pen,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -89,6 +92,7 @@ impl Editor {
             keys,
             palette: Palette::default(),
             key_sheet: false,
+            pen: Pen::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
