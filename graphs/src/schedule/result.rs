@@ -83,9 +83,11 @@ pub fn content_hash(curves: &Curves) -> String {
     hash.finalize().to_hex()[..32].to_owned()
 }
 
-/// Hash of what a document means, as 32 hexadecimal digits: moving nodes and writing notes changes nothing.
+/// Hash of what a document means, as 32 hexadecimal digits: moving nodes, writing notes and displaying another node changes
+/// nothing.
 pub fn document_hash(document: &Document) -> String {
     let mut meaning = document.clone();
+    meaning.display = None;
     meaning.layout.clear();
     meaning.frames.clear();
     meaning.bends.clear();
