@@ -46,7 +46,14 @@ impl Screen {
         loop {
             let display = format!(":{number}");
             let mut server = Command::new("Xvfb")
-                .args([&display, "-screen", "0", &format!("{width}x{height}x24"), "-nolisten", "tcp"])
+                .args([
+                    &display,
+                    "-screen",
+                    "0",
+                    &format!("{width}x{height}x24"),
+                    "-nolisten",
+                    "tcp",
+                ])
                 .stdout(Stdio::null())
                 .stderr(Stdio::null())
                 .spawn()
@@ -186,7 +193,8 @@ impl Shot {
     /// # Panics
     /// When it is none.
     pub fn read(file: &Path) -> Self {
-        let open = std::io::BufReader::new(std::fs::File::open(file).expect("the picture is there"));
+        let open =
+            std::io::BufReader::new(std::fs::File::open(file).expect("the picture is there"));
         let mut reader = png::Decoder::new(open).read_info().expect("a PNG");
         let mut rgb = vec![0; reader.output_buffer_size().expect("it fits")];
         let info = reader.next_frame(&mut rgb).expect("pixels");

@@ -1,6 +1,6 @@
 //! What the pen room can do by name: tools, brushes, symmetry, what happens to picked strokes and points, recipes.
 
-use super::{Picked, StrokeTool, edits, recipes, target};
+use super::{Picked, StrokeTool, recipes, target};
 use crate::editor::Editor;
 use crate::editor::actions::{Action, always};
 use crate::editor::event::Event;
@@ -9,8 +9,10 @@ use crate::editor::rooms::Room;
 use crate::editor::settings::Settings;
 use crate::editor::state::Select;
 use coif_graphs::document::edit::Edit;
-use coif_graphs::document::strokes::finish;
+use coif_graphs::document::strokes::cvs;
+use coif_graphs::document::strokes::whole::{self, End};
 use coif_graphs::document::{NodeId, Setting};
+use coif_nodes::data::strokes::Stroke;
 use coif_nodes::define::Value;
 use std::collections::BTreeSet;
 
@@ -169,6 +171,127 @@ pub(crate) const ACTIONS: &[Action] = &[
         run: delete,
     },
     Action {
+        id: "strokes.all",
+        label: "Pick all strokes",
+        tip: "Picks every stroke of the node that the pen works on.",
+        words: "select everything",
+        menu: "Pen",
+        when: any_strokes,
+        run: pick_all,
+    },
+    Action {
+        id: "strokes.grow",
+        label: "Grow the pick",
+        tip: "Picks one more point on each side of those that are picked; of a stroke, all its points.",
+        words: "select more expand",
+        menu: "Pen",
+        when: anything_picked,
+        run: grow,
+    },
+    Action {
+        id: "strokes.reverse",
+        label: "Reverse strokes",
+        tip: "Makes the tip of each picked stroke its root.",
+        words: "flip direction turn",
+        menu: "Pen",
+        when: anything_picked,
+        run: |editor| each(editor, "strokes reversed", |stroke, _| Some(whole::reversed(stroke))),
+    },
+    Action {
+        id: "strokes.smooth",
+        label: "Smooth strokes",
+        tip: "Takes wiggles out of the picked strokes, or around the picked points. Repeat it at will.",
+        words: "relax even fair",
+        menu: "Pen",
+        when: anything_picked,
+        run: smooth,
+    },
+    Action {
+        id: "strokes.straighten",
+        label: "Straighten strokes",
+        tip: "Puts the points between the first and the last picked one on a straight line; without points, the whole stroke.",
+        words: "line flatten",
+        menu: "Pen",
+        when: anything_picked,
+        run: straighten,
+    },
+    Action {
+        id: "strokes.extend",
+        label: "Extend strokes",
+        tip: "Makes the picked strokes a centimetre longer at the tip, straight on.",
+        words: "longer grow",
+        menu: "Pen",
+        when: anything_picked,
+        run: |editor| {
+            each(editor, "strokes extended", |stroke, _| whole::extended(stroke, End::Tip, 1.0))
+        },
+    },
+    Action {
+        id: "strokes.shorten",
+        label: "Shorten strokes",
+        tip: "Takes a centimetre off the tip of the picked strokes.",
+        words: "trim cut",
+        menu: "Pen",
+        when: anything_picked,
+        run: |editor| {
+            each(editor, "strokes shortened", |stroke, _| whole::extended(stroke, End::Tip, -1.0))
+        },
+    },
+    Action {
+        id: "strokes.cut",
+        label: "Cut strokes",
+        tip: "Cuts strokes in two at their picked points.",
+        words: "split divide",
+        menu: "Pen",
+        when: points_picked,
+        run: cut,
+    },
+    Action {
+        id: "strokes.join",
+        label: "Join strokes",
+        tip: "Makes two picked strokes one, where their ends are nearest.",
+        words: "connect merge weld",
+        menu: "Pen",
+        when: two_picked,
+        run: join,
+    },
+    Action {
+        id: "strokes.insert",
+        label: "Insert points",
+        tip: "Adds a point in the middle behind each picked point; without points, behind every point.",
+        words: "subdivide cv add",
+        menu: "Pen",
+        when: anything_picked,
+        run: insert,
+    },
+    Action {
+        id: "strokes.slide_tip",
+        label: "Slide towards the tip",
+        tip: "Slides the picked points along their strokes by a millimetre.",
+        words: "move along",
+        menu: "Pen",
+        when: points_picked,
+        run: |editor| slide(editor, 0.1),
+    },
+    Action {
+        id: "strokes.slide_root",
+        label: "Slide towards the root",
+        tip: "Slides the picked points along their strokes by a millimetre, back.",
+        words: "move along",
+        menu: "Pen",
+        when: points_picked,
+        run: |editor| slide(editor, -0.1),
+    },
+    Action {
+        id: "strokes.refit",
+        label: "Back to what was drawn",
+        tip: "Takes back all edits of points: the picked strokes are again as the pen drew them.",
+        words: "re-fit reset original",
+        menu: "Pen",
+        when: anything_picked,
+        run: |editor| each(editor, "strokes as drawn", |stroke, _| Some(cvs::refitted(stroke))),
+    },
+    Action {
         id: "strokes.mirror_once",
         label: "Mirror strokes once",
         tip: "Adds the mirror images of the picked strokes as strokes of their own.",
@@ -213,6 +336,28 @@ fn anything_picked(editor: &Editor) -> Result<(), &'static str> {
     }
 }
 
+fn points_picked(editor: &Editor) -> Result<(), &'static str> {
+    match editor.pen.picked.points.is_empty() {
+        true => Err("pick points first: with \"Edit points\", click one"),
+        false => Ok(()),
+    }
+}
+
+fn two_picked(editor: &Editor) -> Result<(), &'static str> {
+    match editor.pen.picked.touched().len() {
+        2 => Ok(()),
+        _ => Err("pick two strokes: with \"Edit points\", click one, and the other with Shift"),
+    }
+}
+
+fn any_strokes(editor: &Editor) -> Result<(), &'static str> {
+    let strokes = at(editor).map(|(node, _)| target::strokes(&editor.state.document, &node));
+    match strokes.is_some_and(|strokes| !strokes.0.is_empty()) {
+        true => Ok(()),
+        false => Err("there are no strokes: draw one"),
+    }
+}
+
 fn a_head(editor: &Editor) -> Result<(), &'static str> {
     let head = target::head(&editor.state.document);
     head.map(|_| ()).ok_or("there is no head: add a head to the graph")
@@ -253,25 +398,112 @@ fn symmetry(editor: &mut Editor) {
     step(editor, &node, if both { "symmetry on" } else { "symmetry off" }, vec![edit]);
 }
 
+/// A change of every picked stroke, in one step: what it becomes by its picked points, or none where it stays.
+fn each(
+    editor: &mut Editor,
+    words: &str,
+    change: impl Fn(&Stroke, &BTreeSet<usize>) -> Option<Stroke>,
+) {
+    let Some((node, input)) = at(editor) else { return };
+    let strokes = target::strokes(&editor.state.document, &node);
+    let picked = &editor.pen.picked;
+    let touched = picked.touched();
+    let mut edits = vec![];
+    for stroke in strokes.0.iter().filter(|stroke| touched.contains(&stroke.id)) {
+        let new = change(stroke, &picked.points_of(stroke.id)).filter(|new| new != stroke);
+        edits.extend(new.map(|stroke| Edit::ReplaceStroke {
+            node: node.clone(),
+            input: input.to_owned(),
+            stroke,
+        }));
+    }
+    step(editor, &node, words, edits);
+}
+
+fn smooth(editor: &mut Editor) {
+    let reach = editor.state.settings.pen.falloff;
+    each(editor, "strokes smoothed", |stroke, points| {
+        let weights = match points.is_empty() {
+            true => vec![1.0; stroke.samples.len()],
+            false => cvs::falloff(stroke, points, reach),
+        };
+        Some((0..8).fold(stroke.clone(), |stroke, _| cvs::smoothed(&stroke, &weights)))
+    });
+}
+
+fn straighten(editor: &mut Editor) {
+    each(editor, "strokes straightened", |stroke, points| {
+        let last = stroke.samples.len().checked_sub(1)?;
+        let (from, to) = match (points.first(), points.last()) {
+            (Some(from), Some(to)) if from < to => (*from, *to),
+            _ => (0, last),
+        };
+        Some(cvs::straightened(stroke, from, to, 1.0))
+    });
+}
+
+fn insert(editor: &mut Editor) {
+    each(editor, "points inserted", |stroke, points| {
+        let ways = cvs::ways(&stroke.samples);
+        let gaps = ways.windows(2).enumerate();
+        let gaps = gaps.filter(|(i, _)| points.is_empty() || points.contains(i));
+        let middles: Vec<f32> = gaps.map(|(_, gap)| (gap[0] + gap[1]) * 0.5).collect();
+        // From the tip on: what is inserted changes the ways behind it by a rounding.
+        let insert = |stroke, way: &f32| Some(cvs::inserted(&stroke, *way)?.0);
+        middles.iter().rev().try_fold(stroke.clone(), insert)
+    });
+}
+
+fn slide(editor: &mut Editor, by: f32) {
+    each(editor, "points slid", |stroke, points| {
+        // The foremost goes first, so that the others have room.
+        let mut order: Vec<usize> = points.iter().copied().collect();
+        if by > 0.0 {
+            order.reverse();
+        }
+        Some(order.iter().fold(stroke.clone(), |stroke, cv| cvs::slid(&stroke, *cv, by)))
+    });
+}
+
+fn pick_all(editor: &mut Editor) {
+    let Some((node, _)) = at(editor) else { return };
+    let strokes = target::strokes(&editor.state.document, &node);
+    let strokes = strokes.0.iter().map(|stroke| stroke.id).collect();
+    editor.pen.picked = Picked { strokes, ..Picked::default() };
+}
+
+fn grow(editor: &mut Editor) {
+    let Some((node, _)) = at(editor) else { return };
+    let strokes = target::strokes(&editor.state.document, &node);
+    let picked = &mut editor.pen.picked;
+    let more: Vec<(u64, usize)> = picked
+        .points
+        .iter()
+        .flat_map(|(id, at)| [(*id, at.saturating_sub(1)), (*id, at + 1)])
+        .collect();
+    picked.points.extend(more);
+    for stroke in strokes.0.iter().filter(|stroke| picked.strokes.contains(&stroke.id)) {
+        picked.points.extend((0..stroke.samples.len()).map(|at| (stroke.id, at)));
+    }
+    picked.keep(&strokes);
+}
+
 fn delete(editor: &mut Editor) {
     let Some((node, input)) = at(editor) else { return };
     let strokes = target::strokes(&editor.state.document, &node);
     let picked = std::mem::take(&mut editor.pen.picked);
+    let touched = picked.touched();
     let mut edits = vec![];
-    for stroke in &strokes.0 {
-        let gone: BTreeSet<usize> =
-            picked.points.iter().filter(|(id, _)| *id == stroke.id).map(|(_, at)| *at).collect();
-        let whole = picked.strokes.contains(&stroke.id) || gone.len() + 2 > stroke.samples.len();
+    for stroke in strokes.0.iter().filter(|stroke| touched.contains(&stroke.id)) {
         let (node, input) = (node.clone(), input.to_owned());
-        if whole && (picked.strokes.contains(&stroke.id) || !gone.is_empty()) {
-            edits.push(Edit::RemoveStroke { node, input, id: stroke.id });
-        } else if !gone.is_empty() {
-            let left = stroke.samples.iter().enumerate().filter(|(i, _)| !gone.contains(i));
-            let stroke = edits::edited(stroke, left.map(|(_, sample)| *sample).collect());
-            edits.push(Edit::ReplaceStroke { node, input, stroke });
-        }
+        let points = picked.points_of(stroke.id);
+        let left = if points.is_empty() { None } else { cvs::deleted(stroke, &points) };
+        edits.push(match left {
+            Some(stroke) => Edit::ReplaceStroke { node, input, stroke },
+            None => Edit::RemoveStroke { node, input, id: stroke.id },
+        });
     }
-    let words = if picked.strokes.is_empty() { "points deleted" } else { "strokes deleted" };
+    let words = if picked.points.is_empty() { "strokes deleted" } else { "points deleted" };
     step(editor, &node, words, edits);
 }
 
@@ -281,17 +513,48 @@ fn mirror_once(editor: &mut Editor) {
     let mut edits = vec![];
     for id in editor.pen.picked.touched() {
         let Some(stroke) = strokes.0.iter().find(|stroke| stroke.id == id) else { continue };
-        let mut twin = stroke.samples.clone();
-        for sample in &mut twin {
-            sample.position.x = -sample.position.x;
-            sample.tilt.x = -sample.tilt.x;
-        }
-        let Some(twin) = finish(&twin, &strokes) else { continue };
+        let twin = cvs::mirrored(stroke, &strokes);
         strokes.0.push(twin.clone());
         let (node, input) = (node.clone(), input.to_owned());
         edits.push(Edit::AddStroke { node, input, at: usize::MAX, stroke: twin });
     }
     step(editor, &node, "strokes mirrored", edits);
+}
+
+fn cut(editor: &mut Editor) {
+    let Some((node, input)) = at(editor) else { return };
+    let mut strokes = (*target::strokes(&editor.state.document, &node)).clone();
+    let points = std::mem::take(&mut editor.pen.picked).points;
+    let mut edits = vec![];
+    // From the tip on, so that numbers of points hold.
+    for (id, at) in points.into_iter().rev() {
+        let Some(i) = strokes.0.iter().position(|stroke| stroke.id == id) else { continue };
+        let Some(way) = cvs::ways(&strokes.0[i].samples).get(at).copied() else { continue };
+        let Some((low, high)) = whole::cut(&strokes.0[i], way, &strokes) else { continue };
+        strokes.0[i] = low.clone();
+        strokes.0.push(high.clone());
+        let (node, input) = (node.clone(), input.to_owned());
+        edits.push(Edit::ReplaceStroke { node: node.clone(), input: input.clone(), stroke: low });
+        edits.push(Edit::AddStroke { node, input, at: usize::MAX, stroke: high });
+    }
+    step(editor, &node, "strokes cut", edits);
+}
+
+fn join(editor: &mut Editor) {
+    let Some((node, input)) = at(editor) else { return };
+    let strokes = target::strokes(&editor.state.document, &node);
+    let touched = editor.pen.picked.touched();
+    // In drawing order: the first keeps its name and its root.
+    let mut two = strokes.0.iter().filter(|stroke| touched.contains(&stroke.id));
+    let (Some(first), Some(second)) = (two.next(), two.next()) else { return };
+    let (stroke, id) = (whole::joined(first, second), second.id);
+    editor.pen.picked = Picked { strokes: [stroke.id].into(), ..Picked::default() };
+    let input = input.to_owned();
+    let edits = vec![
+        Edit::RemoveStroke { node: node.clone(), input: input.clone(), id },
+        Edit::ReplaceStroke { node: node.clone(), input, stroke },
+    ];
+    step(editor, &node, "strokes joined", edits);
 }
 
 /// Makes a recipe and takes up the pen.

@@ -15,6 +15,7 @@ use crate::editor::notes::Note;
 use crate::editor::state::Select;
 use coif_graphs::document::NodeId;
 use coif_graphs::document::edit::Edit;
+use coif_graphs::document::strokes::{cvs, whole};
 use coif_nodes::data::strokes::Stroke;
 use egui::{Pos2, Rect};
 use glam::Vec3;
@@ -22,6 +23,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// A press that moved less than this is a click, points.
 const CLICK: f32 = 4.0;
+/// How far from a stroke the line that re-draws a part of it may begin and end, head units.
+const REDRAW: f32 = 2.0;
 
 /// What a touch does.
 pub(super) enum Work {
@@ -41,8 +44,9 @@ pub(super) enum Work {
     Outline { line: Vec<Pos2>, lasso: bool, add: bool },
     /// Removes what it passes.
     Erase,
-    /// Passes a brush over strokes.
-    Brush { smooth: bool, last: Vec3 },
+    /// Passes a brush over strokes. Their paths are kept as exact as they are combed: passes that move a point less than
+    /// documents hold would be lost one by one.
+    Brush { smooth: bool, last: Vec3, paths: BTreeMap<u64, (Stroke, Vec<Vec3>)> },
 }
 
 /// A touch under way.
@@ -91,8 +95,8 @@ impl Pen {
                         }
                         gesture("points moved", self.take_hold(sample, id, i, scene)?)
                     }
-                    Some(Place::Line(id, i, _)) if input.double_tap => {
-                        self.insert(id, i, scene);
+                    Some(Place::Line(id, ..)) if input.double_tap => {
+                        self.insert(id, sample.pos, scene);
                         None
                     }
                     Some(Place::Line(id, ..)) => {
@@ -133,7 +137,7 @@ impl Pen {
                 let last =
                     on_scalp(scene.scalp, scene.view, sample.pos, scene.scalp.frame().origin)?;
                 let words = if smooth { "strokes smoothed" } else { "strokes combed" };
-                gesture(words, Work::Brush { smooth, last })
+                gesture(words, Work::Brush { smooth, last, paths: BTreeMap::new() })
             }
         }
     }
@@ -202,16 +206,20 @@ impl Pen {
     }
 
     /// A double tap on a line puts a point there.
-    fn insert(&mut self, id: u64, behind: usize, scene: &mut Scene) {
+    fn insert(&mut self, id: u64, at: Pos2, scene: &mut Scene) {
         let Some(node) = scene.node else { return };
         let Some(stroke) = scene.strokes.0.iter().find(|stroke| stroke.id == id) else { return };
-        let edit = edits::inserted(stroke, behind);
+        let Some(Place::Line(_, i, t)) = self.shapes.pick(at, scene.reach) else { return };
+        let ways = cvs::ways(&stroke.samples);
+        let (Some(from), Some(to)) = (ways.get(i), ways.get(i + 1)) else { return };
         let kind = scene.state.document.node(node.as_str()).map_or("", |node| &node.kind);
-        if let (Some(stroke), Some(input)) = (edit, target::strokes_input(kind)) {
+        if let Some((stroke, new)) = cvs::inserted(stroke, from + (to - from) * t)
+            && let Some(input) = target::strokes_input(kind)
+        {
             let words = format!("{}: point inserted", scene.state.document.name_of(node));
             let edit = Edit::ReplaceStroke { node: node.clone(), input: input.to_owned(), stroke };
             scene.out.extend([Event::Begin(words), Event::Edit(edit), Event::End]);
-            self.picked = Picked { points: [(id, behind + 1)].into(), ..Picked::default() };
+            self.picked = Picked { points: [(id, new)].into(), ..Picked::default() };
         }
     }
 
@@ -225,7 +233,7 @@ impl Pen {
             let points = self.picked.points.iter().filter(|(id, _)| *id == stroke.id);
             let points: BTreeSet<usize> = points.map(|(_, at)| *at).collect();
             if !points.is_empty() {
-                strokes.push((stroke.clone(), edits::weights(&stroke.samples, &points, falloff)));
+                strokes.push((stroke.clone(), cvs::falloff(stroke, &points, falloff)));
             }
         }
         Some(Work::Move { from: sample.pos, grabbed, height: root.normal, strokes, by: None })
@@ -276,7 +284,7 @@ impl Gesture {
                     picked.strokes.remove(&id);
                 }
             }
-            Work::Brush { smooth, last } => {
+            Work::Brush { smooth, last, paths } => {
                 let (smooth, from) = (*smooth, *last);
                 let Some(at) = on_scalp(scene.scalp, scene.view, sample.pos, from) else { return };
                 *last = at;
@@ -291,17 +299,22 @@ impl Gesture {
                     strength: settings.strength() * sample.pressure,
                     on_scalp: scene.lie() == Lie::Scalp,
                 };
-                let reached = shapes.all().iter().filter(|shape| !shape.locked);
-                for id in reached.map(|shape| shape.id) {
-                    let known = self.wanted.get(&id).cloned().flatten();
-                    let stored = || scene.strokes.0.iter().find(|stroke| stroke.id == id).cloned();
-                    let Some(stroke) = known.or_else(stored) else { continue };
-                    let brushed = match smooth {
-                        true => edits::smoothed(scene.scalp, &stroke, &pass),
-                        false => edits::combed(scene.scalp, &stroke, &pass),
+                for shape in shapes.all().iter().filter(|shape| !shape.locked) {
+                    let find = |stroke: &&Stroke| stroke.id == shape.id;
+                    if !paths.contains_key(&shape.id)
+                        && let Some(stroke) = scene.strokes.0.iter().find(find)
+                    {
+                        let path = edits::path(scene.scalp, stroke);
+                        paths.insert(shape.id, (stroke.clone(), path));
+                    }
+                    let Some((stroke, path)) = paths.get_mut(&shape.id) else { continue };
+                    let reached = match smooth {
+                        true => pass.smooth(scene.scalp, path),
+                        false => pass.comb(scene.scalp, path),
                     };
-                    if let Some(stroke) = brushed {
-                        self.wanted.insert(id, Some(stroke));
+                    if reached {
+                        let stroke = edits::put(scene.scalp, stroke, path);
+                        self.wanted.insert(shape.id, Some(stroke));
                     }
                 }
             }
@@ -317,7 +330,7 @@ impl Gesture {
                 }
             }
             Work::Redraw { line, of } => {
-                if let Some(stroke) = redrawn(of, line) {
+                if let Some(stroke) = whole::redrawn(of, line.samples(), REDRAW) {
                     self.wanted.insert(of.id, Some(stroke));
                 }
             }
@@ -330,20 +343,16 @@ impl Gesture {
                     Along::Normal => view.on_line(*by, *grabbed, *height),
                 };
                 let Some(to) = to else { return };
-                let (frame, on_scalp) = (scene.scalp.frame(), along == Along::Scalp);
+                let on_scalp = along == Along::Scalp;
                 // On the scalp the way is from the scalp under the grabbed point, which may hang over it.
                 let from = match scene.scalp.closest_root(*grabbed).filter(|_| on_scalp) {
                     Some(root) => root.point,
                     None => *grabbed,
                 };
                 for (stroke, weights) in strokes {
-                    let mut samples = stroke.samples.clone();
-                    for (sample, weight) in samples.iter_mut().zip(weights) {
-                        let p = frame.point_from_head(sample.position);
-                        let p = edits::moved(scene.scalp, p, (to - from) * *weight, on_scalp);
-                        sample.position = frame.head_from_point(p);
-                    }
-                    self.wanted.insert(stroke.id, Some(edits::edited(stroke, samples)));
+                    let by = to - from;
+                    let stroke = edits::dragged(scene.scalp, stroke, weights, by, on_scalp);
+                    self.wanted.insert(stroke.id, Some(stroke));
                 }
             }
             _ => {}
@@ -430,9 +439,4 @@ fn take_outline(line: &[Pos2], lasso: bool, add: bool, shapes: &Shapes, picked: 
         *picked = Picked::default();
     }
     picked.points.extend(shapes.inside(&outline));
-}
-
-/// A stroke with the part beside a line drawn anew.
-fn redrawn(of: &Stroke, line: &Line) -> Option<Stroke> {
-    edits::redrawn(of, &line.stroke()?.samples)
 }

@@ -117,6 +117,10 @@ impl Picked {
     pub fn touched(&self) -> BTreeSet<u64> {
         self.strokes.iter().copied().chain(self.points.iter().map(|(id, _)| *id)).collect()
     }
+    /// The picked points of a stroke.
+    pub(crate) fn points_of(&self, id: u64) -> BTreeSet<usize> {
+        self.points.iter().filter(|(of, _)| *of == id).map(|(_, at)| *at).collect()
+    }
     /// Forgets what is gone.
     fn keep(&mut self, strokes: &Strokes) {
         let count = |id: u64| strokes.0.iter().find(|s| s.id == id).map_or(0, |s| s.samples.len());

@@ -29,12 +29,21 @@ fn holds_strokes(document: &Document, id: &NodeId) -> bool {
     document.node(id.as_str()).is_some_and(|node| strokes_input(&node.kind).is_some())
 }
 
-/// The node that the pen works on; none where the document has no node that holds strokes.
+/// Whether strokes of a node become curves. A head holds strokes, too, its hairline; the pen works on them only when
+/// that is asked for by pinning the head.
+fn draws_curves(document: &Document, id: &NodeId) -> bool {
+    let kind = document.node(id.as_str()).map(|node| node.kind.as_str());
+    let def = kind.and_then(coif_nodes::by_id);
+    let gives = def.is_some_and(|def| def.outputs.iter().any(|output| output.ty == Type::Curves));
+    gives && holds_strokes(document, id)
+}
+
+/// The node that the pen works on; none where the document has no node whose strokes become curves.
 pub(crate) fn of(state: &State) -> Option<NodeId> {
     let document = &state.document;
-    let chosen = [state.pinned.as_ref(), state.active()].into_iter().flatten();
-    let chosen = chosen.filter(|id| holds_strokes(document, id)).next().cloned();
-    chosen.or_else(|| nearest(document))
+    let pinned = state.pinned.as_ref().filter(|id| holds_strokes(document, id));
+    let chosen = pinned.or_else(|| state.active().filter(|id| draws_curves(document, id)));
+    chosen.cloned().or_else(|| nearest(document))
 }
 
 /// The node with strokes that is fewest wires away from the displayed one; the first by id where nothing leads there.
@@ -45,7 +54,7 @@ fn nearest(document: &Document) -> Option<NodeId> {
         if !seen.insert(id.clone()) {
             continue;
         }
-        if holds_strokes(document, &id) {
+        if draws_curves(document, &id) {
             return Some(id);
         }
         // Upstream first: what feeds the picture is nearer than what is made of it.
@@ -54,7 +63,7 @@ fn nearest(document: &Document) -> Option<NodeId> {
         let down = wires().filter(|(_, from)| from.iter().any(|from| from.node == id));
         open.extend(up.map(|from| from.node.clone()).chain(down.map(|(to, _)| to.node.clone())));
     }
-    document.nodes.keys().find(|id| holds_strokes(document, id)).cloned()
+    document.nodes.keys().find(|id| draws_curves(document, id)).cloned()
 }
 
 /// The strokes that a node holds; none where it holds none or what it holds is not understood.

@@ -4,7 +4,6 @@ use super::sample::{Device, PenSample, Phase, Tool};
 use super::*;
 use crate::editor::Editor;
 use crate::editor::state::OpenFile;
-use coif_graphs::document::strokes::finish;
 use coif_graphs::document::{Document, Node};
 use coif_shaders::camera::Camera;
 use egui::Vec2;
@@ -16,14 +15,18 @@ fn head() -> Document {
     let mut document = Document::default();
     let node = Node { kind: "head".to_owned(), ..Node::default() };
     let id = document.free_id("head");
+    document.display = Some(id.clone());
     document.nodes.insert(id, Arc::new(node));
     document
 }
 
-fn view() -> Projection {
+/// From above and a little in front; 20 points of the screen are a centimetre.
+fn view(state: &State) -> Projection {
+    let scalp = state.shown.as_ref().and_then(|shown| shown.scalp());
+    let middle = scalp.map_or(Vec3::ZERO, |scalp| scalp.frame().origin);
     let camera = Camera {
-        eye: Vec3::new(0.0, 60.0, 20.0),
-        target: Vec3::new(0.0, 0.0, 0.0),
+        eye: middle + Vec3::new(0.0, 60.0, 20.0),
+        target: middle,
         up: Vec3::Y,
         focal_mm: 85.0,
         orthographic: Some(30.0),
@@ -44,7 +47,8 @@ impl Table {
             |ui, editor: &mut Editor| {
                 editor.ui(ui);
                 let mut out = vec![];
-                editor.pen.ui(&editor.state, &view(), ui, &|_| true, &mut out);
+                let view = view(&editor.state);
+                editor.pen.ui(&editor.state, &view, ui, &|_| true, &mut out);
                 for event in out {
                     editor.apply(event);
                 }
@@ -134,13 +138,331 @@ fn a_stroke_drawn_with_pressure_becomes_a_curve_and_one_undo_takes_it_back() {
     let shown = table.editor().state.shown.clone().expect("a result");
     assert_eq!(shown.curves.curve_count(), 1);
     let (tuft, _) = shown.curves.each().next().expect("a curve");
+    let (tuft, view) = (tuft.clone(), view(&table.editor().state));
     let ends = [tuft.curve(0)[0], tuft.curve(0)[tuft.curve(0).len() - 1]];
     for (end, (at, _)) in ends.iter().zip([row(300.0)[0], row(300.0)[29]]) {
-        let seen = view().screen(*end).expect("before the eye");
+        let seen = view.screen(*end).expect("before the eye");
         assert!(seen.distance(at) < 6.0, "{seen} {at}");
     }
     table.editor().apply(Event::Undo);
     assert_eq!(table.editor().state.document, before);
     table.rest();
     assert_eq!(table.editor().state.shown.as_ref().map(|s| s.curves.curve_count()), Some(0));
+}
+
+/// A document with one stroke over the head, and the points tool in hand.
+fn with_a_row() -> (Table, u64) {
+    let mut table = draw_on(head());
+    table.draw(&row(300.0));
+    table.rest();
+    table.editor().act("pen.points");
+    table.step();
+    let id = table.strokes().0[0].id;
+    (table, id)
+}
+
+impl Table {
+    /// Where a point of a stroke is on the screen.
+    fn point(&mut self, id: u64, at: usize) -> Pos2 {
+        self.step();
+        let shape = self.editor().pen.shapes.of(id).expect("the stroke is there");
+        shape.screen[at].expect("before the eye")
+    }
+    fn drag(&mut self, from: Pos2, by: Vec2) {
+        let places: Vec<(Pos2, f32)> =
+            (0..=8).map(|k| (from + by * (k as f32 / 8.0), 0.5)).collect();
+        self.draw(&places);
+        self.step();
+    }
+    fn click(&mut self, at: Pos2) {
+        self.time += 1.0;
+        self.draw(&[(at, 0.5), (at, 0.5)]);
+        self.step();
+    }
+    fn done(&mut self) -> usize {
+        self.editor().state.history.done()
+    }
+}
+
+#[test]
+fn live_and_replayed_strokes_have_the_same_bits_and_one_id() {
+    // One sample a frame with the evaluator keeping up, and all samples in one frame.
+    let mut live = draw_on(head());
+    let places = row(290.0);
+    live.pen(Phase::Down, places[0].0, places[0].1);
+    let mut ids = BTreeSet::new();
+    for (at, pressure) in &places[1..] {
+        live.pen(Phase::Move, *at, *pressure);
+        live.rest();
+        ids.extend(live.strokes().0.iter().map(|stroke| stroke.id));
+    }
+    let during = live.editor().state.shown.as_ref().map(|shown| shown.curves.curve_count());
+    assert_eq!(during, Some(1), "the hair follows while the pen is down");
+    live.pen(Phase::Up, places[29].0, 0.0);
+    live.step();
+    let mut replay = draw_on(head());
+    replay.time = 0.0;
+    replay.pen(Phase::Down, places[0].0, places[0].1);
+    for (at, pressure) in &places[1..] {
+        replay.pen(Phase::Move, *at, *pressure);
+    }
+    replay.pen(Phase::Up, places[29].0, 0.0);
+    replay.step();
+    assert_eq!(live.strokes(), replay.strokes());
+    assert_eq!(ids.len(), 1);
+    assert_eq!((live.done(), replay.done()), (1, 1));
+    let first = live.strokes().0[0].samples[0];
+    assert_eq!((first.time, first.pressure), (0.0, 0.25));
+}
+
+#[test]
+fn a_touch_that_draws_nothing_changes_nothing() {
+    let mut table = draw_on(head());
+    let before = table.editor().state.document.clone();
+    table.click(Pos2::new(300.0, 300.0));
+    // A pen that leaves in the middle of a stroke, and Escape.
+    table.pen(Phase::Down, Pos2::new(300.0, 300.0), 0.5);
+    table.pen(Phase::Move, Pos2::new(330.0, 300.0), 0.5);
+    table.step();
+    table.rest();
+    table.pen(Phase::Out, Pos2::new(330.0, 300.0), 0.0);
+    table.step();
+    assert_eq!(table.editor().state.document, before);
+    assert_eq!(table.done(), 0);
+    assert!(!table.editor().state.gesture);
+}
+
+#[test]
+fn undo_in_the_middle_of_a_stroke_ends_it() {
+    let mut table = draw_on(head());
+    table.pen(Phase::Down, Pos2::new(300.0, 300.0), 0.5);
+    table.pen(Phase::Move, Pos2::new(330.0, 300.0), 0.5);
+    table.rest();
+    table.editor().apply(Event::Undo);
+    table.pen(Phase::Move, Pos2::new(360.0, 300.0), 0.5);
+    table.step();
+    table.pen(Phase::Up, Pos2::new(360.0, 300.0), 0.5);
+    table.step();
+    assert_eq!(table.strokes().0.len(), 0);
+    assert!(!table.editor().pen.is_drawing());
+}
+
+#[test]
+fn strokes_near_the_middle_snap_to_it_when_both_sides_are_drawn() {
+    let mut table = draw_on(head());
+    table.editor().act("pen.symmetry");
+    // Down the middle with a tremble of 2 mm, and a row beside it.
+    let places: Vec<(Pos2, f32)> = (0..30)
+        .map(|k| {
+            (Pos2::new(300.0 + if k % 2 == 0 { 3.0 } else { -3.0 }, 240.0 + 3.0 * k as f32), 0.5)
+        })
+        .collect();
+    table.draw(&places);
+    table.step();
+    assert!(table.strokes().0[0].samples.iter().all(|s| s.position.x == 0.0));
+    table.draw(&row(300.0));
+    table.rest();
+    assert!(table.strokes().0[1].samples.iter().any(|s| s.position.x != 0.0));
+    let shown = table.editor().state.shown.clone().expect("a result");
+    assert_eq!(shown.curves.curve_count(), 3, "the row has a twin, the middle has none");
+}
+
+#[test]
+fn points_are_picked_moved_with_falloff_and_stay_on_the_scalp() {
+    let (mut table, id) = with_a_row();
+    let before = table.strokes().0[0].clone();
+    assert!(before.samples.len() > 4);
+    let at = table.point(id, 2);
+    table.drag(at, Vec2::new(0.0, 30.0));
+    let after = table.strokes().0[0].clone();
+    assert_eq!(table.done(), 2);
+    let way = |i: usize| before.samples[i].position.distance(after.samples[i].position);
+    assert!(way(2) > 1.0, "{}", way(2));
+    assert!(way(0) == 0.0 && way(3) < way(2) && way(3) > 0.0, "{} {}", way(0), way(3));
+    let scalp = table.editor().state.shown.as_ref().and_then(|s| s.scalp().cloned()).expect("one");
+    for sample in &after.samples {
+        let p = scalp.frame().point_from_head(sample.position);
+        let hit = scalp.surface().closest(p).expect("a surface");
+        assert!(hit.distance < 0.05, "{}", hit.distance);
+    }
+    // As it was drawn, by name.
+    table.editor().act("strokes.refit");
+    assert_eq!(table.strokes().0[0].samples, before.samples);
+    table.editor().apply(Event::Undo);
+    table.editor().apply(Event::Undo);
+    assert_eq!(table.strokes().0[0], before);
+}
+
+#[test]
+fn what_is_picked_can_be_changed_by_name_each_in_one_step() {
+    let (mut table, id) = with_a_row();
+    let at = table.point(id, 1);
+    let root = table.point(id, 0);
+    for (action, strokes) in [
+        ("strokes.insert", 1),
+        ("strokes.reverse", 1),
+        ("strokes.smooth", 1),
+        ("strokes.straighten", 1),
+        ("strokes.extend", 1),
+        ("strokes.shorten", 1),
+        ("strokes.mirror_once", 2),
+        ("strokes.delete", 0),
+    ] {
+        table.editor().act("strokes.all");
+        table.editor().act(action);
+        assert_eq!(table.done(), 2, "{action}: {:?}", table.editor().state.notes.all());
+        assert_eq!(table.strokes().0.len(), strokes, "{action}");
+        table.editor().apply(Event::Undo);
+    }
+    for (action, strokes) in [
+        ("strokes.slide_tip", 1),
+        ("strokes.slide_root", 1),
+        ("strokes.cut", 2),
+        ("strokes.delete", 1),
+    ] {
+        table.click(Pos2::new(30.0, 30.0));
+        table.click(at);
+        assert_eq!(table.editor().pen.picked.points, BTreeSet::from([(id, 1)]), "{action}");
+        table.editor().act(action);
+        assert_eq!(table.done(), 2, "{action}: {:?}", table.editor().state.notes.all());
+        assert_eq!(table.strokes().0.len(), strokes, "{action}");
+        table.editor().apply(Event::Undo);
+        table.step();
+    }
+    // Box and grow.
+    table.drag(root - Vec2::splat(8.0), Vec2::splat(12.0));
+    assert_eq!(table.editor().pen.picked.points, BTreeSet::from([(id, 0)]));
+    table.editor().act("strokes.grow");
+    assert_eq!(table.editor().pen.picked.points.len(), 2);
+}
+
+#[test]
+fn two_strokes_become_one_and_a_part_is_drawn_anew() {
+    let (mut table, _) = with_a_row();
+    table.editor().act("pen.draw");
+    table.draw(&row(330.0));
+    table.step();
+    table.editor().act("strokes.all");
+    table.editor().act("strokes.join");
+    assert_eq!(table.strokes().0.len(), 1);
+    table.editor().apply(Event::Undo);
+    table.editor().act("pen.redraw");
+    table.step();
+    let before = table.strokes();
+    let arc: Vec<(Pos2, f32)> = (0..=20)
+        .map(|k| {
+            let t = k as f32 / 20.0;
+            (Pos2::new(270.0 + 50.0 * t, 300.0 - 20.0 * (t * 3.14).sin()), 0.5)
+        })
+        .collect();
+    table.draw(&arc);
+    table.step();
+    let after = table.strokes();
+    assert_eq!(after.0[1], before.0[1]);
+    assert_ne!(after.0[0].samples, before.0[0].samples);
+    assert_eq!(after.0[0].samples[0], before.0[0].samples[0]);
+    assert_eq!(
+        after.0[0].samples.last().map(|s| s.position),
+        before.0[0].samples.last().map(|s| s.position)
+    );
+    assert_eq!(table.done(), 3);
+}
+
+#[test]
+fn brushes_erase_comb_and_smooth_in_one_step_each_and_locked_strokes_stay() {
+    let mut table = draw_on(head());
+    let wild: Vec<(Pos2, f32)> = row(300.0)
+        .iter()
+        .enumerate()
+        .map(|(k, (at, p))| (*at + Vec2::new(0.0, if k % 4 < 2 { 6.0 } else { -6.0 }), *p))
+        .collect();
+    table.draw(&wild);
+    table.rest();
+    let (before, id) = (table.strokes(), table.strokes().0[0].id);
+    for tool in ["pen.comb", "pen.smooth_brush", "pen.erase"] {
+        table.editor().act(tool);
+        table.drag(Pos2::new(300.0, 285.0), Vec2::new(0.0, 30.0));
+        let after = table.strokes();
+        assert_eq!(table.done(), 2, "{tool}");
+        assert_ne!(before, after, "{tool}");
+        if let Some(stroke) = after.0.first() {
+            assert_eq!(stroke.samples[0], before.0[0].samples[0], "{tool}");
+        }
+        table.editor().apply(Event::Undo);
+        table.editor().state.visibility.locked.insert(id);
+        table.step();
+        table.drag(Pos2::new(300.0, 285.0), Vec2::new(0.0, 30.0));
+        assert_eq!(table.strokes(), before, "{tool}: locked");
+        table.editor().state.visibility.locked.clear();
+        table.step();
+    }
+    // The eraser end, whatever the tool is.
+    table.editor().act("pen.draw");
+    for (phase, y) in [(Phase::Down, 280.0), (Phase::Move, 300.0), (Phase::Up, 300.0)] {
+        table.time += 0.01;
+        let sample = PenSample::mouse(table.time, phase, Pos2::new(300.0, y), 0.5);
+        let sample = PenSample { tool: Tool::Eraser, device: Device(10), ..sample };
+        table.editor().pen.devices.push(sample);
+    }
+    table.step();
+    assert_eq!(table.strokes().0.len(), 0);
+}
+
+#[test]
+fn recipes_are_one_step_of_plain_nodes_and_a_row_drawn_is_a_braid() {
+    for recipe in recipes::ALL {
+        let mut table = draw_on(head());
+        table.editor().act(recipe.action);
+        assert_eq!(table.done(), 1, "{}", recipe.label);
+        let problems = coif_graphs::document::graph::check(&table.editor().state.document);
+        assert!(problems.is_empty(), "{}: {problems:?}", recipe.label);
+        table.draw(&row(300.0));
+        table.rest();
+        assert_eq!(table.done(), 2, "{}", recipe.label);
+        let shown = table.editor().state.shown.clone().expect("a result");
+        assert!(
+            shown.curves.curve_count() > 50,
+            "{}: {}",
+            recipe.label,
+            shown.curves.curve_count()
+        );
+        table.editor().apply(Event::Undo);
+        table.editor().apply(Event::Undo);
+        assert_eq!(table.editor().state.document, head());
+    }
+}
+
+/// The figures of the guide: milliseconds from samples to the line on the screen, and to the curve.
+#[test]
+fn the_line_is_painted_in_the_frame_of_its_samples() {
+    let (mut table, _) = with_a_row();
+    table.editor().act("pen.draw");
+    table.pen(Phase::Down, Pos2::new(240.0, 320.0), 0.5);
+    table.step();
+    let (mut overlay, mut curve) = (vec![], vec![]);
+    for k in 1..20 {
+        table.pen(Phase::Move, Pos2::new(240.0 + 5.0 * k as f32, 320.0), 0.5);
+        let began = std::time::Instant::now();
+        table.step();
+        overlay.push(began.elapsed().as_secs_f64() * 1e3);
+        let drawn = table.harness.state().pen.gesture.as_ref().map(|gesture| match &gesture.work {
+            gestures::Work::Draw(line) => line.world().len(),
+            _ => 0,
+        });
+        assert_eq!(drawn, Some(k + 1), "the line has every sample");
+        table.rest();
+        curve.push(began.elapsed().as_secs_f64() * 1e3);
+    }
+    let median = |mut all: Vec<f64>| {
+        all.sort_by(f64::total_cmp);
+        all[all.len() / 2]
+    };
+    println!(
+        "sample to line {:.1} ms, to curve {:.1} ms (medians)",
+        median(overlay),
+        median(curve)
+    );
+    table.pen(Phase::Up, Pos2::new(340.0, 320.0), 0.5);
+    table.step();
+    assert_eq!(table.strokes().0.len(), 2);
 }
