@@ -410,7 +410,9 @@ pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
         "coif",
         options,
         Box::new(move |cc| {
-            Ok(Box::new(Window { editor: Editor::new(&cc.egui_ctx, document, file) }))
+            let mut editor = Editor::new(&cc.egui_ctx, document, file);
+            editor.pen.devices.connect(cc, &cc.egui_ctx);
+            Ok(Box::new(Window { editor }))
         }),
     )
     .map_err(|err| err.to_string())

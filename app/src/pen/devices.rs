@@ -5,8 +5,8 @@
 //! events are known by where they are and left out here, so nothing is drawn twice. Palms: a finger counts only
 //! while no pen is near.
 //!
-//! On Wayland the editor runs as an X11 client where `DISPLAY` names a server (XWayland), because winit 0.30 has no
-//! tablets there; without one a pen is a mouse. On macOS it is a mouse, too.
+//! winit 0.30 has no tablets under Wayland: a pen is a mouse there, unless the editor is started as a client of XWayland
+//! (an empty `WAYLAND_DISPLAY`); the settings of pens say so. On macOS it is a mouse, too.
 
 use super::sample::{Buttons, Device, MOUSE, PenSample, Phase, Tool};
 use super::settings::{self, Feel, Settings};
@@ -27,6 +27,7 @@ const DOUBLE_TAP: f64 = 0.4;
 #[derive(Default)]
 pub struct Devices {
     x11: Option<Receiver<Told>>,
+    why_not: String,
     pens: Vec<x11::Pen>,
     /// Reports that wait for the next frame.
     waiting: Vec<PenSample>,
@@ -80,25 +81,31 @@ pub struct Frame<'a> {
 
 impl Devices {
     /// Listens to the pens of an X server, on the window that eframe made (`CreationContext` and `Frame` are
-    /// handles of it). Does nothing on a window of another system.
-    ///
-    /// # Errors
-    /// The reason in words, where there is a server and it cannot be listened to.
-    pub fn connect(
-        &mut self,
-        window: &dyn HasWindowHandle,
-        ctx: &egui::Context,
-    ) -> Result<(), String> {
+    /// handles of it). [`Self::why_not`] says why there are none.
+    pub fn connect(&mut self, window: &dyn HasWindowHandle, ctx: &egui::Context) {
         let window = match window.window_handle().map(|handle| handle.as_raw()) {
             Ok(RawWindowHandle::Xlib(handle)) => u32::try_from(handle.window).ok(),
             Ok(RawWindowHandle::Xcb(handle)) => Some(handle.window.get()),
+            Ok(RawWindowHandle::Wayland(_)) => {
+                self.why_not =
+                    "Under Wayland pens have no pressure here. Start coif with an empty \
+                                WAYLAND_DISPLAY to draw through XWayland, with pressure."
+                        .to_owned();
+                None
+            }
             _ => None,
         };
-        let Some(window) = window else { return Ok(()) };
+        let Some(window) = window else { return };
         let ctx = ctx.clone();
-        let told = x11::listen(window, move || ctx.request_repaint()).map_err(|e| e.to_string())?;
-        self.x11 = Some(told);
-        Ok(())
+        match x11::listen(window, move || ctx.request_repaint()) {
+            Ok(told) => self.x11 = Some(told),
+            Err(why) => self.why_not = format!("The X server does not tell of pens: {why}"),
+        }
+    }
+
+    /// Why no pen can have pressure, where that is so; else empty.
+    pub fn why_not(&self) -> &str {
+        &self.why_not
     }
 
     /// Names of the pens that are plugged in.
@@ -186,11 +193,9 @@ impl Devices {
                         _ => {}
                     }
                 }
-                Event::PointerGone => {
-                    // A held button goes on telling from outside the window; its release is told, too.
-                    if !self.mouse.down {
-                        reports.push(self.mouse.report(time, Phase::Out, 0.0));
-                    }
+                // A held button goes on telling from outside the window; its release is told, too.
+                Event::PointerGone if !self.mouse.down => {
+                    reports.push(self.mouse.report(time, Phase::Out, 0.0));
                 }
                 Event::WindowFocused(false) if self.mouse.down => {
                     self.mouse.down = false;

@@ -108,6 +108,7 @@ impl Pen {
             names.dedup();
             if self.devices.pens().next().is_none() {
                 ui.label("No pen with pressure is plugged in.");
+                ui.label(self.devices.why_not());
             }
             for name in names {
                 let mut feel = settings.feel(&name);

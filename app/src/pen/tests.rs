@@ -352,7 +352,7 @@ fn two_strokes_become_one_and_a_part_is_drawn_anew() {
     let arc: Vec<(Pos2, f32)> = (0..=20)
         .map(|k| {
             let t = k as f32 / 20.0;
-            (Pos2::new(270.0 + 50.0 * t, 300.0 - 20.0 * (t * 3.14).sin()), 0.5)
+            (Pos2::new(270.0 + 50.0 * t, 300.0 - 20.0 * (t * std::f32::consts::PI).sin()), 0.5)
         })
         .collect();
     table.draw(&arc);
