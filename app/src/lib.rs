@@ -6,8 +6,12 @@
 mod cli;
 #[cfg(feature = "editor")]
 pub mod editor;
+#[cfg(feature = "render")]
+mod feeders;
 #[cfg(feature = "editor")]
 pub mod pen;
+#[cfg(feature = "render")]
+pub mod scene;
 #[cfg(feature = "editor")]
 pub mod viewport;
 

@@ -21,6 +21,7 @@ pub mod theme;
 pub mod visibility;
 
 use crate::pen::Pen;
+use crate::viewport::Viewport;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::cache::usual_budget;
@@ -51,6 +52,8 @@ pub struct Editor {
     pub(crate) key_sheet: bool,
     /// The pen room: tools, and what they hold.
     pub pen: Pen,
+    /// The groom on the screen.
+    pub viewport: Viewport,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -58,7 +61,7 @@ pub struct Editor {
     /// Evaluate whatever the mode is.
     forced: bool,
     /// Seconds since the window opened, and when the last nudge was.
-    now: f64,
+    pub(crate) now: f64,
     nudged: f64,
     last_final_ms: f64,
 }
@@ -95,6 +98,7 @@ impl Editor {
             palette: Palette::default(),
             key_sheet: false,
             pen: Pen::default(),
+            viewport: Viewport::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -295,7 +299,10 @@ impl Editor {
         Wanted {
             revision: state.revision,
             quality: if preview { Quality::Preview } else { Quality::Final },
-            also: also.filter_map(|id| first_output(&state.document, id)).collect(),
+            also: also
+                .filter_map(|id| first_output(&state.document, id))
+                .chain(self.viewport.wants(state))
+                .collect(),
             folder: state.file.folder.clone(),
         }
     }
@@ -372,7 +379,6 @@ fn dock_style(ui: &egui::Ui) -> egui_dock::Style {
 /// Shows the rooms in their tabs.
 struct Tabs<'a> {
     editor: &'a mut Editor,
-    #[expect(dead_code, reason = "rooms say here what happened")]
     out: &'a mut Vec<Event>,
 }
 
@@ -389,6 +395,14 @@ impl egui_dock::TabViewer for Tabs<'_> {
         let over = ui.rect_contains_pointer(ui.max_rect());
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
+        }
+        let Editor { state, viewport, pen, .. } = &mut *self.editor;
+        if *room == Room::Viewport {
+            pen.bar(state, ui, self.out);
+            viewport.pen = pen.holds(ui.ctx());
+            viewport.ui(state, ui, self.out);
+            pen.ui(state, &viewport.projection(), ui, viewport.is_hovered(), self.out);
+            pen.settings_window(state, ui.ctx(), self.out);
         }
     }
     fn scroll_bars(&self, _: &Room) -> [bool; 2] {
@@ -417,6 +431,7 @@ pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
         Box::new(move |cc| {
             let mut editor = Editor::new(&cc.egui_ctx, document, file);
             editor.pen.devices.connect(cc, &cc.egui_ctx);
+            editor.viewport.start(&cc.egui_ctx);
             Ok(Box::new(Window { editor }))
         }),
     )

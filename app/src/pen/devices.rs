@@ -19,7 +19,7 @@ use std::sync::mpsc::Receiver;
 /// so goes on telling.
 const NEAR_FOR: f64 = 1.0;
 /// How far egui's pointer may be from the pen and be the pen's own, points: it trails by what one frame moves.
-const SAME_PLACE: f32 = 24.0;
+pub(super) const SAME_PLACE: f32 = 24.0;
 /// How soon the second tap of a double tap comes, seconds.
 const DOUBLE_TAP: f64 = 0.4;
 
@@ -111,6 +111,11 @@ impl Devices {
     /// Names of the pens that are plugged in.
     pub fn pens(&self) -> impl Iterator<Item = &str> {
         self.pens.iter().map(|pen| pen.name.as_str())
+    }
+
+    /// Whether a pen was near when the last frame was made.
+    pub fn is_near(&self) -> bool {
+        self.near.is_some_and(|(when, _)| self.mouse.before - when < NEAR_FOR)
     }
 
     /// Hands in a report, as a backend does. `pos` is in points.

@@ -144,12 +144,23 @@ pub struct Pen {
     pub free: bool,
     gesture: Option<Gesture>,
     hover: Option<Input>,
-    /// Where egui's pointer is left alone: a gesture of the view.
+    /// The strokes before the eye.
     shapes: Shapes,
     /// The picked node: what is picked is forgotten with it.
     node: Option<NodeId>,
     /// Pressure of the last touch, for the test strip.
     strip: Vec<f32>,
+}
+
+/// What the pen has hold of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Holds {
+    /// A plain touch or click: it picks nothing.
+    pub pointer: bool,
+    /// The wheel: it does not zoom.
+    pub wheel: bool,
+    /// A pen is near, so that buttons beside the first are its barrel's.
+    pub near: bool,
 }
 
 /// What a gesture reads.
@@ -166,9 +177,14 @@ struct Scene<'a> {
 }
 
 impl Pen {
-    /// Whether the primary button and the pen's tip belong to the pen and not to the view, at this moment.
-    pub fn takes_pointer(&self, ctx: &egui::Context) -> bool {
-        self.gesture.is_some() || (self.tool != StrokeTool::Select && !turns_view(ctx))
+    /// What the pen has hold of at this moment, and the viewport leaves alone.
+    pub fn holds(&self, ctx: &egui::Context) -> Holds {
+        Holds {
+            pointer: self.gesture.is_some()
+                || (self.tool != StrokeTool::Select && !turns_view(ctx)),
+            wheel: self.gesture.is_some(),
+            near: self.devices.is_near(),
+        }
     }
 
     /// Whether a touch is under way.
@@ -177,16 +193,23 @@ impl Pen {
     }
 
     /// One frame in the viewport: takes what the devices said, says what happened, and paints strokes, brush and cursor
-    /// over the picture. `free` tells whether the picture itself lies under a place, and no other widget.
+    /// over the picture. `hovered` tells whether egui's pointer is over the picture itself and no widget on it.
     pub fn ui(
         &mut self,
         state: &State,
         view: &Projection,
         ui: &egui::Ui,
-        free: &dyn Fn(Pos2) -> bool,
+        hovered: bool,
         out: &mut Vec<Event>,
     ) {
         let ctx = ui.ctx();
+        // egui's pointer may trail a pen by a frame; what it is over counts where both are at one place.
+        let pointer = ctx.input(|input| input.pointer.hover_pos());
+        let free = |at: Pos2| {
+            let known = pointer.is_some_and(|p| p.distance(at) < devices::SAME_PLACE);
+            let layer = ctx.layer_id_at(at).is_none_or(|layer| layer == ui.layer_id());
+            view.rect.contains(at) && layer && (hovered || !known)
+        };
         let settings = &state.settings.pen;
         let pixels_per_point = ctx.pixels_per_point();
         let inputs = ctx.input(|input| {
@@ -231,7 +254,7 @@ impl Pen {
         }
         let turns = turns_view(ctx);
         for input in inputs {
-            self.take(input, &mut scene, turns, free);
+            self.take(input, &mut scene, turns, &free);
         }
         if let Some(gesture) = &mut self.gesture {
             if gesture.is_orphaned(&scene) {
@@ -284,7 +307,7 @@ impl Pen {
 
     /// The wheel changes the pressure of a mouse while it draws.
     fn wheel(&self, ctx: &egui::Context, scene: &mut Scene) {
-        let by = ctx.input(|input| input.smooth_scroll_delta.y);
+        let by = ctx.input(|input| input.smooth_scroll_delta().y);
         let settings = &scene.state.settings;
         let level = (settings.pen.mouse_pressure + by * 0.002).clamp(0.0, 1.0);
         if by != 0.0 && level != settings.pen.mouse_pressure {

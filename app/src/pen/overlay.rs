@@ -58,8 +58,8 @@ impl Pen {
         if self.tool != StrokeTool::Select {
             let name = scene.node.map(|node| scene.state.document.name_of(node));
             let words = format!("{}: {}", self.tool.label(), name.unwrap_or("new stroke input"));
-            let at = scene.view.rect.left_bottom() + Vec2::new(8.0, -8.0);
-            label(&painter, at, Align2::LEFT_BOTTOM, &words);
+            let at = scene.view.rect.right_top() + Vec2::new(-12.0, 12.0);
+            label(&painter, at, Align2::RIGHT_TOP, &words);
         }
     }
 

@@ -20,51 +20,56 @@ fn head() -> Document {
     document
 }
 
-/// From above and a little in front; 20 points of the screen are a centimetre.
-fn view(state: &State) -> Projection {
+/// From above and a little in front; the picture is 30 cm high.
+fn camera(state: &State) -> Camera {
     let scalp = state.shown.as_ref().and_then(|shown| shown.scalp());
     let middle = scalp.map_or(Vec3::ZERO, |scalp| scalp.frame().origin);
-    let camera = Camera {
+    Camera {
         eye: middle + Vec3::new(0.0, 60.0, 20.0),
         target: middle,
         up: Vec3::Y,
         focal_mm: 85.0,
         orthographic: Some(30.0),
-    };
-    Projection::new(camera, Rect::from_min_size(Pos2::ZERO, Vec2::new(600.0, 600.0)))
+    }
 }
 
-/// The editor with the pen over a picture that fills the window.
+/// The editor, with the pen on a picture in which places are told as on a sheet of 600 by 600.
 struct Table {
     harness: Harness<'static, Editor>,
-    frame: u32,
     time: f64,
 }
 
 impl Table {
     fn new(document: Document) -> Self {
-        let harness = Harness::builder().with_size(Vec2::splat(600.0)).build_ui_state(
-            |ui, editor: &mut Editor| {
-                editor.ui(ui);
-                let mut out = vec![];
-                let view = view(&editor.state);
-                editor.pen.ui(&editor.state, &view, ui, &|_| true, &mut out);
-                for event in out {
-                    editor.apply(event);
-                }
-            },
+        let harness = Harness::builder().with_size(Vec2::new(1400.0, 1170.0)).build_ui_state(
+            |ui, editor: &mut Editor| editor.ui(ui),
             Editor::new(&egui::Context::default(), document, OpenFile::default()),
         );
-        let mut table = Self { harness, frame: 0, time: 0.0 };
+        let mut table = Self { harness, time: 0.0 };
         table.rest();
+        // The viewport puts the eye before a groom that it sees first.
+        while !table.editor().viewport.is_idle() {
+            table.step();
+        }
+        let camera = camera(&table.editor().state);
+        table.editor().viewport.look(camera);
         table
+    }
+    /// A place of the sheet in the window.
+    fn on_screen(&mut self, at: Pos2) -> Pos2 {
+        let rect = self.editor().viewport.projection().rect;
+        rect.center() + (at - Pos2::new(300.0, 300.0)) * (rect.height() / 600.0)
+    }
+    /// A place of the window on the sheet.
+    fn on_sheet(&mut self, at: Pos2) -> Pos2 {
+        let rect = self.editor().viewport.projection().rect;
+        Pos2::new(300.0, 300.0) + (at - rect.center()) * (600.0 / rect.height())
     }
     fn editor(&mut self) -> &mut Editor {
         self.harness.state_mut()
     }
     fn step(&mut self) {
         self.harness.step();
-        self.frame += 1;
     }
     /// Until all is evaluated.
     fn rest(&mut self) {
@@ -80,6 +85,7 @@ impl Table {
     }
     fn pen(&mut self, phase: Phase, at: Pos2, pressure: f32) {
         self.time += 0.005;
+        let at = self.on_screen(at);
         let sample = PenSample::mouse(self.time, phase, at, pressure);
         let sample = PenSample { tool: Tool::Tip, device: Device(9), ..sample };
         self.editor().pen.devices.push(sample);
@@ -138,10 +144,11 @@ fn a_stroke_drawn_with_pressure_becomes_a_curve_and_one_undo_takes_it_back() {
     let shown = table.editor().state.shown.clone().expect("a result");
     assert_eq!(shown.curves.curve_count(), 1);
     let (tuft, _) = shown.curves.each().next().expect("a curve");
-    let (tuft, view) = (tuft.clone(), view(&table.editor().state));
+    let tuft = tuft.clone();
     let ends = [tuft.curve(0)[0], tuft.curve(0)[tuft.curve(0).len() - 1]];
     for (end, (at, _)) in ends.iter().zip([row(300.0)[0], row(300.0)[29]]) {
-        let seen = view.screen(*end).expect("before the eye");
+        let seen = table.editor().viewport.projection().screen(*end).expect("before the eye");
+        let seen = table.on_sheet(seen);
         assert!(seen.distance(at) < 6.0, "{seen} {at}");
     }
     table.editor().apply(Event::Undo);
@@ -166,7 +173,8 @@ impl Table {
     fn point(&mut self, id: u64, at: usize) -> Pos2 {
         self.step();
         let shape = self.editor().pen.shapes.of(id).expect("the stroke is there");
-        shape.screen[at].expect("before the eye")
+        let at = shape.screen[at].expect("before the eye");
+        self.on_sheet(at)
     }
     fn drag(&mut self, from: Pos2, by: Vec2) {
         let places: Vec<(Pos2, f32)> =
@@ -400,7 +408,8 @@ fn brushes_erase_comb_and_smooth_in_one_step_each_and_locked_strokes_stay() {
     table.editor().act("pen.draw");
     for (phase, y) in [(Phase::Down, 280.0), (Phase::Move, 300.0), (Phase::Up, 300.0)] {
         table.time += 0.01;
-        let sample = PenSample::mouse(table.time, phase, Pos2::new(300.0, y), 0.5);
+        let at = table.on_screen(Pos2::new(300.0, y));
+        let sample = PenSample::mouse(table.time, phase, at, 0.5);
         let sample = PenSample { tool: Tool::Eraser, device: Device(10), ..sample };
         table.editor().pen.devices.push(sample);
     }
