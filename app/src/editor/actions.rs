@@ -33,12 +33,14 @@ pub fn always(_: &Editor) -> Result<(), &'static str> {
 pub const MENUS: &[&str] = &["File", "Edit", "Node", "View", "Pen", "Window", "Help"];
 
 /// The parts of the table, room by room.
-const PARTS: &[&[Action]] =
-    &[ACTIONS, crate::viewport::actions::ACTIONS, crate::pen::actions::ACTIONS];
+const PARTS: &[&[&[Action]]] = &[
+    &[ACTIONS, crate::viewport::actions::ACTIONS, crate::pen::actions::ACTIONS],
+    crate::canvas::ACTIONS,
+];
 
 /// Every action, in the order of menus.
 pub fn all() -> impl Iterator<Item = &'static Action> {
-    PARTS.iter().copied().flatten()
+    PARTS.iter().copied().flatten().copied().flatten()
 }
 
 /// The action of an id.

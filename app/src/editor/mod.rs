@@ -16,10 +16,13 @@ pub mod notes;
 mod palette;
 pub mod rooms;
 pub mod settings;
+mod spreadsheet;
 pub mod state;
 pub mod theme;
 pub mod visibility;
 
+use crate::canvas::Canvas;
+use crate::inspector::Inspector;
 use crate::pen::Pen;
 use crate::viewport::Viewport;
 use coif_graphs::document::edit::Edit;
@@ -35,6 +38,7 @@ use notes::Note;
 use palette::Palette;
 use rooms::Room;
 use settings::{Evaluate, Settings};
+use spreadsheet::Spreadsheet;
 use state::{OpenFile, State};
 use std::path::PathBuf;
 
@@ -54,6 +58,9 @@ pub struct Editor {
     pub pen: Pen,
     /// The groom on the screen.
     pub viewport: Viewport,
+    pub(crate) canvas: Canvas,
+    inspector: Inspector,
+    spreadsheet: Spreadsheet,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -99,6 +106,9 @@ impl Editor {
             key_sheet: false,
             pen: Pen::default(),
             viewport: Viewport::default(),
+            canvas: Canvas::default(),
+            inspector: Inspector::default(),
+            spreadsheet: Spreadsheet::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -235,6 +245,13 @@ impl Editor {
                 self.changed(set.map_err(|err| err.to_string()), true);
             }
             Event::Pin(node) => state.pinned = node,
+            Event::Expose { socket, exposed: true } => {
+                state.exposed.insert(socket);
+            }
+            Event::Expose { socket, exposed: false } => {
+                state.exposed.remove(&socket);
+            }
+            Event::Visibility(visibility) => state.visibility = visibility,
             Event::Settings(settings) => state.settings = *settings,
             Event::Say(note) => state.notes.say(note),
             Event::Evaluate => self.forced = true,
@@ -396,13 +413,19 @@ impl egui_dock::TabViewer for Tabs<'_> {
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
         }
-        let Editor { state, viewport, pen, .. } = &mut *self.editor;
-        if *room == Room::Viewport {
-            pen.bar(state, ui, self.out);
-            viewport.pen = pen.holds(ui.ctx());
-            viewport.ui(state, ui, self.out);
-            pen.ui(state, &viewport.projection(), ui, viewport.is_hovered(), self.out);
-            pen.settings_window(state, ui.ctx(), self.out);
+        let Editor { state, viewport, pen, canvas, inspector, spreadsheet, .. } = &mut *self.editor;
+        match room {
+            Room::Viewport => {
+                pen.bar(state, ui, self.out);
+                viewport.pen = pen.holds(ui.ctx());
+                viewport.ui(state, ui, self.out);
+                pen.ui(state, &viewport.projection(), ui, viewport.is_hovered(), self.out);
+                pen.settings_window(state, ui.ctx(), self.out);
+            }
+            Room::Canvas => canvas.ui(state, ui, self.out),
+            Room::Inspector => inspector.ui(state, ui, self.out),
+            Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),
+            _ => {}
         }
     }
     fn scroll_bars(&self, _: &Room) -> [bool; 2] {
