@@ -583,7 +583,7 @@ impl Renderer {
         !self.work.is_empty() && self.work.iter().filter(untouched).count() < self.drawn.len()
     }
 
-    /// The curve and point of the tuft that the middle of a pixel shows in the last sample, or the nearest pixel within
+    /// The curve, and the point of the tuft, that the middle of a pixel shows in the last sample, or the nearest pixel within
     /// `reach` of it that shows hair. A sample that is being made is finished first.
     pub fn pick(&mut self, x: u32, y: u32, reach: u32) -> Option<(Arc<Tuft>, usize, usize)> {
         if x >= self.width || y >= self.height || self.samples == 0 {

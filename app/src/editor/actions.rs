@@ -34,8 +34,9 @@ pub const MENUS: &[&str] = &["File", "Edit", "Node", "View", "Pen", "Window", "H
 
 /// The parts of the table, room by room.
 const PARTS: &[&[&[Action]]] = &[
-    &[ACTIONS, crate::viewport::actions::ACTIONS, crate::pen::actions::ACTIONS],
+    &[ACTIONS],
     crate::canvas::ACTIONS,
+    &[crate::viewport::actions::ACTIONS, crate::pen::actions::ACTIONS],
 ];
 
 /// Every action, in the order of menus.

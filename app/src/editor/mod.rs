@@ -54,13 +54,13 @@ pub struct Editor {
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
-    /// The pen room: tools, and what they hold.
-    pub pen: Pen,
-    /// The groom on the screen.
-    pub viewport: Viewport,
     pub(crate) canvas: Canvas,
     inspector: Inspector,
     spreadsheet: Spreadsheet,
+    /// The groom on the screen.
+    pub viewport: Viewport,
+    /// The pen room: tools, and what they hold.
+    pub pen: Pen,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -104,11 +104,11 @@ impl Editor {
             keys,
             palette: Palette::default(),
             key_sheet: false,
-            pen: Pen::default(),
-            viewport: Viewport::default(),
             canvas: Canvas::default(),
             inspector: Inspector::default(),
             spreadsheet: Spreadsheet::default(),
+            viewport: Viewport::default(),
+            pen: Pen::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -453,8 +453,8 @@ pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
         options,
         Box::new(move |cc| {
             let mut editor = Editor::new(&cc.egui_ctx, document, file);
-            editor.pen.devices.connect(cc, &cc.egui_ctx);
             editor.viewport.start(&cc.egui_ctx);
+            editor.pen.devices.connect(cc, &cc.egui_ctx);
             Ok(Box::new(Window { editor }))
         }),
     )

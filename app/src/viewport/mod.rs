@@ -18,7 +18,7 @@ pub mod projection;
 pub mod select;
 pub mod status;
 
-use crate::editor::evaluation::Shown;
+use crate::editor::evaluation::{Shown, first_output};
 use crate::editor::event::Event;
 use crate::editor::rooms::Room;
 use crate::editor::state::{Select, State};
@@ -130,8 +130,8 @@ struct Under {
 struct Clicked {
     hair: HairHit,
     level: Level,
-    /// While it is found out which node made it: the evaluation that was there before every node was asked.
-    locating: Option<Arc<Shown>>,
+    /// It is not known yet which node made it.
+    tracing: bool,
 }
 
 /// The curves that hair follows, of an evaluation.
@@ -237,8 +237,7 @@ impl Viewport {
         self.under.as_ref().map(|under| &under.picked)
     }
 
-    /// Outputs that it needs besides what is displayed: what hair follows, where that is shown, and every node's curves
-    /// while it is found out which node made a curve.
+    /// Outputs that it needs besides what is displayed: what hair follows, where that is shown.
     pub fn wants(&self, state: &State) -> Vec<Socket> {
         let Some(shown) = &state.shown else { return vec![] };
         let mut wanted = vec![];
@@ -246,9 +245,6 @@ impl Viewport {
             self.options.guides || matches!(self.options.shown(), Show::Guides | Show::Clusters);
         if follows {
             wanted.extend(feeders(&state.document, shown.sockets.iter().map(|s| &s.node)));
-        }
-        if self.clicked.as_ref().is_some_and(|clicked| clicked.locating.is_some()) {
-            wanted.extend(select::on_the_way(&state.document, &shown.sockets));
         }
         wanted
     }
@@ -266,7 +262,7 @@ impl Viewport {
         self.take_framing();
         self.take_picture(ui.ctx());
         self.take_answer(state, out);
-        self.locate(state, out);
+        self.find_maker(state, out);
         self.navigate(state, ui, &response, out);
         self.ask(state, ui);
         self.paint(state, ui);
@@ -311,9 +307,7 @@ impl Viewport {
     pub fn frame_selected(&mut self, state: &State) {
         let Some(shown) = state.shown.clone() else { return };
         let selected = state.selection.curves.clone();
-        let socket = state
-            .active()
-            .and_then(|id| crate::editor::evaluation::first_output(&state.document, id));
+        let socket = state.active().and_then(|id| first_output(&state.document, id));
         let (camera, aspect) = (self.camera, self.aspect());
         self.find(move || {
             let chosen = |curves: &Curves| -> Vec<Vec3> {
@@ -682,7 +676,10 @@ impl Viewport {
         });
         let of = (&*hair.tuft, hair.curve);
         let (level, ids) = match again {
-            Some(clicked) => select::next_level(&shown.curves, of, clicked.level, None),
+            Some(clicked) => {
+                let made = self.made_by_active(state, shown);
+                select::next_level(&shown.curves, of, clicked.level, made)
+            }
             None => (Level::Hair, [hair.id()].into()),
         };
         let mut selected = ids;
@@ -690,25 +687,23 @@ impl Viewport {
             selected.extend(&state.selection.curves);
         }
         out.push(Event::Select(Select::Curves(selected)));
-        self.clicked = Some(Clicked { hair, level, locating: Some(shown.clone()) });
+        out.push(Event::Trace(hair.id()));
+        self.clicked = Some(Clicked { hair, level, tracing: true });
     }
 
-    /// Selects the node that made the clicked curve, once every node on the way was asked.
-    fn locate(&mut self, state: &State, out: &mut Vec<Event>) {
-        let (Some(clicked), Some(shown)) = (&mut self.clicked, &state.shown) else { return };
-        let Some(before) = &clicked.locating else { return };
-        let asked = select::on_the_way(&state.document, &shown.sockets);
-        let all = asked.iter().all(|socket| shown.values.contains_key(socket));
-        // What failed has no value in the next evaluation either.
-        if !all && Arc::ptr_eq(before, shown) {
-            return;
+    /// Selects the node that made the clicked curve, once it is known.
+    fn find_maker(&mut self, state: &State, out: &mut Vec<Event>) {
+        let Some(clicked) = self.clicked.as_mut().filter(|clicked| clicked.tracing) else { return };
+        if let Some(made) = state.traced.first().filter(|made| made.id == clicked.hair.id()) {
+            clicked.tracing = false;
+            out.push(Event::Select(Select::Nodes(vec![made.node.clone()])));
         }
-        clicked.locating = None;
-        let on_the_way = shown.values.iter().filter(|(socket, _)| asked.contains(socket));
-        let values = on_the_way.map(|(socket, value)| (socket.clone(), value.clone())).collect();
-        if let Some(node) = select::maker(&state.document, &values, clicked.hair.id()) {
-            out.push(Event::Select(Select::Nodes(vec![node])));
-        }
+    }
+
+    /// All that the active node gives.
+    fn made_by_active<'a>(&self, state: &State, shown: &'a Shown) -> Option<&'a Curves> {
+        let socket = first_output(&state.document, state.active()?)?;
+        shown.curves_of(&socket)
     }
 
     /// How much the last click took, for the status line.

@@ -290,7 +290,7 @@ fn border(corners: [(Vec3, Option<u64>); 3]) -> Option<[Vec3; 2]> {
 mod tests {
     use super::super::projection::tests::{any_camera, any_rect};
     use super::*;
-    use coif_nodes::data::scalp::HeadFrame;
+    use coif_nodes::data::scalp::{HeadFrame, REGION};
     use coif_nodes::maths::closest::Surface;
 
     #[test]
@@ -330,7 +330,8 @@ mod tests {
             Vec3::new(4.0, 0.0, 4.0),
         ];
         let surface = Surface::new(points, vec![[0, 1, 2], [2, 1, 3]]);
-        let scalp = Scalp::new(surface, None, HeadFrame::IDENTITY, Default::default());
+        let region = [(REGION.to_owned(), vec![1.0; 4])].into();
+        let scalp = Scalp::new(surface, None, HeadFrame::IDENTITY, region);
         let grown: Vec<(Vec3, u64)> = (-8..=8)
             .flat_map(|x| (-8..=8).map(move |z| Vec3::new(x as f32, 0.0, z as f32) * 0.5))
             .map(|p| (p, if p.x < 0.25 { 1 } else { 2 }))

@@ -36,6 +36,7 @@ pub(super) struct Painter {
     renderer: Renderer,
     /// What the renderer was last given; nothing at first.
     given: Option<Wanted>,
+    look: Option<Look>,
     heads: Vec<Solid>,
     legend: Option<Legend>,
     notice: Option<String>,
@@ -64,6 +65,7 @@ impl Painter {
         Ok(Self {
             renderer,
             given: None,
+            look: None,
             heads: vec![],
             legend: None,
             notice: None,
@@ -136,15 +138,21 @@ impl Painter {
     fn prepare(&mut self, rough: bool) -> Result<(), RenderError> {
         let Some(wanted) = &self.given else { return Ok(()) };
         self.rough = rough;
-        self.shown = 0;
-        self.first_began = Instant::now();
         let wide = if rough { self.wide } else { 1 };
         let [width, height] = wanted.size.map(|n| n.div_ceil(wide).max(1));
         let look = Look { share: wanted.look.share * self.rough_share(rough), ..wanted.look };
         let effort = if rough { Effort::Moving } else { Effort::Still };
         self.renderer.set_effort(effort);
-        self.renderer.set_look(&look);
-        self.renderer.resize(width, height)
+        if self.look != Some(look) {
+            self.look = Some(look);
+            self.renderer.set_look(&look);
+        }
+        self.renderer.resize(width, height)?;
+        if self.renderer.progress().samples == 0 {
+            self.shown = 0;
+            self.first_began = Instant::now();
+        }
+        Ok(())
     }
 
     /// Share of the hair that is enough.
@@ -257,7 +265,8 @@ impl Painter {
         let at = (pixel(pick.at[0], width), pixel(pick.at[1], height));
         if let Some((tuft, curve, point)) = self.renderer.pick(at.0, at.1, reach) {
             let points = tuft.curve(curve);
-            // The segment begins at this point; its nearest place to the ray is what was seen.
+            let point = point.saturating_sub(tuft.range(curve).start);
+            // The segment begins at this point; its nearest end to the ray is what was seen.
             let a = points.get(point).copied().unwrap_or_default();
             let b = points.get(point + 1).copied().unwrap_or(a);
             let off = |p: Vec3| (p - pick.ray.origin).cross(pick.ray.direction).length();
@@ -274,12 +283,6 @@ impl Painter {
             true => info.name.clone(),
             false => format!("{}, {}", info.name, info.driver_info),
         }
-    }
-
-    /// Hair that is drawn, hidden curves left out.
-    #[cfg(test)]
-    pub(super) fn counts(&self) -> (usize, usize) {
-        self.drawn
     }
 }
 

@@ -1,14 +1,11 @@
-//! Which curves belong together, which of them are seen, and which node made one.
+//! Which curves belong together, and which of them are seen.
 //!
 //! Pure functions of curves. Nothing here changes a groom.
 
 use crate::editor::visibility::Visibility;
-use coif_graphs::document::graph::upstream;
-use coif_graphs::document::{Document, NodeId, Socket};
 use coif_nodes::data::attributes::{BRAID, PARENT, STRAND};
 use coif_nodes::data::curves::{Curves, Tuft};
-use coif_nodes::define::{Type, Value};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// What a curve can be called by: its id, what it was made from, and its braid. Zero names nothing.
@@ -120,34 +117,6 @@ pub fn next_level(
         }
     }
     (Level::Hair, together_with(curves, of, Level::Hair, made))
-}
-
-/// The outputs among which the maker of displayed curves is found: all curves on the way to what is displayed.
-pub fn on_the_way(document: &Document, displayed: &[Socket]) -> Vec<Socket> {
-    let nodes = upstream(document, displayed.iter().map(|socket| &socket.node));
-    let mut sockets = vec![];
-    for id in nodes {
-        let kind = document.node(id.as_str()).and_then(|node| coif_nodes::by_id(&node.kind));
-        let outputs = kind.map_or(&[][..], |def| def.outputs);
-        let curves = outputs.iter().filter(|output| output.ty == Type::Curves);
-        sockets.extend(curves.map(|output| Socket::new(id.clone(), output.name)));
-    }
-    sockets
-}
-
-/// The node that made a curve: the one that gives it and stands on nothing that gives it too.
-pub fn maker(document: &Document, values: &BTreeMap<Socket, Value>, id: u64) -> Option<NodeId> {
-    let holds = |value: &Value| match value {
-        Value::Curves(curves) => curves.each().any(|(tuft, i)| tuft.id(i) == id),
-        _ => false,
-    };
-    let givers: BTreeSet<&NodeId> =
-        values.iter().filter(|(_, value)| holds(value)).map(|(socket, _)| &socket.node).collect();
-    let first = givers.iter().find(|giver| {
-        let above = upstream(document, [**giver]);
-        !above.iter().any(|node| node != **giver && givers.contains(node))
-    });
-    first.map(|id| (*id).clone())
 }
 
 #[cfg(test)]
