@@ -16,8 +16,6 @@ mod inspector;
 pub mod pen;
 #[cfg(feature = "render")]
 pub mod scene;
-#[cfg(feature = "render")]
-pub mod scene;
 #[cfg(feature = "editor")]
 pub mod viewport;
 
