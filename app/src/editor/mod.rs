@@ -19,6 +19,7 @@ pub mod settings;
 mod spreadsheet;
 pub mod state;
 pub mod theme;
+mod tour;
 pub mod visibility;
 
 use crate::canvas::Canvas;
@@ -41,6 +42,7 @@ use settings::{Evaluate, Settings};
 use spreadsheet::Spreadsheet;
 use state::{OpenFile, State};
 use std::path::PathBuf;
+use tour::Tour;
 
 /// Nudges of one value within so many seconds are one undo step.
 const NUDGE_SECONDS: f64 = 0.7;
@@ -54,6 +56,7 @@ pub struct Editor {
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
+    pub(crate) tour: Tour,
     pub(crate) canvas: Canvas,
     inspector: Inspector,
     spreadsheet: Spreadsheet,
@@ -104,6 +107,7 @@ impl Editor {
             keys,
             palette: Palette::default(),
             key_sheet: false,
+            tour: Tour::default(),
             canvas: Canvas::default(),
             inspector: Inspector::default(),
             spreadsheet: Spreadsheet::default(),
@@ -131,6 +135,11 @@ impl Editor {
     pub fn is_idle(&self) -> bool {
         self.evaluation.as_ref().is_none_or(Evaluation::is_idle)
             && self.asked.as_ref().is_some_and(|asked| *asked == self.wanted())
+    }
+
+    /// The step of the tour that is to be done, from 0, and how many there are; none off the tour.
+    pub fn tour_step(&self) -> Option<(usize, usize)> {
+        self.tour.progress()
     }
 
     /// One frame.
@@ -170,6 +179,7 @@ impl Editor {
         if self.key_sheet {
             menus::key_sheet(self, &ctx);
         }
+        tour::ui(self, &ctx);
         for event in events {
             self.apply(event);
         }
