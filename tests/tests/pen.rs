@@ -65,7 +65,7 @@ fn a_pen_at_an_x_server_draws_with_three_pressures() {
     tablet.screen.key("p");
     // Across the viewport, over the crown: light, middle, full.
     let levels = [0.25, 0.5, 1.0];
-    let place = |k: u32| (430.0 + 4.0 * f64::from(k), 300.0, levels[(k / 20) as usize]);
+    let place = |k: u32| (440.0 + 3.0 * f64::from(k), 215.0, levels[(k / 20) as usize]);
     let places: Vec<(f64, f64, f64)> = (0..60).map(place).collect();
     tablet.draw(&places);
     std::thread::sleep(Duration::from_millis(500));

@@ -31,6 +31,21 @@ macro_rules! tool {
     };
 }
 
+/// A recipe that is made.
+macro_rules! recipe {
+    ($at:literal, $words:literal) => {
+        Action {
+            id: recipes::ALL[$at].action,
+            label: recipes::ALL[$at].label,
+            tip: recipes::ALL[$at].tip,
+            words: $words,
+            menu: "Pen",
+            when: a_head,
+            run: |editor| cook(editor, $at),
+        }
+    };
+}
+
 /// A change of a setting of the pen.
 fn set(editor: &mut Editor, change: impl FnOnce(&mut super::settings::Settings)) {
     let mut settings: Settings = editor.state.settings.clone();
@@ -300,33 +315,11 @@ pub(crate) const ACTIONS: &[Action] = &[
         when: anything_picked,
         run: mirror_once,
     },
-    Action {
-        id: "recipe.cornrows",
-        label: recipes::ALL[0].label,
-        tip: recipes::ALL[0].tip,
-        words: "recipe braid canerow plait",
-        menu: "Pen",
-        when: a_head,
-        run: |editor| cook(editor, 0),
-    },
-    Action {
-        id: "recipe.flat_twists",
-        label: recipes::ALL[1].label,
-        tip: recipes::ALL[1].tip,
-        words: "recipe rope two strand",
-        menu: "Pen",
-        when: a_head,
-        run: |editor| cook(editor, 1),
-    },
-    Action {
-        id: "recipe.locks",
-        label: recipes::ALL[2].label,
-        tip: recipes::ALL[2].tip,
-        words: "recipe clump cluster fringe wisp",
-        menu: "Pen",
-        when: a_head,
-        run: |editor| cook(editor, 2),
-    },
+    recipe!(0, "recipe braid canerow plait"),
+    recipe!(1, "recipe rope two strand row"),
+    recipe!(2, "recipe braid plait hanging three strand"),
+    recipe!(3, "recipe rope hanging"),
+    recipe!(4, "recipe clump cluster fringe wisp"),
 ];
 
 fn anything_picked(editor: &Editor) -> Result<(), &'static str> {

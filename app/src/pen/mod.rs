@@ -148,6 +148,8 @@ pub struct Pen {
     shapes: Shapes,
     /// The picked node: what is picked is forgotten with it.
     node: Option<NodeId>,
+    /// The selected curves when strokes were picked by them last.
+    followed: BTreeSet<u64>,
     /// Pressure of the last touch, for the test strip.
     strip: Vec<f32>,
 }
@@ -237,7 +239,12 @@ impl Pen {
             (self.node, self.picked) = (node.clone(), Picked::default());
         }
         self.picked.keep(&strokes);
-        self.shapes.update(state, node.as_ref(), &strokes, scalp, view);
+        if self.tool == StrokeTool::Select {
+            self.shapes.clear();
+            self.follow_selection(state, node.as_ref(), &strokes);
+        } else {
+            self.shapes.update(state, node.as_ref(), &strokes, scalp, view);
+        }
         let mut scene = Scene {
             state,
             view,
@@ -267,6 +274,23 @@ impl Pen {
             self.wheel(ctx, &mut scene);
         }
         self.paint(ui, &scene);
+    }
+
+    /// Without a tool in hand the strokes whose curves are selected in other rooms are picked.
+    fn follow_selection(&mut self, state: &State, node: Option<&NodeId>, strokes: &Strokes) {
+        let selected = &state.selection.curves;
+        if self.followed == *selected {
+            return;
+        }
+        self.followed = selected.clone();
+        let Some(node) = node else { return };
+        let is_selected = |id: &u64| {
+            shapes::curves_of(state, node, &BTreeSet::from([*id]))
+                .iter()
+                .any(|c| selected.contains(c))
+        };
+        let ids = strokes.0.iter().map(|stroke| stroke.id).filter(is_selected).collect();
+        self.picked = Picked { strokes: ids, ..Picked::default() };
     }
 
     /// One report: hovering is remembered, a touch begins, goes on or ends.

@@ -77,15 +77,29 @@ impl Pen {
     fn paint_stroke(&self, painter: &Painter, shape: &Shape, hovered: bool) {
         let picked = self.picked.strokes.contains(&shape.id);
         let colour = if picked || hovered { theme::ACCENT } else { LINE };
-        let width = if picked { 2.5 } else { 1.5 };
+        // While strokes are drawn the hair matters more than those that are done.
+        let width = match (picked, self.tool) {
+            (true, _) => 2.5,
+            (false, StrokeTool::Draw) => 1.0,
+            (false, _) => 1.5,
+        };
+        // Runs of what is before the head and of what is behind it, by turns.
         let mut run: Vec<Pos2> = vec![];
+        let mut before = true;
+        let finish = |run: Vec<Pos2>, before: bool| match before {
+            true => line(painter, run, Stroke::new(width, colour)),
+            false => faint(painter, run, Stroke::new(width, colour)),
+        };
         for (p, seen) in shape.screen.iter().zip(&shape.seen) {
-            match p.filter(|_| *seen) {
-                Some(p) => run.push(p),
-                None => line(painter, std::mem::take(&mut run), Stroke::new(width, colour)),
+            if *seen != before || p.is_none() {
+                let last = run.last().copied().filter(|_| p.is_some());
+                finish(std::mem::take(&mut run), before);
+                run.extend(last);
+                before = *seen;
             }
+            run.extend(*p);
         }
-        line(painter, run, Stroke::new(width, colour));
+        finish(run, before);
         if self.tool != StrokeTool::Points || shape.locked {
             return;
         }
@@ -168,6 +182,13 @@ fn line(painter: &Painter, run: Vec<Pos2>, stroke: Stroke) {
     if run.len() > 1 {
         painter.add(Drawn::line(run.clone(), Stroke::new(stroke.width + 2.0, EDGE)));
         painter.add(Drawn::line(run, stroke));
+    }
+}
+
+/// A line behind the head.
+fn faint(painter: &Painter, run: Vec<Pos2>, stroke: Stroke) {
+    if run.len() > 1 {
+        painter.add(Drawn::line(run, Stroke::new(1.0, stroke.color.gamma_multiply(0.3))));
     }
 }
 

@@ -22,20 +22,34 @@ pub(crate) struct Recipe {
 }
 
 /// All recipes.
-pub(crate) const ALL: [Recipe; 3] = [
+pub(crate) const ALL: [Recipe; 5] = [
     Recipe {
         label: "Cornrows",
         tip: "Draw rows on the head; each becomes a three-strand braid that lies on it.",
         action: "recipe.cornrows",
         free: false,
-        steps: |graph| braid(graph, "cornrows", 3, 1.2),
+        steps: |graph| row(graph, "cornrows", 3, 1.2),
     },
     Recipe {
         label: "Flat twists",
         tip: "Draw rows on the head; each becomes two strands turned about each other.",
         action: "recipe.flat_twists",
         free: false,
-        steps: |graph| braid(graph, "twists", 2, 1.0),
+        steps: |graph| row(graph, "flat twists", 2, 1.0),
+    },
+    Recipe {
+        label: "Box braids",
+        tip: "Draw braids in space, from the root on the scalp to the tip; each hangs as three strands.",
+        action: "recipe.box_braids",
+        free: true,
+        steps: |graph| hanging(graph, "braids", 3),
+    },
+    Recipe {
+        label: "Two-strand twists",
+        tip: "Draw twists in space, from the root on the scalp to the tip; each is a rope of two.",
+        action: "recipe.two_strand_twists",
+        free: true,
+        steps: |graph| hanging(graph, "twists", 2),
     },
     Recipe {
         label: "Locks",
@@ -49,8 +63,9 @@ pub(crate) const ALL: [Recipe; 3] = [
     },
 ];
 
-fn braid(graph: &mut Graph, label: &str, strands: i64, width: f32) -> Option<()> {
-    let braid: &[(&str, Value)] = &[
+/// A braid that lies on the scalp.
+fn row(graph: &mut Graph, label: &str, strands: i64, width: f32) -> Option<()> {
+    let braid = [
         ("strands", Value::Int(strands)),
         ("width", Value::Float(width)),
         ("root_amplitude", Value::Float(0.85)),
@@ -59,16 +74,35 @@ fn braid(graph: &mut Graph, label: &str, strands: i64, width: f32) -> Option<()>
         ("tuft_length", Value::Float(1.5)),
         ("flare", Value::Float(-0.6)),
     ];
-    graph.add("lissajous_braid", label, braid)?;
+    graph.add("lissajous_braid", label, &braid)?;
+    fill(graph, label)
+}
+
+/// A braid that hangs.
+fn hanging(graph: &mut Graph, label: &str, strands: i64) -> Option<()> {
+    let braid = [
+        ("strands", Value::Int(strands)),
+        ("width", Value::Float(1.2)),
+        ("root_amplitude", Value::Float(0.8)),
+        ("tip_amplitude", Value::Float(0.7)),
+        ("tuft_length", Value::Float(2.0)),
+        ("flare", Value::Float(-0.3)),
+    ];
+    graph.add("lissajous_braid", label, &braid)?;
+    fill(graph, label)
+}
+
+/// Hair in the strands of a braid.
+fn fill(graph: &mut Graph, label: &str) -> Option<()> {
     let radius = Field::Product(vec![Field::Attribute("radius".to_owned()), Field::Constant(1.3)]);
-    let fill: &[(&str, Value)] = &[
+    let fill = [
         ("count", Value::Int(170)),
         ("frizz", Value::Float(0.1)),
         ("frizz_step", Value::Float(1.0)),
         ("points", Value::Int(140)),
         ("radius", radius.into()),
     ];
-    graph.add("cluster_to_strands", &format!("hair in the {label}"), fill)
+    graph.add("cluster_to_strands", &format!("hair in the {label}"), &fill)
 }
 
 /// A chain of nodes that grows behind the strokes.

@@ -139,7 +139,16 @@ fn a_stroke_drawn_with_pressure_becomes_a_curve_and_one_undo_takes_it_back() {
     let node = target::of(&table.editor().state).expect("a node was made");
     assert_eq!(table.editor().state.document.wires(&node, "scalp").len(), 1);
     assert_eq!(table.editor().state.document.display, Some(node));
-    // On the head, where the pen was.
+    // Two frames after its evaluation is done it is a curve of what is displayed, on the head where the pen was.
+    let mut frames_after = 0;
+    let curves = |editor: &Editor| editor.state.shown.as_ref().map(|s| s.curves.curve_count());
+    while curves(table.editor()) != Some(1) {
+        let state = &table.editor().state;
+        frames_after += usize::from(state.run.reports.revision == state.revision);
+        assert!(frames_after <= 2);
+        table.step();
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
     table.rest();
     let shown = table.editor().state.shown.clone().expect("a result");
     assert_eq!(shown.curves.curve_count(), 1);
@@ -439,6 +448,19 @@ fn recipes_are_one_step_of_plain_nodes_and_a_row_drawn_is_a_braid() {
         table.editor().apply(Event::Undo);
         assert_eq!(table.editor().state.document, head());
     }
+}
+
+#[test]
+fn a_stroke_is_picked_by_its_curve_selected_elsewhere() {
+    let (mut table, id) = with_a_row();
+    table.editor().act("pen.select");
+    let shown = table.editor().state.shown.clone().expect("a result");
+    let curve = shown.curves.each().next().map(|(tuft, i)| tuft.id(i)).expect("a curve");
+    table.editor().apply(Event::Select(crate::editor::state::Select::Curves([curve].into())));
+    table.step();
+    assert_eq!(table.editor().pen.picked.strokes, BTreeSet::from([id]));
+    table.editor().act("strokes.delete");
+    assert_eq!(table.strokes().0.len(), 0);
 }
 
 /// The figures of the guide: milliseconds from samples to the line on the screen, and to the curve.
