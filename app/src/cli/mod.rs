@@ -4,15 +4,15 @@
 //! anything ran, 130 interrupted. On anything but 0 no output file is touched.
 
 mod check;
-mod eval;
-mod files;
-mod groom;
+pub(crate) mod eval;
+pub(crate) mod files;
+pub(crate) mod groom;
 mod measure;
 mod nodes;
 mod progress;
 #[cfg(feature = "render")]
 mod render;
-mod report;
+pub(crate) mod report;
 mod unreal;
 
 use clap::{Parser, Subcommand};
