@@ -1,14 +1,10 @@
-//! coif: a groom editor made of nodes. This file only hands over to the command line.
-//!
-//! Without a command the editor would open; until it exists, the start-up groom is drawn on the built-in head and written
-//! to `start.png` in the current folder.
-
-mod cli;
+//! coif: a groom editor made of nodes. This file tells graphics drivers what they read from the environment, and hands
+//! over.
 
 fn main() -> std::process::ExitCode {
     #[cfg(feature = "render")]
     tell_drivers();
-    cli::main()
+    coif::main()
 }
 
 /// What graphics drivers read from the environment and nowhere else. What the user set stays.

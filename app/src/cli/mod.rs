@@ -4,6 +4,8 @@
 //! anything ran, 130 interrupted. On anything but 0 no output file is touched.
 
 mod check;
+#[cfg(feature = "editor")]
+mod edit;
 pub(crate) mod eval;
 pub(crate) mod files;
 pub(crate) mod groom;
@@ -28,6 +30,9 @@ struct Args {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Open the editor, on a graph or on the start-up groom
+    #[cfg(feature = "editor")]
+    Edit(edit::EditArgs),
     /// Evaluate a graph and write its hair
     Eval(eval::EvalArgs),
     /// Draw a graph's hair: pictures, turntables, heat maps
@@ -58,6 +63,8 @@ pub(crate) fn main() -> ExitCode {
     let args = Args::parse();
     let command = args.command.or_else(start_up);
     let exit = match command {
+        #[cfg(feature = "editor")]
+        Some(Command::Edit(args)) => edit::run(&args),
         Some(Command::Eval(args)) => eval::run(args),
         #[cfg(feature = "render")]
         Some(Command::Render(args)) => render::run(&args),
@@ -74,12 +81,17 @@ pub(crate) fn main() -> ExitCode {
     ExitCode::from(exit as u8)
 }
 
-/// What runs without a command: the start-up groom is drawn in the current folder.
+/// What runs without a command: the editor. Where it has no display, or is not part of this program, the start-up groom is
+/// drawn in the current folder.
 fn start_up() -> Option<Command> {
+    #[cfg(feature = "editor")]
+    if edit::has_display() {
+        return Some(Command::Edit(edit::EditArgs::default()));
+    }
     if cfg!(not(feature = "render")) {
         return None;
     }
-    complain("there is no editor yet; the start-up groom is drawn to start.png");
+    complain("there is no display for the editor; the start-up groom is drawn to start.png");
     // Half the samples of a still: somebody waits to see anything at all.
     let words = ["coif", "render", "start", "--samples", "32", "--out", "start.png"];
     Args::parse_from(words).command

@@ -1,0 +1,55 @@
+//! `coif edit`: the window, on a graph or on the start-up groom.
+
+use super::{Exit, complain, groom};
+use crate::editor::{self, Editor, state::OpenFile};
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args, Default)]
+pub(crate) struct EditArgs {
+    /// The graph: a .ron file, or the name of a shipped groom
+    graph: Option<PathBuf>,
+}
+
+/// Whether there is anything to open a window on. Only Linux has machines without.
+pub(crate) fn has_display() -> bool {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    !cfg!(target_os = "linux") || is_set("DISPLAY") || is_set("WAYLAND_DISPLAY")
+}
+
+pub(crate) fn run(args: &EditArgs) -> Exit {
+    let (document, file) = match &args.graph {
+        None => Editor::start_up(),
+        Some(path) => match open(path) {
+            Ok(opened) => opened,
+            Err(stop) => {
+                stop.lines().iter().for_each(complain);
+                return Exit::Refused;
+            }
+        },
+    };
+    if !has_display() {
+        complain("there is no display to open a window on; coif eval and coif render need none");
+        return Exit::Failed;
+    }
+    match editor::run(document, file) {
+        Ok(()) => Exit::Done,
+        Err(why) => {
+            complain(why);
+            Exit::Failed
+        }
+    }
+}
+
+fn open(path: &PathBuf) -> Result<(coif_graphs::document::Document, OpenFile), groom::Stop> {
+    let mut warnings = vec![];
+    let (document, folder) = groom::load(path, &mut warnings)?;
+    warnings.iter().for_each(|warning| complain(format!("warning: {warning}")));
+    // A shipped groom is opened by name and has no file of its own yet.
+    let file = if path.exists() {
+        OpenFile { path: Some(std::path::absolute(path).unwrap_or_else(|_| path.clone())), folder }
+    } else {
+        OpenFile::default()
+    };
+    Ok((document, file))
+}

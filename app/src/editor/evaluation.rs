@@ -1,0 +1,395 @@
+//! Evaluation beside the window: one thread takes the newest request, and hands over what came out.
+//!
+//! Guarantees: asking never waits; of several requests only the newest is run; a newer one stops what runs, except that a
+//! preview which follows a stopped one is let through, so that a picture comes however fast the hand is. What is handed over
+//! is final only when nothing newer was asked for meanwhile.
+//! Not guaranteed: that every request has an answer.
+
+use coif_graphs::document::graph::{downstream, upstream};
+use coif_graphs::document::{Document, NodeId, Socket};
+use coif_graphs::schedule::files::DiskFiles;
+use coif_graphs::schedule::request::{BadRequest, plan};
+use coif_graphs::schedule::result::{NodeReport, Outcome};
+use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
+use coif_nodes::data::curves::Curves;
+use coif_nodes::data::scalp::Scalp;
+use coif_nodes::define::{Type, Value};
+use coif_nodes::eval::Quality;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// What is to be evaluated.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The number of the document's state.
+    pub revision: u64,
+    /// A snapshot.
+    pub document: Document,
+    /// What its paths are relative to.
+    pub folder: PathBuf,
+    /// Outputs whose values are wanted besides what is displayed.
+    pub also: Vec<Socket>,
+    /// How much hair is made.
+    pub quality: Quality,
+}
+
+/// What came out, ready to be looked at.
+#[derive(Debug)]
+pub struct Shown {
+    /// The state of the document that it shows.
+    pub revision: u64,
+    /// How much hair was made.
+    pub quality: Quality,
+    /// The outputs that are displayed, in the document's order.
+    pub sockets: Vec<Socket>,
+    /// Their curves together.
+    pub curves: Curves,
+    /// The heads that they stand on.
+    pub scalps: Vec<Arc<Scalp>>,
+    /// Every value that was asked for, by output.
+    pub values: BTreeMap<Socket, Value>,
+    /// How many strands the same outputs had in the last final evaluation.
+    pub final_strands: Option<usize>,
+    /// Wall time of the evaluation, milliseconds.
+    pub ms: f64,
+}
+
+impl Shown {
+    /// The head that everything stands on, when there is one.
+    pub fn scalp(&self) -> Option<&Arc<Scalp>> {
+        self.scalps.first()
+    }
+    /// Whether all hair was made.
+    pub fn is_final(&self) -> bool {
+        self.quality == Quality::Final
+    }
+    /// The curves of one output, when it was asked for.
+    pub fn curves_of(&self, socket: &Socket) -> Option<&Curves> {
+        match self.values.get(socket)? {
+            Value::Curves(curves) => Some(curves),
+            _ => None,
+        }
+    }
+}
+
+/// What the nodes said when they last ran.
+#[derive(Clone, Debug, Default)]
+pub struct Reports {
+    /// The state of the document that was evaluated last, with or without a result.
+    pub revision: u64,
+    /// Each node's last report. Nodes off the way keep theirs.
+    pub nodes: BTreeMap<NodeId, NodeReport>,
+    /// Why the document, or a part of it, could not be evaluated at all.
+    pub refused: Vec<BadRequest>,
+}
+
+impl Reports {
+    /// Failed nodes with what they say, in the order of their ids.
+    pub fn failures(&self) -> Vec<(&str, String)> {
+        let failed = self.nodes.iter().filter_map(|(id, report)| {
+            let error = report.error.as_ref()?;
+            (*error != coif_nodes::define::NodeError::Cancelled)
+                .then(|| (id.as_str(), error.to_string()))
+        });
+        let refused = self.refused.iter().map(|bad| (bad.node.as_str(), bad.reason.clone()));
+        refused.chain(failed).collect()
+    }
+}
+
+/// What the evaluator does now.
+#[derive(Clone, Debug, Default)]
+pub struct RunStatus {
+    /// When the present run began; none at rest.
+    pub since: Option<Instant>,
+    /// The state of the document that it is about, and how much hair it makes.
+    pub revision: u64,
+    /// Nodes done, of all that the run needs.
+    pub nodes: (usize, usize),
+    /// The node that began last, and its pieces of work done.
+    pub node: String,
+    /// Pieces of that node done, of all.
+    pub pieces: (usize, usize),
+    /// What the nodes said last.
+    pub reports: Arc<Reports>,
+    /// Strands, points, and bytes kept for reuse.
+    pub cached_bytes: usize,
+}
+
+/// What is handed over.
+pub struct Finished {
+    /// What to show; none when what is displayed has no value.
+    pub shown: Option<Shown>,
+    /// What the nodes said.
+    pub reports: Reports,
+}
+
+#[derive(Default)]
+struct Desk {
+    next: Option<Request>,
+    running: Option<(CancelToken, Quality)>,
+    /// Whether the run before was stopped for a newer one.
+    stopped_last: bool,
+    finished: Option<Finished>,
+    status: RunStatus,
+    closed: bool,
+}
+
+/// The thread, and the desk over which requests and results pass.
+pub struct Evaluation {
+    shared: Arc<Shared>,
+}
+
+struct Shared {
+    desk: Mutex<Desk>,
+    work: Condvar,
+    wake: Box<dyn Fn() + Send + Sync>,
+}
+
+impl Shared {
+    fn desk(&self) -> MutexGuard<'_, Desk> {
+        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Evaluation {
+    /// Starts the thread. `wake` is called when there is something to look at.
+    ///
+    /// # Errors
+    /// When the system gives no threads.
+    pub fn start(
+        cache_bytes: usize,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> Result<Self, String> {
+        let evaluator = Evaluator::new(0, cache_bytes)?;
+        let shared =
+            Arc::new(Shared { desk: Mutex::default(), work: Condvar::new(), wake: Box::new(wake) });
+        let theirs = shared.clone();
+        std::thread::Builder::new()
+            .name("evaluation".to_owned())
+            .spawn(move || serve(&theirs, &evaluator))
+            .map_err(|err| format!("no thread to evaluate on: {err}"))?;
+        Ok(Self { shared })
+    }
+
+    /// Asks for an evaluation instead of what was asked before.
+    pub fn ask(&self, request: Request) {
+        let mut desk = self.shared.desk();
+        if let Some((cancel, quality)) = &desk.running {
+            let let_through = desk.stopped_last
+                && *quality == Quality::Preview
+                && request.quality == Quality::Preview;
+            if !let_through {
+                cancel.cancel();
+                desk.stopped_last = true;
+            }
+        }
+        desk.next = Some(request);
+        drop(desk);
+        self.shared.work.notify_one();
+    }
+
+    /// Stops what runs and forgets what was asked.
+    pub fn stop(&self) {
+        let mut desk = self.shared.desk();
+        desk.next = None;
+        if let Some((cancel, _)) = &desk.running {
+            cancel.cancel();
+        }
+    }
+
+    /// What came out since the last call.
+    pub fn take(&self) -> Option<Finished> {
+        self.shared.desk().finished.take()
+    }
+
+    /// What it does now.
+    pub fn status(&self) -> RunStatus {
+        self.shared.desk().status.clone()
+    }
+
+    /// Whether nothing runs and nothing waits.
+    pub fn is_idle(&self) -> bool {
+        let desk = self.shared.desk();
+        desk.next.is_none() && desk.running.is_none() && desk.finished.is_none()
+    }
+}
+
+impl Drop for Evaluation {
+    fn drop(&mut self) {
+        self.stop();
+        self.shared.desk().closed = true;
+        self.shared.work.notify_one();
+    }
+}
+
+/// The evaluation thread.
+fn serve(shared: &Shared, evaluator: &Evaluator) {
+    let mut reports = Reports::default();
+    let mut finals: BTreeMap<Vec<Socket>, usize> = BTreeMap::new();
+    let mut files = (PathBuf::new(), DiskFiles::default());
+    loop {
+        let mut desk = shared.desk();
+        while desk.next.is_none() && !desk.closed {
+            desk = shared.work.wait(desk).unwrap_or_else(PoisonError::into_inner);
+        }
+        if desk.closed {
+            return;
+        }
+        let Some(request) = desk.next.take() else { continue };
+        let cancel = CancelToken::default();
+        desk.running = Some((cancel.clone(), request.quality));
+        desk.status.since = Some(Instant::now());
+        desk.status.revision = request.revision;
+        desk.status.nodes = (0, 0);
+        drop(desk);
+        if files.0 != request.folder {
+            files = (request.folder.clone(), DiskFiles::new(&request.folder));
+        }
+        let shown = evaluate(shared, evaluator, &request, &files.1, &cancel, &mut reports);
+        let mut desk = shared.desk();
+        desk.running = None;
+        desk.status.since = None;
+        if !cancel.is_cancelled() {
+            desk.stopped_last = false;
+            let shown = shown.map(|mut shown| {
+                if shown.is_final() {
+                    finals.insert(shown.sockets.clone(), shown.curves.curve_count());
+                }
+                shown.final_strands = finals.get(&shown.sockets).copied();
+                shown
+            });
+            desk.status.reports = Arc::new(reports.clone());
+            desk.finished = Some(Finished { shown, reports: reports.clone() });
+        }
+        drop(desk);
+        (shared.wake)();
+    }
+}
+
+fn evaluate(
+    shared: &Shared,
+    evaluator: &Evaluator,
+    request: &Request,
+    files: &DiskFiles,
+    cancel: &CancelToken,
+    reports: &mut Reports,
+) -> Option<Shown> {
+    let began = Instant::now();
+    let document = &request.document;
+    let sockets = displayed(document);
+    let heads = heads(document, sockets.iter().chain(&request.also).map(|s| &s.node));
+    reports.revision = request.revision;
+    reports.refused.clear();
+    reports.nodes.retain(|id, _| document.nodes.contains_key(id));
+    // What is wanted besides may be broken; what is displayed is told.
+    let mut targets: Vec<Socket> = sockets.clone();
+    for socket in request.also.iter().chain(&heads) {
+        if !targets.contains(socket) {
+            targets.push(socket.clone());
+        }
+    }
+    let planned = plan(document, &targets, request.quality, files).or_else(|bad| {
+        reports.refused.push(bad);
+        targets.clone_from(&sockets);
+        plan(document, &targets, request.quality, files).or_else(|_| {
+            // The head alone is better than nothing.
+            targets.clone_from(&heads);
+            plan(document, &targets, request.quality, files)
+        })
+    });
+    let planned = planned.ok()?;
+    let told = Told { shared };
+    let Outcome { targets: values, nodes, cancelled } =
+        evaluator.run(&planned, OnFailure::PassThrough, cancel, &told);
+    if cancelled {
+        return None;
+    }
+    for report in nodes {
+        if let Ok(id) = NodeId::new(&report.name) {
+            reports.nodes.insert(id, report);
+        }
+    }
+    let values: BTreeMap<Socket, Value> =
+        targets.into_iter().zip(values).filter_map(|(s, v)| Some((s, v?))).collect();
+    let mut tufts = vec![];
+    let mut scalps: Vec<Arc<Scalp>> = vec![];
+    for socket in sockets.iter().chain(&heads) {
+        match values.get(socket) {
+            Some(Value::Curves(curves)) => tufts.extend_from_slice(curves.tufts()),
+            Some(Value::Scalp(scalp)) if !scalps.iter().any(|s| Arc::ptr_eq(s, scalp)) => {
+                scalps.push(scalp.clone());
+            }
+            _ => {}
+        }
+    }
+    if tufts.is_empty() && scalps.is_empty() {
+        return None;
+    }
+    Some(Shown {
+        revision: request.revision,
+        quality: request.quality,
+        sockets,
+        curves: Curves::new(tufts),
+        scalps,
+        values,
+        final_strands: None,
+        ms: began.elapsed().as_secs_f64() * 1e3,
+    })
+}
+
+/// What is displayed: the outputs of the node with the display flag, else of every `groom_output`, else of the nodes that
+/// nothing reads.
+pub fn displayed(document: &Document) -> Vec<Socket> {
+    if let Some(socket) = document.display.as_ref().and_then(|id| first_output(document, id)) {
+        return vec![socket];
+    }
+    let outputs = document.nodes.iter().filter(|(_, node)| node.kind == "groom_output");
+    let outputs: Vec<Socket> = outputs.filter_map(|(id, _)| first_output(document, id)).collect();
+    if !outputs.is_empty() {
+        return outputs;
+    }
+    let ends = document.nodes.keys().filter(|id| downstream(document, [*id]).len() <= 1);
+    ends.filter_map(|id| first_output(document, id)).collect()
+}
+
+/// The output of a node that can be looked at: its first curves, else its scalp.
+pub fn first_output(document: &Document, id: &NodeId) -> Option<Socket> {
+    let def = coif_nodes::by_id(&document.node(id.as_str())?.kind)?;
+    let of = |ty: Type| def.outputs.iter().find(|output| output.ty == ty);
+    let output = of(Type::Curves).or_else(|| of(Type::Scalp))?;
+    Some(Socket::new(id.clone(), output.name))
+}
+
+/// The heads that nodes stand on; every head when they stand on none.
+fn heads<'a>(document: &'a Document, of: impl Iterator<Item = &'a NodeId>) -> Vec<Socket> {
+    let is_head = |id: &NodeId| document.node(id.as_str()).is_some_and(|n| n.kind == "head");
+    let mut heads: Vec<NodeId> = upstream(document, of).into_iter().filter(is_head).collect();
+    if heads.is_empty() {
+        heads = document.nodes.keys().filter(|id| is_head(id)).cloned().collect();
+    }
+    heads.into_iter().map(|id| Socket::new(id, "scalp")).collect()
+}
+
+/// Puts progress on the desk.
+struct Told<'a> {
+    shared: &'a Shared,
+}
+
+impl Progress for Told<'_> {
+    fn started(&self, node: &str) {
+        let mut desk = self.shared.desk();
+        node.clone_into(&mut desk.status.node);
+        desk.status.pieces = (0, 0);
+    }
+    fn pieces(&self, node: &str, done: usize, of: usize) {
+        let mut desk = self.shared.desk();
+        if desk.status.node == node {
+            desk.status.pieces = (done, of);
+        }
+    }
+    fn done(&self, nodes: usize, of: usize) {
+        self.shared.desk().status.nodes = (nodes, of);
+    }
+}

@@ -1,0 +1,49 @@
+//! Everything that can happen in the editor. Rooms read the state and say what happened; nothing else changes it.
+
+use super::notes::Note;
+use super::rooms::Room;
+use super::settings::Settings;
+use super::state::Select;
+use coif_graphs::document::NodeId;
+use coif_graphs::document::edit::Edit;
+
+/// Something that happened.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// An action of the table, by its id.
+    Act(&'static str),
+    /// A gesture begins: edits until [`Event::End`] are one step. Empty words are found from what it did.
+    Begin(String),
+    /// The document changes.
+    Edit(Edit),
+    /// The document changes a little more: one step with the last nudge of the same thing.
+    Nudge(Edit),
+    /// The gesture ends.
+    End,
+    /// The gesture is taken back.
+    Abort,
+    /// The last step is taken back.
+    Undo,
+    /// The last undone step is done again.
+    Redo,
+    /// Undoes or redoes until so many steps are done.
+    Jump(usize),
+    /// The selection changes.
+    Select(Select),
+    /// Another node is displayed.
+    Display(Option<NodeId>),
+    /// The pen works on another node.
+    Pin(Option<NodeId>),
+    /// Preferences change.
+    Settings(Box<Settings>),
+    /// Something is said.
+    Say(Note),
+    /// The graph is evaluated now.
+    Evaluate,
+    /// Whatever runs stops; the last picture stays.
+    Stop,
+    /// Keys are for another room.
+    Focus(Room),
+    /// A room is opened, or brought to the front.
+    Show(Room),
+}

@@ -1,0 +1,100 @@
+//! The menu bar, the status line and the sheet of keys: all from the table of actions.
+
+use super::Editor;
+use super::actions::{self, MENUS};
+use super::keys::name_of;
+use super::{rooms::Room, theme};
+use egui::{Button, Panel, RichText};
+
+/// The menu bar on top.
+pub(crate) fn bar(editor: &mut Editor, ui: &mut egui::Ui) {
+    let mut picked = None;
+    Panel::top("menus").show(ui, |ui| {
+        egui::MenuBar::new().ui(ui, |ui| {
+            for menu in MENUS {
+                let mut entries = actions::all().filter(|a| a.menu == *menu).peekable();
+                if entries.peek().is_none() {
+                    continue;
+                }
+                ui.menu_button(*menu, |ui| {
+                    for action in entries {
+                        let allowed = (action.when)(editor);
+                        let keys = editor.keys.of(action.id).map(|k| name_of(&k));
+                        let button =
+                            Button::new(action.label).shortcut_text(keys.unwrap_or_default());
+                        let response = ui
+                            .add_enabled(allowed.is_ok(), button)
+                            .on_hover_text(action.tip)
+                            .on_disabled_hover_text(allowed.err().unwrap_or_default());
+                        if response.clicked() {
+                            picked = Some(action.id);
+                            ui.close();
+                        }
+                    }
+                });
+            }
+        });
+    });
+    if let Some(action) = picked {
+        editor.act(action);
+    }
+}
+
+/// The line at the bottom: what runs, what was said last.
+pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
+    Panel::bottom("status").show(ui, |ui| {
+        ui.horizontal(|ui| {
+            let run = &editor.state.run;
+            match run.since {
+                Some(since) => {
+                    let (done, of) = run.nodes;
+                    let text = format!(
+                        "evaluating {} ({done} of {of} nodes, {:.1} s)",
+                        run.node,
+                        since.elapsed().as_secs_f32()
+                    );
+                    ui.spinner();
+                    ui.label(text);
+                    if ui.button("Stop").on_hover_text("Keeps the last picture (Escape)").clicked()
+                    {
+                        editor.act("evaluate.stop");
+                    }
+                }
+                None if editor.state.stale() => {
+                    ui.label("stale");
+                }
+                None => {
+                    ui.label("up to date");
+                }
+            }
+            ui.separator();
+            if let Some(note) = editor.state.notes.all().last() {
+                ui.add(egui::Label::new(RichText::new(&note.text).color(theme::QUIET)).truncate());
+            }
+        });
+    });
+}
+
+/// The keys that count in the room that keys are for.
+pub(crate) fn key_sheet(editor: &mut Editor, ctx: &egui::Context) {
+    let room: Room = editor.state.focus;
+    let mut open = true;
+    egui::Window::new(format!("Keys: {}", room.title()))
+        .id("key sheet".into())
+        .open(&mut open)
+        .resizable(false)
+        .show(ctx, |ui| {
+            egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
+                for (id, keys) in editor.keys.in_room(room) {
+                    let Some(action) = actions::by_id(id) else { continue };
+                    let names: Vec<String> = keys.iter().map(name_of).collect();
+                    if !names.is_empty() {
+                        ui.label(action.label).on_hover_text(action.tip);
+                        ui.monospace(names.join(", "));
+                        ui.end_row();
+                    }
+                }
+            });
+        });
+    editor.key_sheet = open;
+}

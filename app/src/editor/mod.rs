@@ -1,0 +1,409 @@
+//! The editor: rooms around one state.
+//!
+//! Each frame every room reads the [`State`] and says what happened; [`Editor::apply`] alone changes it. The graph is
+//! evaluated and pictures are drawn on threads of their own, so that the window never waits.
+//!
+//! Guarantees: the document changes only by edits that can be undone; what is selected, displayed or docked never changes a
+//! groom's hash.
+
+pub mod actions;
+pub mod evaluation;
+pub mod event;
+pub mod keys;
+mod menus;
+pub mod notes;
+mod palette;
+pub mod rooms;
+pub mod settings;
+pub mod state;
+pub mod theme;
+pub mod visibility;
+
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{Document, Socket};
+use coif_graphs::{file, grooms};
+use coif_nodes::eval::Quality;
+use egui_dock::{DockArea, DockState};
+use evaluation::{Evaluation, Finished, Request, first_output};
+use event::Event;
+use keys::Keys;
+use notes::Note;
+use palette::Palette;
+use rooms::Room;
+use settings::{Evaluate, Settings};
+use state::{OpenFile, State};
+use std::path::PathBuf;
+
+/// Nudges of one value within so many seconds are one undo step.
+const NUDGE_SECONDS: f64 = 0.7;
+/// A final evaluation that took longer (milliseconds) is led by a preview when something changes.
+const SLOW_MS: f64 = 250.0;
+
+/// The editor.
+pub struct Editor {
+    /// What it knows.
+    pub state: State,
+    pub(crate) keys: Keys,
+    pub(crate) palette: Palette,
+    pub(crate) key_sheet: bool,
+    dock: DockState<Room>,
+    evaluation: Option<Evaluation>,
+    /// What was asked of the evaluation last.
+    asked: Option<Wanted>,
+    /// Evaluate whatever the mode is.
+    forced: bool,
+    /// Seconds since the window opened, and when the last nudge was.
+    now: f64,
+    nudged: f64,
+    last_final_ms: f64,
+}
+
+/// What decides whether to evaluate again.
+#[derive(Clone, PartialEq)]
+struct Wanted {
+    revision: u64,
+    quality: Quality,
+    also: Vec<Socket>,
+    folder: PathBuf,
+}
+
+impl Editor {
+    /// An editor on a document. The context is asked to repaint when something was evaluated.
+    pub fn new(ctx: &egui::Context, document: Document, file: OpenFile) -> Self {
+        let settings = Settings::default();
+        theme::apply(ctx, settings.pen_mode);
+        let mut state = State::new(document, file, settings);
+        let wake = {
+            let ctx = ctx.clone();
+            move || ctx.request_repaint()
+        };
+        let evaluation = Evaluation::start(1 << 30, wake)
+            .inspect_err(|why| state.notes.say(Note::error(format!("nothing is evaluated: {why}"))))
+            .ok();
+        let keys = Keys::shipped().unwrap_or_else(|why| {
+            state.notes.say(Note::error(format!("keys.ron: {why}")));
+            Keys::default()
+        });
+        Self {
+            state,
+            keys,
+            palette: Palette::default(),
+            key_sheet: false,
+            dock: rooms::first_layout(),
+            evaluation,
+            asked: None,
+            forced: false,
+            now: 0.0,
+            nudged: f64::NEG_INFINITY,
+            last_final_ms: 0.0,
+        }
+    }
+
+    /// The start-up groom.
+    pub fn start_up() -> (Document, OpenFile) {
+        let text = grooms::by_name("start").unwrap_or_default();
+        let document = file::read(text).map(|read| read.document).unwrap_or_default();
+        (document, OpenFile::default())
+    }
+
+    /// Whether nothing is being evaluated and nothing waits to be.
+    pub fn is_idle(&self) -> bool {
+        self.evaluation.as_ref().is_none_or(Evaluation::is_idle)
+            && self.asked.as_ref().is_some_and(|asked| *asked == self.wanted())
+    }
+
+    /// One frame.
+    pub fn ui(&mut self, ui: &mut egui::Ui) {
+        let ctx = ui.ctx().clone();
+        self.now = ctx.input(|input| input.time);
+        if let Some(finished) = self.evaluation.as_ref().and_then(Evaluation::take) {
+            self.finished(finished);
+        }
+        if let Some(evaluation) = &self.evaluation {
+            self.state.run = evaluation.status();
+        }
+        if let Some(action) = palette::ui(self, &ctx) {
+            self.act(action);
+        }
+        if !self.palette.is_open() {
+            for action in self.keys.pressed(&ctx, self.state.focus) {
+                self.act(action);
+            }
+        }
+        menus::bar(self, ui);
+        menus::status(self, ui);
+        let mut events = vec![];
+        let mut dock = std::mem::replace(&mut self.dock, DockState::new(vec![]));
+        let mut tabs = Tabs { editor: self, out: &mut events };
+        egui::CentralPanel::default().frame(egui::Frame::NONE.fill(theme::GROUND)).show(ui, |ui| {
+            DockArea::new(&mut dock)
+                .style(dock_style(ui))
+                .show_leaf_close_all_buttons(false)
+                .show_leaf_collapse_buttons(false)
+                .show_inside(ui, &mut tabs);
+        });
+        self.dock = dock;
+        if self.key_sheet {
+            menus::key_sheet(self, &ctx);
+        }
+        for event in events {
+            self.apply(event);
+        }
+        self.evaluate();
+        if self.state.run.since.is_some() {
+            ctx.request_repaint_after(std::time::Duration::from_millis(100));
+        }
+    }
+
+    /// Does an action, or says why it cannot be done.
+    pub fn act(&mut self, id: &str) {
+        let Some(action) = actions::by_id(id) else { return };
+        match (action.when)(self) {
+            Ok(()) => (action.run)(self),
+            Err(why) => self.state.notes.say(Note::done(format!("{}: {why}", action.label))),
+        }
+    }
+
+    /// Changes the state by what happened.
+    pub fn apply(&mut self, event: Event) {
+        let state = &mut self.state;
+        match event {
+            Event::Act(id) => self.act(id),
+            Event::Begin(words) => {
+                state.history.begin(&state.document, &words);
+                state.gesture = true;
+            }
+            Event::Edit(edit) => self.edit(&edit, false),
+            Event::Nudge(edit) => {
+                let soon = self.now - self.nudged < NUDGE_SECONDS;
+                self.nudged = self.now;
+                self.edit(&edit, soon);
+            }
+            Event::End => {
+                state.history.end(&state.document);
+                state.gesture = false;
+            }
+            Event::Abort => {
+                let aborted = state.history.abort(&mut state.document);
+                state.gesture = false;
+                self.changed(aborted.map_err(|err| err.to_string()), true);
+            }
+            Event::Undo => {
+                let undone = state.history.undo(&mut state.document).map(|_| ());
+                state.gesture = false;
+                self.changed(undone.map_err(|err| err.to_string()), true);
+            }
+            Event::Redo => {
+                let redone = state.history.redo(&mut state.document).map(|_| ());
+                self.changed(redone.map_err(|err| err.to_string()), true);
+            }
+            Event::Jump(to) => {
+                let jumped = state.history.jump(&mut state.document, to);
+                self.changed(jumped.map_err(|err| err.to_string()), true);
+            }
+            Event::Select(select) => {
+                state.selection.change(select);
+                state.selection.keep(&state.document);
+            }
+            Event::Display(node) => {
+                // What is displayed is saved with the groom, but it is no step.
+                let set = Edit::SetDisplay(node).apply(&mut state.document).map(|_| ());
+                self.changed(set.map_err(|err| err.to_string()), true);
+            }
+            Event::Pin(node) => state.pinned = node,
+            Event::Settings(settings) => state.settings = *settings,
+            Event::Say(note) => state.notes.say(note),
+            Event::Evaluate => self.forced = true,
+            Event::Stop => {
+                if let Some(evaluation) = &self.evaluation {
+                    evaluation.stop();
+                }
+            }
+            Event::Focus(room) => state.focus = room,
+            Event::Show(room) => {
+                rooms::show(&mut self.dock, room);
+                state.focus = room;
+            }
+        }
+    }
+
+    fn edit(&mut self, edit: &Edit, nudge: bool) {
+        let state = &mut self.state;
+        let done = if nudge {
+            state.history.nudge(&mut state.document, edit)
+        } else {
+            state.history.edit(&mut state.document, edit)
+        };
+        self.changed(done.map_err(|err| err.to_string()), means_something(edit));
+    }
+
+    /// After a change of the document, or a refusal of one.
+    fn changed(&mut self, done: Result<(), String>, means_something: bool) {
+        let state = &mut self.state;
+        match done {
+            Ok(()) => {
+                state.changes += 1;
+                if means_something {
+                    state.revision += 1;
+                }
+                state.selection.keep(&state.document);
+                if state.pinned.as_ref().is_some_and(|id| !state.document.nodes.contains_key(id)) {
+                    state.pinned = None;
+                }
+            }
+            Err(why) => state.notes.say(Note::error(why)),
+        }
+    }
+
+    fn finished(&mut self, finished: Finished) {
+        if let Some(shown) = finished.shown {
+            if shown.is_final() {
+                self.last_final_ms = shown.ms;
+            }
+            self.state.shown = Some(shown.into());
+        }
+    }
+
+    /// What the evaluation should be about now.
+    fn wanted(&self) -> Wanted {
+        let state = &self.state;
+        let answered = state.run.reports.revision == state.revision;
+        let slow = self.last_final_ms > SLOW_MS && !answered;
+        let preview = (state.gesture || slow) && !state.settings.final_while_dragging;
+        let nodes = [state.active(), state.pinned.as_ref()];
+        let also = nodes.into_iter().flatten();
+        Wanted {
+            revision: state.revision,
+            quality: if preview { Quality::Preview } else { Quality::Final },
+            also: also.filter_map(|id| first_output(&state.document, id)).collect(),
+            folder: state.file.folder.clone(),
+        }
+    }
+
+    /// Asks for an evaluation where one is due.
+    fn evaluate(&mut self) {
+        let due = match self.state.settings.evaluate {
+            Evaluate::Live => true,
+            Evaluate::OnRelease => !self.state.gesture,
+            Evaluate::ByKey => self.asked.is_none(),
+        };
+        let wanted = self.wanted();
+        if !self.forced && (!due || self.asked.as_ref() == Some(&wanted)) {
+            return;
+        }
+        self.forced = false;
+        if let Some(evaluation) = &self.evaluation {
+            evaluation.ask(Request {
+                revision: wanted.revision,
+                document: self.state.document.clone(),
+                folder: wanted.folder.clone(),
+                also: wanted.also.clone(),
+                quality: wanted.quality,
+            });
+        }
+        self.asked = Some(wanted);
+    }
+
+    /// Docks every room where it was at first.
+    pub(crate) fn reset_layout(&mut self) {
+        self.dock = rooms::first_layout();
+    }
+
+    /// Gives the keys to another open room.
+    pub(crate) fn focus_next(&mut self, step: isize) {
+        let open: Vec<Room> = self.dock.iter_all_tabs().map(|(_, room)| *room).collect();
+        let n = open.len() as isize;
+        let at = open.iter().position(|room| *room == self.state.focus).unwrap_or(0) as isize;
+        if let Some(room) = open.get((at + step).rem_euclid(n.max(1)) as usize) {
+            self.apply(Event::Show(*room));
+        }
+    }
+}
+
+/// Whether an edit changes what is evaluated, not only how the graph is laid out or called.
+fn means_something(edit: &Edit) -> bool {
+    match edit {
+        Edit::Move { .. }
+        | Edit::SetTitle(_)
+        | Edit::SetNote(_)
+        | Edit::SetLabel { .. }
+        | Edit::SetNodeNote { .. }
+        | Edit::SetComment { .. } => false,
+        Edit::Several(edits) => edits.iter().any(means_something),
+        _ => true,
+    }
+}
+
+fn dock_style(ui: &egui::Ui) -> egui_dock::Style {
+    let mut style = egui_dock::Style::from_egui(ui.style());
+    style.tab_bar.bg_fill = theme::GROUND;
+    style.tab_bar.hline_color = theme::LINE;
+    style.main_surface_border_stroke = egui::Stroke::NONE;
+    style.tab.tab_body.stroke = egui::Stroke::NONE;
+    style.tab.tab_body.inner_margin = egui::Margin::same(4);
+    style.tab.tab_body.bg_fill = theme::PANEL;
+    style
+}
+
+/// Shows the rooms in their tabs.
+struct Tabs<'a> {
+    editor: &'a mut Editor,
+    #[expect(dead_code, reason = "rooms say here what happened")]
+    out: &'a mut Vec<Event>,
+}
+
+impl egui_dock::TabViewer for Tabs<'_> {
+    type Tab = Room;
+
+    fn id(&mut self, room: &mut Room) -> egui::Id {
+        egui::Id::new(("room", *room))
+    }
+    fn title(&mut self, room: &mut Room) -> egui::WidgetText {
+        room.title().into()
+    }
+    fn ui(&mut self, ui: &mut egui::Ui, room: &mut Room) {
+        let over = ui.rect_contains_pointer(ui.max_rect());
+        if over && ui.input(|input| input.pointer.any_pressed()) {
+            self.editor.state.focus = *room;
+        }
+    }
+    fn scroll_bars(&self, _: &Room) -> [bool; 2] {
+        [false, false]
+    }
+}
+
+/// Opens the window on a groom and returns when it is closed.
+///
+/// # Errors
+/// When there is no display or nothing can draw on it.
+pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("coif")
+            .with_app_id("coif")
+            .with_inner_size([1440.0, 900.0])
+            .with_min_inner_size([640.0, 400.0])
+            .with_drag_and_drop(true),
+        renderer: eframe::Renderer::Wgpu,
+        ..Default::default()
+    };
+    eframe::run_native(
+        "coif",
+        options,
+        Box::new(move |cc| {
+            Ok(Box::new(Window { editor: Editor::new(&cc.egui_ctx, document, file) }))
+        }),
+    )
+    .map_err(|err| err.to_string())
+}
+
+/// The window around the editor.
+struct Window {
+    editor: Editor,
+}
+
+impl eframe::App for Window {
+    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        self.editor.ui(ui);
+    }
+}

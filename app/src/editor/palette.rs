@@ -1,0 +1,153 @@
+//! The command palette: every action by name, from the keyboard.
+
+use super::Editor;
+use super::actions::{self, Action};
+use super::keys::name_of;
+use egui::{Align2, Area, Frame, Key, Modifiers, Order, RichText, ScrollArea, TextEdit};
+
+/// What is open, typed and chosen.
+#[derive(Default)]
+pub(crate) struct Palette {
+    open: bool,
+    typed: String,
+    chosen: usize,
+}
+
+impl Palette {
+    /// Opens it, empty.
+    pub(crate) fn open(&mut self) {
+        *self = Self { open: true, ..Self::default() };
+    }
+    /// Whether it takes the keys.
+    pub(crate) fn is_open(&self) -> bool {
+        self.open
+    }
+}
+
+/// How well an action answers what was typed; none when it does not. Higher is better.
+fn rank(action: &Action, typed: &str) -> Option<u32> {
+    let typed = typed.trim().to_lowercase();
+    if typed.is_empty() {
+        return Some(0);
+    }
+    let label = action.label.to_lowercase();
+    if label.starts_with(&typed) {
+        return Some(4);
+    }
+    if label.split(' ').any(|word| word.starts_with(&typed)) {
+        return Some(3);
+    }
+    let all = format!("{label} {} {}", action.words, action.id).to_lowercase();
+    let words = typed.split_whitespace();
+    if words.clone().all(|word| all.split([' ', '.']).any(|w| w.starts_with(word))) {
+        return Some(2);
+    }
+    // Letters in order, anywhere in the label.
+    let mut left = label.chars();
+    typed.chars().filter(|c| !c.is_whitespace()).all(|c| left.any(|l| l == c)).then_some(1)
+}
+
+/// Actions that answer what was typed, best first.
+pub(crate) fn found(typed: &str) -> Vec<&'static Action> {
+    let mut ranked: Vec<(u32, &Action)> =
+        actions::all().filter_map(|action| Some((rank(action, typed)?, action))).collect();
+    ranked.sort_by_key(|(rank, _)| std::cmp::Reverse(*rank));
+    ranked.into_iter().map(|(_, action)| action).collect()
+}
+
+/// Shows it, if it is open; gives the action that was picked.
+pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static str> {
+    if !editor.palette.open {
+        return None;
+    }
+    let key = |key: Key| ctx.input_mut(|i| i.consume_key(Modifiers::NONE, key));
+    let (up, down) = (key(Key::ArrowUp), key(Key::ArrowDown));
+    let (enter, escape) = (key(Key::Enter), key(Key::Escape));
+    let mut picked = None;
+    let mut typed = std::mem::take(&mut editor.palette.typed);
+    let all = found(&typed);
+    let last = all.len().saturating_sub(1);
+    let mut chosen = editor.palette.chosen.min(last);
+    chosen = if down { (chosen + 1).min(last) } else { chosen };
+    chosen = if up { chosen.saturating_sub(1) } else { chosen };
+    let area = Area::new("palette".into())
+        .order(Order::Foreground)
+        .anchor(Align2::CENTER_TOP, [0.0, 60.0])
+        .show(ctx, |ui| {
+            Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_width(440.0);
+                let field = TextEdit::singleline(&mut typed)
+                    .hint_text("What is to be done?")
+                    .desired_width(f32::INFINITY);
+                let response = ui.add(field);
+                response.request_focus();
+                if response.changed() {
+                    chosen = 0;
+                }
+                ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
+                    for (i, action) in all.iter().enumerate() {
+                        let allowed = (action.when)(editor);
+                        ui.horizontal(|ui| {
+                            let keys = editor.keys.of(action.id).map(|k| name_of(&k));
+                            let text = if action.menu.is_empty() {
+                                action.label.to_owned()
+                            } else {
+                                format!("{}: {}", action.menu, action.label)
+                            };
+                            let row = ui
+                                .add_enabled_ui(allowed.is_ok(), |ui| {
+                                    ui.selectable_label(i == chosen, text)
+                                })
+                                .inner
+                                .on_hover_text(action.tip)
+                                .on_disabled_hover_text(allowed.err().unwrap_or_default());
+                            if i == chosen && (up || down) {
+                                row.scroll_to_me(None);
+                            }
+                            if row.clicked() {
+                                picked = Some(action.id);
+                            }
+                            if let Some(keys) = keys {
+                                ui.with_layout(
+                                    egui::Layout::right_to_left(egui::Align::Center),
+                                    |ui| {
+                                        ui.label(RichText::new(keys).weak());
+                                    },
+                                );
+                            }
+                        });
+                    }
+                });
+            });
+        });
+    if enter && let Some(action) = all.get(chosen).filter(|a| (a.when)(editor).is_ok()) {
+        picked = Some(action.id);
+    }
+    let outside = ctx.input(|i| i.pointer.any_pressed())
+        && ctx.pointer_latest_pos().is_some_and(|p| !area.response.rect.contains(p));
+    editor.palette.open = picked.is_none() && !escape && !outside;
+    editor.palette.typed = typed;
+    editor.palette.chosen = chosen;
+    picked
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn actions_are_found_by_label_word_id_and_letters() {
+        for (typed, first) in [
+            ("undo", "edit.undo"),
+            ("redo", "edit.redo"),
+            ("revert", "edit.undo"),
+            ("shortcuts", "window.keys"),
+            ("cook", "evaluate.now"),
+            ("evnow", "evaluate.now"),
+            ("spread", "window.spreadsheet"),
+        ] {
+            assert_eq!(found(typed).first().map(|a| a.id), Some(first), "{typed}");
+        }
+        assert!(found("qqq").is_empty());
+    }
+}

@@ -1,0 +1,108 @@
+//! The rooms of the window and how they are docked.
+
+use egui_dock::{DockState, NodeIndex, SurfaceIndex};
+use serde::{Deserialize, Serialize};
+
+/// A part of the window with a tab of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum Room {
+    /// The groom, and where the pen draws.
+    Viewport,
+    /// The nodes and their wires.
+    Canvas,
+    /// What the active node is set to.
+    Inspector,
+    /// What the groom is made of.
+    Outliner,
+    /// Numbers of curves and points.
+    Spreadsheet,
+    /// What went wrong, what was done.
+    Messages,
+    /// Steps that can be taken back.
+    History,
+}
+
+impl Room {
+    /// All rooms, in the menu's order.
+    pub const ALL: [Self; 7] = [
+        Self::Viewport,
+        Self::Canvas,
+        Self::Inspector,
+        Self::Outliner,
+        Self::Spreadsheet,
+        Self::Messages,
+        Self::History,
+    ];
+
+    /// What its tab says.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Viewport => "Viewport",
+            Self::Canvas => "Nodes",
+            Self::Inspector => "Inspector",
+            Self::Outliner => "Outliner",
+            Self::Spreadsheet => "Spreadsheet",
+            Self::Messages => "Messages",
+            Self::History => "History",
+        }
+    }
+}
+
+/// How rooms are docked on a first start: picture and nodes large, everything else at the right.
+pub fn first_layout() -> DockState<Room> {
+    let mut dock = DockState::new(vec![Room::Viewport]);
+    let surface = dock.main_surface_mut();
+    let [left, right] =
+        surface.split_right(NodeIndex::root(), 0.74, vec![Room::Inspector, Room::History]);
+    surface.split_below(right, 0.62, vec![Room::Outliner]);
+    surface.split_below(left, 0.58, vec![Room::Canvas, Room::Spreadsheet, Room::Messages]);
+    dock
+}
+
+/// Brings a room to the front, opening it where it is closed.
+pub fn show(dock: &mut DockState<Room>, room: Room) {
+    match dock.find_tab(&room) {
+        Some(found) => {
+            dock.set_active_tab(found).ok();
+        }
+        None => dock[SurfaceIndex::main()].push_to_first_leaf(room),
+    }
+}
+
+/// A layout from text as settings keep it; none when the text is no layout or lacks the viewport.
+pub fn read_layout(text: &str) -> Option<DockState<Room>> {
+    let dock: DockState<Room> = ron::from_str(text).ok()?;
+    let tabs: Vec<Room> = dock.iter_all_tabs().map(|(_, room)| *room).collect();
+    let once = tabs.iter().enumerate().all(|(i, room)| !tabs[..i].contains(room));
+    (once && tabs.contains(&Room::Viewport)).then_some(dock)
+}
+
+/// A layout as text.
+pub fn write_layout(dock: &DockState<Room>) -> String {
+    ron::to_string(dock).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layouts_come_back_and_damaged_ones_do_not() {
+        let dock = first_layout();
+        let text = write_layout(&dock);
+        let back = read_layout(&text).expect("what was written reads");
+        assert_eq!(write_layout(&back), text);
+        for bad in ["", "()", &text.replace("Viewport", "Canvas"), &text[..text.len() / 2]] {
+            assert!(read_layout(bad).is_none(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_closed_room_opens_again() {
+        let mut dock = first_layout();
+        let at = dock.find_tab(&Room::Canvas).expect("it is there");
+        dock.remove_tab(at);
+        show(&mut dock, Room::Canvas);
+        assert!(dock.find_tab(&Room::Canvas).is_some());
+    }
+}

@@ -1,0 +1,157 @@
+//! What the editor knows. Rooms read it; only [`super::Editor::apply`] changes it.
+
+use super::evaluation::{RunStatus, Shown};
+use super::notes::Notes;
+use super::rooms::Room;
+use super::settings::Settings;
+use super::visibility::Visibility;
+use coif_graphs::document::history::History;
+use coif_graphs::document::{Document, NodeId, Socket};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Everything that more than one room must know.
+pub struct State {
+    /// The groom.
+    pub document: Document,
+    /// What was done to it.
+    pub history: History,
+    /// Goes up with every change of the document that evaluation can see.
+    pub revision: u64,
+    /// Goes up with every change of the document.
+    pub changes: u64,
+    /// Where it lies.
+    pub file: OpenFile,
+    /// What is selected. No undo step.
+    pub selection: Selection,
+    /// The node that the pen works on, whatever is displayed.
+    pub pinned: Option<NodeId>,
+    /// Inputs that the canvas shows as sockets although they have no wire.
+    pub exposed: BTreeSet<Socket>,
+    /// What of the hair is hidden, alone, or locked.
+    pub visibility: Visibility,
+    /// Something is being dragged: previews are enough.
+    pub gesture: bool,
+    /// The last good evaluation.
+    pub shown: Option<Arc<Shown>>,
+    /// What the evaluator does now.
+    pub run: RunStatus,
+    /// Preferences.
+    pub settings: Settings,
+    /// What was said.
+    pub notes: Notes,
+    /// The room that keys are for.
+    pub focus: Room,
+}
+
+impl State {
+    /// A document that was just opened or made.
+    pub fn new(document: Document, file: OpenFile, settings: Settings) -> Self {
+        Self {
+            document,
+            history: History::new(),
+            revision: 1,
+            changes: 0,
+            file,
+            selection: Selection::default(),
+            pinned: None,
+            exposed: BTreeSet::new(),
+            visibility: Visibility::default(),
+            gesture: false,
+            shown: None,
+            run: RunStatus::default(),
+            settings,
+            notes: Notes::default(),
+            focus: Room::Viewport,
+        }
+    }
+
+    /// Whether what is shown is not what the document says now.
+    pub fn stale(&self) -> bool {
+        self.shown.as_ref().is_none_or(|shown| shown.revision != self.revision)
+    }
+
+    /// The node that keys and the inspector mean: the active one, if it is still there.
+    pub fn active(&self) -> Option<&NodeId> {
+        self.selection.active.as_ref().filter(|id| self.document.nodes.contains_key(*id))
+    }
+}
+
+/// Where the document lies.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct OpenFile {
+    /// Its file; none before the first save.
+    pub path: Option<PathBuf>,
+    /// The folder that its paths are relative to.
+    pub folder: PathBuf,
+}
+
+impl OpenFile {
+    /// A file; its folder is what holds it.
+    pub fn at(path: PathBuf) -> Self {
+        let folder = path.parent().map(PathBuf::from).unwrap_or_default();
+        Self { path: Some(path), folder }
+    }
+    /// The name for titles.
+    pub fn name(&self) -> String {
+        let name = self.path.as_ref().and_then(|path| path.file_name());
+        name.map_or_else(|| "untitled".to_owned(), |name| name.to_string_lossy().into_owned())
+    }
+}
+
+/// What is selected.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Selection {
+    /// Nodes on the canvas.
+    pub nodes: BTreeSet<NodeId>,
+    /// The one that was selected last.
+    pub active: Option<NodeId>,
+    /// Displayed curves, by id.
+    pub curves: BTreeSet<u64>,
+}
+
+/// How a selection changes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Select {
+    /// Exactly these nodes; the last is active.
+    Nodes(Vec<NodeId>),
+    /// This node too, as the active one; off again when it was selected.
+    Toggle(NodeId),
+    /// Exactly these curves.
+    Curves(BTreeSet<u64>),
+    /// Nothing at all.
+    Nothing,
+}
+
+impl Selection {
+    /// Changes the selection.
+    pub fn change(&mut self, select: Select) {
+        match select {
+            Select::Nodes(nodes) => {
+                self.active = nodes.last().cloned();
+                self.nodes = nodes.into_iter().collect();
+            }
+            Select::Toggle(node) => {
+                if self.nodes.remove(&node) {
+                    if self.active.as_ref() == Some(&node) {
+                        self.active = self.nodes.last().cloned();
+                    }
+                } else {
+                    self.nodes.insert(node.clone());
+                    self.active = Some(node);
+                }
+            }
+            Select::Curves(curves) => self.curves = curves,
+            Select::Nothing => *self = Self::default(),
+        }
+    }
+
+    /// Forgets nodes that are gone.
+    pub fn keep(&mut self, document: &Document) {
+        self.nodes.retain(|id| document.nodes.contains_key(id));
+        if self.active.as_ref().is_some_and(|id| !document.nodes.contains_key(id)) {
+            self.active = self.nodes.last().cloned();
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! coif: a groom editor made of nodes. The window, and the command line beside it.
+//!
+//! The program's `main` only hands over to [`main`]. What is public here is public for the tests of the whole
+//! program; nobody else links to it.
+
+mod cli;
+#[cfg(feature = "editor")]
+pub mod editor;
+
+/// Runs what the words of the command line ask for.
+pub fn main() -> std::process::ExitCode {
+    cli::main()
+}
