@@ -6,6 +6,8 @@
 mod cli;
 #[cfg(feature = "editor")]
 pub mod editor;
+#[cfg(feature = "editor")]
+pub mod viewport;
 
 /// Runs what the words of the command line ask for.
 pub fn main() -> std::process::ExitCode {

@@ -301,7 +301,7 @@ impl Value {
             Value::Curves(curves) => curves.bytes(),
             Value::Scalp(scalp) => scalp.bytes(),
             Value::File(file) => file.bytes.len(),
-            Value::Strokes(strokes) => strokes.0.iter().map(|s| s.samples.len() * 20 + 32).sum(),
+            Value::Strokes(strokes) => strokes.bytes(),
             _ => 64,
         }
     }

@@ -34,7 +34,7 @@ pub use hair::{Model, UnknownModel};
 pub use hdri::{Hdri, HdriError};
 pub use light::{Light, Rig};
 pub use picture::{Picture, PictureError, Samples};
-pub use renderer::{Look, Pass, Progress, RenderError, Renderer};
+pub use renderer::{Effort, Look, Pass, Progress, RenderError, Renderer};
 pub use strands::Uploaded;
 pub use surface::{Material, RootGrid, Solid};
 pub use view::{GroomColours, Legend, Paint, Ramp, Shading, View};

@@ -36,17 +36,19 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use wgpu::{BufferUsages as B, TextureUsages as U};
 
+mod shown;
+
 /// How long a slice should take on the adapter. Shorter costs submissions, longer makes whoever waits feel it; half of
 /// the 50 ms that a viewport may block.
 const SLICE: Duration = Duration::from_millis(25);
 /// Texels across a light's depth map of solids and its opacity map.
 const SOLID_MAP: u32 = 1024;
 const OPACITY_MAP: u32 = 1024;
+/// Bytes of a texel of an opacity map.
+const TEXEL: u64 = 20;
 /// Texels that the walks of one opacity map may visit in all. More is slower, less is grainier; at 6 million the pictures of
 /// 100,000 strands differ from the full walk by less than their own grain after 32 samples.
 const OPACITY_VISITS: f64 = 6.0e6;
-/// Voxels along the longest side of the grid of light.
-const VOXELS: f32 = 96.0;
 /// Standard deviation of the camera's shake, pixels: a Gaussian filter that keeps single hairs fine.
 const FILTER_PIXELS: f32 = 0.38;
 /// Bytes from one slice's parameters to the next: the alignment that every adapter grants.
@@ -86,6 +88,42 @@ impl Default for Look {
             opacity: 1.0,
             share: 1.0,
             scalp_tint: 0.5,
+        }
+    }
+}
+
+/// How much work the light of a picture is worth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Effort {
+    /// All of it: what is judged, compared and saved.
+    #[default]
+    Still,
+    /// What keeps up with a hand that drags something on a software adapter: coarser voxels and shadow maps, fewer looks at
+    /// them, and a light's maps stay where they are while only hair changes. The same picture but for grain and the finest
+    /// shadows; it may depend on what was drawn before.
+    Moving,
+}
+
+impl Effort {
+    /// Voxels along the longest side of the grid of light.
+    fn voxels(self) -> f32 {
+        match self {
+            Self::Still => 96.0,
+            Self::Moving => 36.0,
+        }
+    }
+    /// Texels across an opacity map.
+    fn opacity_map(self) -> u32 {
+        match self {
+            Self::Still => OPACITY_MAP,
+            Self::Moving => OPACITY_MAP / 2,
+        }
+    }
+    /// Places of an opacity map that one look reads.
+    fn taps(self) -> u32 {
+        match self {
+            Self::Still => 4,
+            Self::Moving => 2,
         }
     }
 }
@@ -221,6 +259,7 @@ pub struct Renderer {
     width: u32,
     height: u32,
     targets: Targets,
+    show: shown::Show,
     strands: Strands,
     drawn: Vec<Blocks>,
     shadowing: Vec<Blocks>,
@@ -231,7 +270,10 @@ pub struct Renderer {
     camera: Camera,
     rig: Rig,
     look: Look,
+    effort: Effort,
     shading: Shading,
+    /// The ball that lights' maps hold.
+    lit: Sphere,
     frame: Frame,
     table: ScatterTable,
     tables: Tables,
@@ -289,6 +331,7 @@ impl Renderer {
             ],
         });
         let targets = Targets::new(&gpu, &layouts, width, height);
+        let show = shown::Show::new(&gpu);
         let solids = Solids::new(&gpu, &[]);
         let look = Look::default();
         let table = bake(&look);
@@ -307,6 +350,7 @@ impl Renderer {
             width,
             height,
             targets,
+            show,
             strands,
             solid_meshes: vec![],
             solids,
@@ -320,7 +364,9 @@ impl Renderer {
             },
             rig,
             look,
+            effort: Effort::Still,
             shading: Shading::Hair,
+            lit: Sphere { centre: Vec3::ZERO, radius: 0.0 },
             frame: Zeroable::zeroed(),
             table,
             tables,
@@ -356,6 +402,7 @@ impl Renderer {
         if (width, height) != (self.width, self.height) {
             check_size(&self.gpu, width, height)?;
             self.targets = Targets::new(&self.gpu, &self.layouts, width, height);
+            self.show.resized();
             (self.width, self.height) = (width, height);
             self.stale.targets = true;
             self.restart();
@@ -418,6 +465,16 @@ impl Renderer {
         self.restart();
     }
 
+    /// How much work the light is worth.
+    pub fn set_effort(&mut self, effort: Effort) {
+        if self.effort != effort {
+            self.effort = effort;
+            self.stale.hair = true;
+            self.stale.lights = true;
+            self.restart();
+        }
+    }
+
     /// Compiles what drawing such hair in such a view will need, so that the first picture does not wait for it: a
     /// software adapter compiles a shader when it first runs. What was drawn so far is dropped.
     pub fn warm_up(&mut self, look: &Look, shading: Shading) {
@@ -433,6 +490,7 @@ impl Renderer {
             self.encode(&mut encoder, &mut slices, pass, 0, 0, 0);
         }
         self.submit(encoder, &slices);
+        self.warm_up_shown();
         (self.look, self.shading) = (look, shading);
         // Empty passes clear what they would draw into.
         self.stale = Stale::ALL;
@@ -462,6 +520,7 @@ impl Renderer {
     pub fn reload_shaders(&mut self) -> Result<(), String> {
         crate::source::check()?;
         self.pipelines = Pipelines::new(&self.gpu, &self.layouts, &self.strands.layout);
+        self.show = shown::Show::new(&self.gpu);
         self.shades.clear();
         self.restart();
         Ok(())
@@ -756,9 +815,20 @@ impl Renderer {
         };
         let (lo, hi) = all.unwrap_or((Vec3::splat(-10.0), Vec3::splat(10.0)));
         let bounds = Sphere::around(lo, hi);
-        self.frame.lights = self.rig.lights_for(&self.camera, bounds);
-        for light in &mut self.frame.lights {
-            light.extent[2] = OPACITY_MAP as f32;
+        let opacity_map = self.effort.opacity_map();
+        let holds =
+            |ball: Sphere| ball.centre.distance(bounds.centre) + bounds.radius <= ball.radius;
+        let stays = self.effort == Effort::Moving
+            && !(self.stale.lights || self.stale.solids)
+            && holds(self.lit);
+        if !stays {
+            // With room for hair to move in.
+            let room = if self.effort == Effort::Moving { 1.1 } else { 1.0 };
+            self.lit = Sphere { radius: bounds.radius * room, ..bounds };
+            self.frame.lights = self.rig.lights_for(&self.camera, self.lit);
+            for light in &mut self.frame.lights {
+                light.extent[2] = opacity_map as f32;
+            }
         }
         let run = |pass, part, end| Step::Run { pass, part, next: 0, end };
         let blocks = |shadowing: &[Blocks], pass, light: usize| -> Vec<Step> {
@@ -772,12 +842,12 @@ impl Renderer {
                 Some((a, b)) => ((a - 4.0).max(lo - 1.0), (b + 4.0).min(hi + 1.0)),
                 None => (lo, hi),
             };
-            let cell = ((high - low).max_element() / VOXELS).max(0.05);
+            let cell = ((high - low).max_element() / self.effort.voxels()).max(0.05);
             let size = ((high - low) / cell).ceil().to_array().map(|n| (n as u32 + 1) | 1);
             self.frame.grid = low.extend(cell).to_array();
             self.frame.grid_size = [size[0], size[1], size[2], u32::from(hair.is_some())];
             // Opacity maps are thinned so that their walks stay within a budget.
-            let texel = f64::from(self.frame.lights[0].extent[0]) / f64::from(OPACITY_MAP);
+            let texel = f64::from(self.frame.lights[0].extent[0]) / f64::from(opacity_map);
             let over = (self.strands.length() / texel / OPACITY_VISITS).max(1e-9);
             self.opacity_stride = over.clamp(1.0, 2.0) as u32;
             let share = (f64::from(self.opacity_stride) / over).clamp(0.125, 1.0) as f32;
@@ -788,10 +858,13 @@ impl Renderer {
             self.work.extend(blocks(&self.shadowing, Pass::Density, 0));
             self.work.push_back(run(Pass::Volume, 0, size[2].div_ceil(4)));
         }
-        encoder.clear_buffer(&self.maps.opacity, 0, None);
+        let texels = 3 * u64::from(opacity_map) * u64::from(opacity_map);
+        encoder.clear_buffer(&self.maps.opacity, 0, Some(texels * TEXEL));
         self.gpu.queue.submit([encoder.finish()]);
         for light in 0..3 {
-            self.work.push_back(run(Pass::SolidShadow, light, self.solids.casting.max(1)));
+            if !stays {
+                self.work.push_back(run(Pass::SolidShadow, light, self.solids.casting.max(1)));
+            }
             self.work.extend(blocks(&self.shadowing, Pass::OpacityNear, light));
             self.work.extend(blocks(&self.shadowing, Pass::OpacityCount, light));
         }
@@ -812,7 +885,7 @@ impl Renderer {
         let orthographic = if self.camera.orthographic.is_some() { 1.0 } else { 0.0 };
         frame.ahead = ahead.extend(orthographic).to_array();
         frame.viewport = [size.x, size.y, 1.0 / size.x, 1.0 / size.y];
-        frame.mode = [self.samples, 0, 0, self.rig.environment.backdrop_kind()];
+        frame.mode = [self.samples, self.effort.taps(), 0, self.rig.environment.backdrop_kind()];
         let look = &self.look;
         frame.hair = [look.beta_m, look.beta_n, look.tilt_degrees.to_radians(), look.specular];
         let darkness = self.roots.as_ref().map_or(0.0, |roots| roots.darkness);
@@ -1105,7 +1178,7 @@ impl Grid {
 impl Maps {
     fn new(gpu: &Gpu, layouts: &Layouts) -> Self {
         let texels = 3 * u64::from(OPACITY_MAP) * u64::from(OPACITY_MAP);
-        let opacity = storage(gpu, "opacity maps", texels * 20);
+        let opacity = storage(gpu, "opacity maps", texels * TEXEL);
         let opacity_group = group(gpu, &layouts.opacity, &[opacity.as_entire_binding()]);
         let usage = U::RENDER_ATTACHMENT | U::TEXTURE_BINDING;
         let depth = view_of(gpu, "solids from lights", [SOLID_MAP, SOLID_MAP, 3], D2, DEPTH, usage);

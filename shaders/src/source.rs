@@ -28,6 +28,7 @@ files![
     "opacity",
     "points",
     "shade",
+    "shown",
     "skin",
     "solid",
     "splat",

@@ -20,7 +20,7 @@ struct Frame {
   ahead: vec4f,
   // Width, height and their inverses, pixels.
   viewport: vec4f,
-  // Sample number from 0, 0, 0, kind of backdrop.
+  // Sample number from 0, places that a look at a shadow map reads, 0, kind of backdrop.
   mode: vec4u,
   // beta_m, beta_n, cuticle tilt in radians, gain of the first highlight.
   hair: vec4f,

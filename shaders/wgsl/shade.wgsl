@@ -24,7 +24,6 @@
 const MODEL: u32 = 1u;
 const COLOURS: bool = false;
 
-const TAPS: u32 = 4u;
 // Ends of the first three layers of the opacity maps, cm: those of `opacity.wgsl`.
 const ENDS: vec3f = vec3f(0.12, 0.5, 1.6);
 const LAST: f32 = 6.0;
@@ -54,10 +53,11 @@ fn shadow(number: u32, p: vec3f, bias: f32, seed: u32) -> Shadow {
   let reach = light.irradiance.w / light.extent.x * texels;
   let solid_texels = f32(textureDimensions(solid_from_light).x);
   let turn = rnd(seed) * 6.2831853;
+  let taps = F.mode.y;
   var sum = Shadow(0.0, 0.0, 0.0);
-  for (var i = 0u; i < TAPS; i++) {
+  for (var i = 0u; i < taps; i++) {
     let angle = turn + f32(i) * 2.399963;
-    let r = reach * sqrt((f32(i) + rnd(seed + i + 1u)) / f32(TAPS));
+    let r = reach * sqrt((f32(i) + rnd(seed + i + 1u)) / f32(taps));
     let tap = clamp(at + r * vec2f(cos(angle), sin(angle)), vec2f(0.0), vec2f(texels - 1.0));
     let q = vec2u(tap);
     let k = ((number * u32(texels) + q.y) * u32(texels) + q.x) * 5u;
@@ -76,7 +76,7 @@ fn shadow(number: u32, p: vec3f, bias: f32, seed: u32) -> Shadow {
     let passed = select(0.0, 1.0, (c.z - solid) * light.extent.y < 0.15 + bias);
     sum.fibres += fibres; sum.passed += passed; sum.clear_ += passed * exp(-fibres);
   }
-  let share = inside / f32(TAPS);
+  let share = inside / f32(taps);
   return Shadow(sum.fibres * share, 1.0 - inside + sum.passed * share, 1.0 - inside + sum.clear_ * share);
 }
 

@@ -82,8 +82,9 @@ fn strokes() -> Strokes {
             position: out * (8.9 + k as f32),
             pressure: 0.5,
             time: k as f32 * 0.02,
+            ..Sample::default()
         };
-        Stroke { id: i as u64 + 1, samples: (0..6).map(sample).collect() }
+        Stroke::new(i as u64 + 1, (0..6).map(sample).collect())
     };
     Strokes((0..CLUSTERS).map(stroke).collect())
 }

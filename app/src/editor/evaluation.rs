@@ -5,12 +5,13 @@
 //! is final only when nothing newer was asked for meanwhile.
 //! Not guaranteed: that every request has an answer.
 
-use coif_graphs::document::graph::{downstream, upstream};
-use coif_graphs::document::{Document, NodeId, Socket};
+use super::lineage::{Ancestor, lineage};
+use coif_graphs::document::graph::{self, downstream, upstream};
+use coif_graphs::document::{Document, Node, NodeId, Setting, Socket};
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::{BadRequest, plan};
 use coif_graphs::schedule::result::{NodeReport, Outcome};
-use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
+use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress, Quiet};
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{Type, Value};
@@ -125,9 +126,24 @@ pub struct Finished {
     pub reports: Reports,
 }
 
+/// Which curve's makers are looked for, in what is displayed of a document.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// The curve.
+    pub id: u64,
+    /// What it was seen in.
+    pub document: Document,
+    /// What its paths are relative to.
+    pub folder: PathBuf,
+    /// How much hair it was seen among.
+    pub quality: Quality,
+}
+
 #[derive(Default)]
 struct Desk {
     next: Option<Request>,
+    trace: Option<Trace>,
+    traced: Option<Vec<Ancestor>>,
     running: Option<(CancelToken, Quality)>,
     /// Whether the run before was stopped for a newer one.
     stopped_last: bool,
@@ -199,6 +215,17 @@ impl Evaluation {
         }
     }
 
+    /// Asks where a curve comes from; answered when nothing else is to be done.
+    pub fn trace(&self, trace: Trace) {
+        self.shared.desk().trace = Some(trace);
+        self.shared.work.notify_one();
+    }
+
+    /// The line of the curve that was asked for last, once it is known.
+    pub fn take_traced(&self) -> Option<Vec<Ancestor>> {
+        self.shared.desk().traced.take()
+    }
+
     /// What came out since the last call.
     pub fn take(&self) -> Option<Finished> {
         self.shared.desk().finished.take()
@@ -212,7 +239,11 @@ impl Evaluation {
     /// Whether nothing runs and nothing waits.
     pub fn is_idle(&self) -> bool {
         let desk = self.shared.desk();
-        desk.next.is_none() && desk.running.is_none() && desk.finished.is_none()
+        desk.next.is_none()
+            && desk.trace.is_none()
+            && desk.running.is_none()
+            && desk.finished.is_none()
+            && desk.traced.is_none()
     }
 }
 
@@ -231,14 +262,27 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
     let mut files = (PathBuf::new(), DiskFiles::default());
     loop {
         let mut desk = shared.desk();
-        while desk.next.is_none() && !desk.closed {
+        while desk.next.is_none() && desk.trace.is_none() && !desk.closed {
             desk = shared.work.wait(desk).unwrap_or_else(PoisonError::into_inner);
         }
         if desk.closed {
             return;
         }
-        let Some(request) = desk.next.take() else { continue };
         let cancel = CancelToken::default();
+        let Some(request) = desk.next.take() else {
+            if let Some(trace) = desk.trace.take() {
+                // A request that comes meanwhile stops it.
+                desk.running = Some((cancel.clone(), Quality::Final));
+                drop(desk);
+                let line = follow(evaluator, &trace, &DiskFiles::new(&trace.folder), &cancel);
+                let mut desk = shared.desk();
+                desk.running = None;
+                desk.traced = (!cancel.is_cancelled()).then_some(line);
+                drop(desk);
+                (shared.wake)();
+            }
+            continue;
+        };
         desk.running = Some((cancel.clone(), request.quality));
         desk.status.since = Some(Instant::now());
         desk.status.revision = request.revision;
@@ -266,6 +310,38 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
         drop(desk);
         (shared.wake)();
     }
+}
+
+/// The line of a curve. Everything on the way was just evaluated, so it comes out of what is kept.
+fn follow(
+    evaluator: &Evaluator,
+    trace: &Trace,
+    files: &DiskFiles,
+    cancel: &CancelToken,
+) -> Vec<Ancestor> {
+    let document = &trace.document;
+    let sockets = displayed(document);
+    let needed = upstream(document, sockets.iter().map(|socket| &socket.node));
+    let order = graph::order(document).unwrap_or_default();
+    let gives = |id: &NodeId| {
+        let socket = first_output(document, id)?;
+        let (_, output) =
+            coif_nodes::by_id(&document.node(id.as_str())?.kind)?.output(&socket.name)?;
+        (output.ty == Type::Curves).then_some(socket)
+    };
+    let targets: Vec<Socket> =
+        order.iter().filter(|id| needed.contains(*id)).filter_map(gives).collect();
+    let Ok(planned) = plan(document, &targets, trace.quality, files) else { return vec![] };
+    let outcome = evaluator.run(&planned, OnFailure::PassThrough, cancel, &Quiet);
+    let outputs: Vec<(NodeId, Curves)> = targets
+        .into_iter()
+        .zip(outcome.targets)
+        .filter_map(|(socket, value)| match value {
+            Some(Value::Curves(curves)) => Some((socket.node, curves)),
+            _ => None,
+        })
+        .collect();
+    lineage(&outputs, trace.id)
 }
 
 fn evaluate(
@@ -339,16 +415,22 @@ fn evaluate(
     })
 }
 
-/// What is displayed: the outputs of the node with the display flag, else of every `groom_output`, else of the nodes that
-/// nothing reads.
+/// What is displayed: the output of the node with the display flag, else the hair of every `groom_output` (guides where
+/// there is no hair), else what nothing reads.
 pub fn displayed(document: &Document) -> Vec<Socket> {
     if let Some(socket) = document.display.as_ref().and_then(|id| first_output(document, id)) {
         return vec![socket];
     }
-    let outputs = document.nodes.iter().filter(|(_, node)| node.kind == "groom_output");
-    let outputs: Vec<Socket> = outputs.filter_map(|(id, _)| first_output(document, id)).collect();
-    if !outputs.is_empty() {
-        return outputs;
+    let guides =
+        |node: &Node| matches!(node.inputs.get("guides"), Some(Setting::Known(Value::Bool(true))));
+    for with_guides in [false, true] {
+        let outputs = document.nodes.iter().filter(|(_, node)| node.kind == "groom_output");
+        let outputs = outputs.filter(|(_, node)| with_guides || !guides(node));
+        let sockets: Vec<Socket> =
+            outputs.filter_map(|(id, _)| first_output(document, id)).collect();
+        if !sockets.is_empty() {
+            return sockets;
+        }
     }
     let ends = document.nodes.keys().filter(|id| downstream(document, [*id]).len() <= 1);
     ends.filter_map(|id| first_output(document, id)).collect()

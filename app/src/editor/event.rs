@@ -30,6 +30,8 @@ pub enum Event {
     Jump(usize),
     /// The selection changes.
     Select(Select),
+    /// Where does this displayed curve come from? The answer is `State::traced`.
+    Trace(u64),
     /// Another node is displayed.
     Display(Option<NodeId>),
     /// The pen works on another node.

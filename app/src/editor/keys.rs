@@ -165,7 +165,7 @@ fn read(text: &str) -> Result<KeyboardShortcut, String> {
             break;
         };
         rest = &rest[prefix.len()..];
-        modifiers = modifiers | one;
+        modifiers |= one;
     }
     let key = Key::from_name(rest).ok_or_else(|| format!("{text:?} is no key"))?;
     Ok(KeyboardShortcut::new(modifiers, key))

@@ -10,6 +10,7 @@ pub mod actions;
 pub mod evaluation;
 pub mod event;
 pub mod keys;
+pub mod lineage;
 mod menus;
 pub mod notes;
 mod palette;
@@ -24,7 +25,7 @@ use coif_graphs::document::{Document, Socket};
 use coif_graphs::{file, grooms};
 use coif_nodes::eval::Quality;
 use egui_dock::{DockArea, DockState};
-use evaluation::{Evaluation, Finished, Request, first_output};
+use evaluation::{Evaluation, Finished, Request, Trace, first_output};
 use event::Event;
 use keys::Keys;
 use notes::Note;
@@ -120,6 +121,9 @@ impl Editor {
             self.finished(finished);
         }
         if let Some(evaluation) = &self.evaluation {
+            if let Some(line) = evaluation.take_traced() {
+                self.state.traced = line;
+            }
             self.state.run = evaluation.status();
         }
         if let Some(action) = palette::ui(self, &ctx) {
@@ -204,6 +208,16 @@ impl Editor {
             Event::Select(select) => {
                 state.selection.change(select);
                 state.selection.keep(&state.document);
+            }
+            Event::Trace(id) => {
+                if let (Some(evaluation), Some(shown)) = (&self.evaluation, &state.shown) {
+                    evaluation.trace(Trace {
+                        id,
+                        document: state.document.clone(),
+                        folder: state.file.folder.clone(),
+                        quality: shown.quality,
+                    });
+                }
             }
             Event::Display(node) => {
                 // What is displayed is saved with the groom, but it is no step.

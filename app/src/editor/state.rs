@@ -1,6 +1,7 @@
 //! What the editor knows. Rooms read it; only [`super::Editor::apply`] changes it.
 
 use super::evaluation::{RunStatus, Shown};
+use super::lineage::Ancestor;
 use super::notes::Notes;
 use super::rooms::Room;
 use super::settings::Settings;
@@ -35,6 +36,8 @@ pub struct State {
     pub gesture: bool,
     /// The last good evaluation.
     pub shown: Option<Arc<Shown>>,
+    /// The curve that was traced last and its ancestors, each with the node that made it: the hair first.
+    pub traced: Vec<Ancestor>,
     /// What the evaluator does now.
     pub run: RunStatus,
     /// Preferences.
@@ -60,6 +63,7 @@ impl State {
             visibility: Visibility::default(),
             gesture: false,
             shown: None,
+            traced: vec![],
             run: RunStatus::default(),
             settings,
             notes: Notes::default(),

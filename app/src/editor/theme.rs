@@ -101,7 +101,7 @@ fn visuals() -> Visuals {
 /// Contrast of two opaque colours by WCAG 2.2: 1 (none) to 21.
 pub fn contrast(a: Color32, b: Color32) -> f32 {
     let luminance = |c: Color32| {
-        let [r, g, b] = [c.r(), c.g(), c.b()].map(|v| egui::ecolor::linear_f32_from_gamma_u8(v));
+        let [r, g, b] = [c.r(), c.g(), c.b()].map(egui::ecolor::linear_f32_from_gamma_u8);
         0.2126 * r + 0.7152 * g + 0.0722 * b
     };
     let (x, y) = (luminance(a), luminance(b));

@@ -5,11 +5,17 @@
 //! type, a circle of wires) are refused with the reason; [`Edit::SetWires`] alone takes anything,
 //! because undo must also restore a broken file.
 
-use super::{Document, Node, NodeId, Place, Point, Setting, Socket, graph, values};
+use super::{
+    Document, Frame, Node, NodeId, Place, Point, SavedView, Setting, Socket, graph, values,
+};
 use coif_nodes::data::strokes::{Stroke, Strokes};
 use coif_nodes::define::{Arity, Type, Value};
-use std::collections::btree_map::Entry;
 use std::sync::Arc;
+use wires::{
+    bends_of, kept_bends, one, remove_node, restoring, set_wires, settle_names, wired_with, wires,
+};
+
+mod wires;
 
 /// A change of a document.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,7 +29,7 @@ pub enum Edit {
         /// Its place.
         at: Option<Point>,
     },
-    /// Removes a node with its wires, place, comments and display flag.
+    /// Removes a node with its wires and their bends, place, comments and flags.
     RemoveNode {
         /// Which.
         id: NodeId,
@@ -76,12 +82,43 @@ pub enum Edit {
         /// Its new number.
         at: usize,
     },
-    /// Gives an input exactly these wires, unproven; none removes all.
+    /// Gives an input exactly these wires, unproven; none removes all. A wire of the same output keeps
+    /// its bends.
     SetWires {
         /// Input.
         to: Socket,
         /// Outputs in order.
         from: Vec<Socket>,
+    },
+    /// Bends a wire: the points that it runs through, from its output on.
+    SetBends {
+        /// Input.
+        to: Socket,
+        /// Which of its wires.
+        at: usize,
+        /// On the canvas; none lets it run by itself.
+        bends: Vec<Point>,
+    },
+    /// Draws a node small, or whole again.
+    SetCollapsed {
+        /// Which.
+        id: NodeId,
+        /// Whether it is small.
+        collapsed: bool,
+    },
+    /// Puts a frame behind nodes, or another in its place; none removes it.
+    SetFrame {
+        /// Its name, for ever.
+        name: String,
+        /// The frame.
+        frame: Option<Frame>,
+    },
+    /// Saves a view, or another under the same name; none removes it.
+    SetView {
+        /// Its name.
+        name: String,
+        /// The camera.
+        view: Option<SavedView>,
     },
     /// Moves a node on the canvas.
     Move {
@@ -213,6 +250,16 @@ pub enum EditError {
     /// Not a finite place on the canvas.
     #[error("{0}: the place on the canvas is not a finite number")]
     BadPlace(NodeId),
+    /// A frame or a view that cannot be kept.
+    #[error("{what} {name:?}: {reason}")]
+    BadEntry {
+        /// "frame" or "view".
+        what: &'static str,
+        /// Its name.
+        name: String,
+        /// What is wrong.
+        reason: &'static str,
+    },
     /// Not comment lines, or nothing for them to stand before.
     #[error(
         "comments are single lines that begin with // and stand before an entry of the document"
@@ -252,11 +299,10 @@ impl Edit {
                 // A broken file can hold wires of a node that is not there; they outlive this one.
                 let mut undo = vec![Edit::RemoveNode { id: id.clone() }];
                 for to in wired_with(document, id) {
-                    let from = document.links.get(&to).cloned().unwrap_or_default();
-                    undo.push(Edit::SetWires { to, from });
+                    undo.extend(restoring(document, &to));
                 }
                 settle_names(document, id);
-                Ok(if undo.len() == 1 { undo.remove(0) } else { Edit::Several(undo) })
+                Ok(one(undo))
             }
             Edit::RemoveNode { id } => remove_node(document, id),
             Edit::ReplaceNode { id, node } => {
@@ -264,7 +310,7 @@ impl Edit {
                 let old = std::mem::replace(slot(document, id)?, node);
                 let mut undo = vec![Edit::ReplaceNode { id: id.clone(), node: old }];
                 undo.extend(settle_names(document, id));
-                Ok(if undo.len() == 1 { undo.remove(0) } else { Edit::Several(undo) })
+                Ok(one(undo))
             }
             Edit::SetInput { node, input, setting } => {
                 let kind = slot(document, node)?.kind.clone();
@@ -292,30 +338,77 @@ impl Edit {
                     return Err(EditError::BadWire(Box::new(problem)));
                 }
                 let mut wires = document.links.get(to).cloned().unwrap_or_default();
+                let mut bends = bends_of(document, to);
                 if takes_many(document, to) {
-                    wires.insert(at.unwrap_or(wires.len()).min(wires.len()), from.clone());
+                    let at = at.unwrap_or(wires.len()).min(wires.len());
+                    wires.insert(at, from.clone());
+                    bends.insert(at, vec![]);
                 } else {
                     wires = vec![from.clone()];
+                    bends = kept_bends(document, to, &wires);
                 }
-                Ok(set_wires(document, to, wires))
+                Ok(set_wires(document, to, wires, bends))
             }
             Edit::Disconnect { to, at } => {
                 let to = &present_socket(document, to);
-                let mut wires = wires(document, to, *at)?;
+                let (mut wires, mut bends) = wires(document, to, *at)?;
                 wires.remove(*at);
-                Ok(set_wires(document, to, wires))
+                bends.remove(*at);
+                Ok(set_wires(document, to, wires, bends))
             }
             Edit::Reorder { to, from, at } => {
                 let to = &present_socket(document, to);
                 wires(document, to, *at)?;
-                let mut wires = wires(document, to, *from)?;
-                let wire = wires.remove(*from);
+                let (mut wires, mut bends) = wires(document, to, *from)?;
+                let (wire, bent) = (wires.remove(*from), bends.remove(*from));
                 wires.insert(*at, wire);
-                set_wires(document, to, wires);
+                bends.insert(*at, bent);
+                set_wires(document, to, wires, bends);
                 Ok(Edit::Reorder { to: to.clone(), from: *at, at: *from })
             }
             Edit::SetWires { to, from } => {
-                Ok(set_wires(document, &present_socket(document, to), from.clone()))
+                let to = &present_socket(document, to);
+                let bends = kept_bends(document, to, from);
+                Ok(set_wires(document, to, from.clone(), bends))
+            }
+            Edit::SetBends { to, at, bends } => {
+                let to = &present_socket(document, to);
+                if !bends.iter().all(|point| point.is_finite()) {
+                    return Err(EditError::BadPlace(to.node.clone()));
+                }
+                let (_, mut all) = wires(document, to, *at)?;
+                let old = std::mem::replace(&mut all[*at], bends.clone());
+                document.set_all_bends(to, all);
+                Ok(Edit::SetBends { to: to.clone(), at: *at, bends: old })
+            }
+            Edit::SetCollapsed { id, collapsed } => {
+                slot(document, id)?;
+                let was = if *collapsed {
+                    !document.collapsed.insert(id.clone())
+                } else {
+                    document.collapsed.remove(id)
+                };
+                Ok(Edit::SetCollapsed { id: id.clone(), collapsed: was })
+            }
+            Edit::SetFrame { name, frame } => {
+                if let Some(reason) = frame.as_ref().and_then(|frame| frame.fault(name)) {
+                    return Err(EditError::BadEntry { what: "frame", name: name.clone(), reason });
+                }
+                let old = match frame {
+                    Some(frame) => document.frames.insert(name.clone(), frame.clone()),
+                    None => document.frames.remove(name),
+                };
+                Ok(Edit::SetFrame { name: name.clone(), frame: old })
+            }
+            Edit::SetView { name, view } => {
+                if let Some(reason) = view.as_ref().and_then(|view| view.fault(name)) {
+                    return Err(EditError::BadEntry { what: "view", name: name.clone(), reason });
+                }
+                let old = match view {
+                    Some(view) => document.views.insert(name.clone(), *view),
+                    None => document.views.remove(name),
+                };
+                Ok(Edit::SetView { name: name.clone(), view: old })
             }
             Edit::Move { id, to } => {
                 slot(document, id)?;
@@ -425,6 +518,11 @@ impl Edit {
             (Move { id, .. }, Move { id: other, .. })
             | (SetLabel { id, .. }, SetLabel { id: other, .. })
             | (SetNodeNote { id, .. }, SetNodeNote { id: other, .. }) => id == other,
+            (Edit::SetFrame { name, .. }, Edit::SetFrame { name: other, .. })
+            | (Edit::SetView { name, .. }, Edit::SetView { name: other, .. }) => name == other,
+            (Edit::SetBends { to, at, .. }, Edit::SetBends { to: other, at: same, .. }) => {
+                to == other && at == same
+            }
             (SetTitle(_), SetTitle(_))
             | (SetNote(_), SetNote(_))
             | (SetSeed(_), SetSeed(_))
@@ -455,58 +553,10 @@ fn place(
     to: Option<Point>,
 ) -> Result<Option<Point>, EditError> {
     match to {
-        Some(Point(x, y)) if !(x.is_finite() && y.is_finite()) => {
-            Err(EditError::BadPlace(id.clone()))
-        }
+        Some(point) if !point.is_finite() => Err(EditError::BadPlace(id.clone())),
         Some(point) => Ok(document.layout.insert(id.clone(), point)),
         None => Ok(document.layout.remove(id)),
     }
-}
-
-fn remove_node(document: &mut Document, id: &NodeId) -> Result<Edit, EditError> {
-    let node = document.nodes.remove(id).ok_or_else(|| EditError::NoNode(id.clone()))?;
-    let mut undo =
-        vec![Edit::AddNode { id: id.clone(), node: node.clone(), at: document.layout.remove(id) }];
-    for to in wired_with(document, id) {
-        let old = document.links.get(&to).cloned().unwrap_or_default();
-        let kept = old.iter().filter(|from| to.node != *id && from.node != *id).cloned().collect();
-        undo.push(set_wires(document, &to, kept));
-    }
-    if document.display.as_ref() == Some(id) {
-        undo.push(Edit::SetDisplay(document.display.take()));
-    }
-    Ok(Edit::Several(undo))
-}
-
-/// The wired inputs of a node and those that take from it.
-fn wired_with(document: &Document, id: &NodeId) -> Vec<Socket> {
-    let links = document.links.iter();
-    links
-        .filter(|(to, from)| to.node == *id || from.iter().any(|from| from.node == *id))
-        .map(|(to, _)| to.clone())
-        .collect()
-}
-
-fn wires(document: &Document, to: &Socket, at: usize) -> Result<Vec<Socket>, EditError> {
-    let wires = document.links.get(to).cloned().unwrap_or_default();
-    if at >= wires.len() {
-        return Err(EditError::NoWire { to: to.clone(), at, count: wires.len() });
-    }
-    Ok(wires)
-}
-
-/// Gives an input exactly these wires; gives the inverse.
-fn set_wires(document: &mut Document, to: &Socket, wires: Vec<Socket>) -> Edit {
-    let old = match document.links.entry(to.clone()) {
-        Entry::Occupied(entry) if wires.is_empty() => entry.remove(),
-        Entry::Occupied(mut entry) => entry.insert(wires),
-        Entry::Vacant(_) if wires.is_empty() => vec![],
-        Entry::Vacant(entry) => {
-            entry.insert(wires);
-            vec![]
-        }
-    };
-    Edit::SetWires { to: to.clone(), from: old }
 }
 
 /// Inputs of unknown kinds take what they are given.
@@ -557,27 +607,6 @@ fn present_socket(document: &Document, to: &Socket) -> Socket {
     Socket::new(to.node.clone(), &present_name(kind, &to.name))
 }
 
-/// Moves wires that end at a node's inputs under old names to the present ones, where these are free;
-/// gives what moves them back. Needed where a node gets a kind that wires did not know.
-fn settle_names(document: &mut Document, id: &NodeId) -> Vec<Edit> {
-    let wired: Vec<Socket> = graph::inputs_of(document, id).map(|(to, _)| to.clone()).collect();
-    let mut undo = vec![];
-    for old in wired {
-        let new = present_socket(document, &old);
-        if new == old {
-            continue;
-        }
-        let taken = document.links.contains_key(&new);
-        if let Some(from) = document.links.remove(&old) {
-            if !taken {
-                undo.push(set_wires(document, &new, from.clone()));
-            }
-            undo.push(Edit::SetWires { to: old, from });
-        }
-    }
-    undo
-}
-
 fn checked_node(id: &NodeId, node: &Arc<Node>) -> Result<Arc<Node>, EditError> {
     let mut inputs = std::collections::BTreeMap::new();
     for (name, setting) in &node.inputs {
@@ -625,229 +654,4 @@ fn on_strokes<T>(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::testing::Random;
-    use super::*;
-
-    fn id(text: &str) -> NodeId {
-        NodeId::new(text).unwrap()
-    }
-    fn socket(text: &str) -> Socket {
-        text.parse().unwrap()
-    }
-    fn add(name: &str, kind: &str) -> Edit {
-        let node = Node { kind: kind.to_owned(), ..Node::default() };
-        Edit::AddNode { id: id(name), node: node.into(), at: None }
-    }
-    fn connect(from: &str, to: &str) -> Edit {
-        Edit::Connect { from: socket(from), to: socket(to), at: None }
-    }
-    fn set(node: &str, input: &str, value: impl Into<Value>) -> Edit {
-        let setting = Setting::Known(value.into());
-        Edit::SetInput { node: id(node), input: input.to_owned(), setting }
-    }
-    fn resamples() -> Document {
-        let mut document = Document::default();
-        for name in ["a", "b", "c"] {
-            add(name, "resample").apply(&mut document).unwrap();
-        }
-        connect("a.curves", "b.curves").apply(&mut document).unwrap();
-        document
-    }
-
-    /// Applies an edit that must go through; its inverse must restore exactly, and the inverse of
-    /// that redo.
-    #[track_caller]
-    fn there_and_back(document: &Document, edit: &Edit) -> Document {
-        let mut after = document.clone();
-        let inverse = edit.apply(&mut after).unwrap_or_else(|err| panic!("{edit:?}: {err}"));
-        let mut back = after.clone();
-        let redo = inverse.apply(&mut back).unwrap_or_else(|err| panic!("{inverse:?}: {err}"));
-        assert_eq!(back, *document, "{edit:?}\n{inverse:?}");
-        redo.apply(&mut back).unwrap();
-        assert_eq!(back, after, "{edit:?}\n{redo:?}");
-        after
-    }
-    #[track_caller]
-    fn refused(document: &Document, edit: &Edit, why: &str) {
-        let mut after = document.clone();
-        assert_eq!(edit.apply(&mut after).unwrap_err().to_string(), why);
-        assert_eq!(after, *document);
-    }
-
-    #[test]
-    fn random_edits_restore_exactly_and_refused_ones_change_nothing() {
-        let mut happened = 0;
-        for seed in 0..60 {
-            let mut random = Random::new(seed);
-            let mut document = Document::default();
-            for _ in 0..100 {
-                let edit = random.edit(&document);
-                let mut after = document.clone();
-                match edit.apply(&mut after) {
-                    Ok(_) => {
-                        happened += 1;
-                        document = there_and_back(&document, &edit);
-                    }
-                    Err(_) => assert_eq!(after, document, "{edit:?}"),
-                }
-                assert!(document.comments.keys().all(|place| document.has(place)));
-                assert!(document.links.values().all(|from| !from.is_empty()));
-                assert!(document.layout.keys().all(|id| document.nodes.contains_key(id)));
-            }
-        }
-        assert!(happened > 2000, "only {happened} edits happened");
-    }
-
-    #[test]
-    fn a_removed_node_comes_back_with_wires_in_order_place_display_and_comments() {
-        let mut document = Document::default();
-        for name in ["x", "y", "z"] {
-            add(name, "resample").apply(&mut document).unwrap();
-        }
-        add("all", "of_tomorrow").apply(&mut document).unwrap();
-        for from in ["x.curves", "y.curves", "z.curves"] {
-            connect(from, "all.in").apply(&mut document).unwrap();
-        }
-        connect("x.curves", "y.curves").apply(&mut document).unwrap();
-        Edit::Move { id: id("y"), to: Some(Point(1.0, 2.0)) }.apply(&mut document).unwrap();
-        Edit::SetDisplay(Some(id("y"))).apply(&mut document).unwrap();
-        set("y", "count", 9i64).apply(&mut document).unwrap();
-        for place in [Place::Input(id("y"), "count".into()), Place::Link(socket("y.curves"))] {
-            let lines = vec!["// why".to_owned()];
-            Edit::SetComment { place, lines }.apply(&mut document).unwrap();
-        }
-        let after = there_and_back(&document, &Edit::RemoveNode { id: id("y") });
-        assert_eq!(after.links[&socket("all.in")], [socket("x.curves"), socket("z.curves")]);
-        assert_eq!((after.links.len(), after.display, after.comments.len()), (1, None, 0));
-    }
-
-    #[test]
-    fn what_cannot_run_is_refused_with_the_reason() {
-        let document = resamples();
-        let check = |edit: Edit, why: &str| refused(&document, &edit, why);
-        check(add("a", "resample"), "there is a node a already");
-        check(set("x", "count", 3i64), "there is no node x");
-        check(set("a", "cuont", 3i64), "a.cuont: resample has no such input; did you mean count?");
-        check(
-            set("a", "colour", 3i64),
-            "a.colour: resample has no such input; it has curves, by, count, spacing",
-        );
-        check(set("a", "count", 0.5), "a.count: takes a whole number, not a number");
-        check(set("a", "spacing", f32::NAN), "a.spacing: not a finite number");
-        check(
-            set("a", "by", "spcing"),
-            "a.by: \"spcing\" is none of count, spacing; did you mean \"spacing\"?",
-        );
-        check(
-            set("a", "curves", coif_nodes::data::curves::Curves::default()),
-            "a.curves: curves come by wire: connect a node",
-        );
-        check(
-            connect("b.curves", "a.curves"),
-            "a.curves: a wire from b.curves would run in a circle: a feeds b; wire a node that does not hang from a",
-        );
-        check(
-            connect("c.curves", "c.curves"),
-            "c.curves: a wire from c.curves would feed the node with itself; wire a node that does not hang from c",
-        );
-        check(
-            connect("a.curve", "c.curves"),
-            "c.curves: a.curve is no output: resample gives curves; did you mean a.curves?",
-        );
-        check(
-            connect("a.curves", "c.count"),
-            "c.count: a.curves gives curves, whole number is taken; remove the wire and set a value",
-        );
-        check(
-            connect("nix.curves", "c.curves"),
-            "c.curves: there is no node nix to wire; remove the wire or add the node",
-        );
-        check(
-            Edit::Disconnect { to: socket("b.curves"), at: 1 },
-            "b.curves has no wire 1: its wires are numbered from 0, there are 1",
-        );
-        let point = Some(Point(f32::NAN, 0.0));
-        check(
-            Edit::Move { id: id("a"), to: point },
-            "a: the place on the canvas is not a finite number",
-        );
-        let half = Edit::Several(vec![set("a", "count", 5i64), set("a", "count", 0.5)]);
-        check(half, "a.count: takes a whole number, not a number");
-        let lines = vec!["no slashes".to_owned()];
-        check(
-            Edit::SetComment { place: Place::Top, lines },
-            "comments are single lines that begin with // and stand before an entry of the document",
-        );
-    }
-
-    #[test]
-    fn an_input_of_one_wire_takes_the_new_one_and_many_are_kept_in_order() {
-        let document = resamples();
-        let after = there_and_back(&document, &connect("c.curves", "b.curves"));
-        assert_eq!(after.links[&socket("b.curves")], [socket("c.curves")]);
-        let mut document = document;
-        add("all", "of_tomorrow").apply(&mut document).unwrap();
-        let first = Edit::Connect { from: socket("c.curves"), to: socket("all.in"), at: Some(0) };
-        for edit in [connect("a.curves", "all.in"), connect("b.curves", "all.in"), first] {
-            document = there_and_back(&document, &edit);
-        }
-        let reorder = Edit::Reorder { to: socket("all.in"), from: 0, at: 2 };
-        let after = there_and_back(&document, &reorder);
-        let order: Vec<&str> =
-            after.links[&socket("all.in")].iter().map(|s| s.node.as_str()).collect();
-        assert_eq!(order, ["a", "b", "c"]);
-    }
-
-    #[test]
-    fn values_are_kept_in_one_form() {
-        let mut document = resamples();
-        set("a", "spacing", 2i64).apply(&mut document).unwrap();
-        let two = Setting::Known(Value::Float(2.0));
-        assert_eq!(document.node("a").unwrap().inputs["spacing"], two);
-        add("new", "of_tomorrow").apply(&mut document).unwrap();
-        set("new", "twist", 2i64).apply(&mut document).unwrap();
-        assert_eq!(document.node("new").unwrap().inputs["twist"], Setting::Raw("2".into()));
-    }
-
-    #[test]
-    fn strokes_are_added_changed_and_removed_one_by_one() {
-        let mut random = Random::new(3);
-        let mut document = Document::default();
-        document.nodes.insert(id("pen"), random.stroke_node().into());
-        let drawn = |random: &mut Random, others: &Strokes| {
-            super::super::strokes::finish(&random.pen(40), others).unwrap()
-        };
-        let stroke = drawn(&mut random, &Strokes::default());
-        let (node, input) = (id("pen"), "strokes".to_owned());
-        let edit = Edit::AddStroke {
-            node: node.clone(),
-            input: input.clone(),
-            at: 0,
-            stroke: stroke.clone(),
-        };
-        let after = there_and_back(&document, &edit);
-        refused(
-            &after,
-            &edit,
-            &format!("pen.strokes: stroke 1: its id {} is 0 or used before", stroke.id),
-        );
-        let other = Stroke { id: stroke.id, ..drawn(&mut random, &Strokes::default()) };
-        let edit = Edit::ReplaceStroke { node: node.clone(), input: input.clone(), stroke: other };
-        let after = there_and_back(&after, &edit);
-        let edit = Edit::RemoveStroke { node, input: input.clone(), id: stroke.id };
-        assert_eq!(there_and_back(&after, &edit), document);
-        add("plain", "resample").apply(&mut document).unwrap();
-        let edit = Edit::AddStroke { node: id("plain"), input, at: 0, stroke };
-        refused(&document, &edit, "plain.strokes holds no strokes");
-    }
-
-    #[test]
-    fn a_node_added_where_dangling_wires_wait_leaves_them_when_taken_back() {
-        let mut document = Document::default();
-        let wires = Edit::SetWires { to: socket("b.curves"), from: vec![socket("a.curves")] };
-        wires.apply(&mut document).unwrap();
-        let after = there_and_back(&document, &add("a", "resample"));
-        there_and_back(&after, &add("b", "resample"));
-    }
-}
+mod tests;

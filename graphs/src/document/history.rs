@@ -6,7 +6,7 @@
 
 use super::edit::{Edit, EditError};
 use super::graph::short;
-use super::{Document, NodeId, Setting};
+use super::{Document, Frame, NodeId, Setting};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -54,7 +54,8 @@ fn node_of(edit: &Edit) -> Option<&NodeId> {
         | E::Move { id, .. }
         | E::SetLabel { id, .. }
         | E::SetNodeNote { id, .. }
-        | E::SetBypass { id, .. } => Some(id),
+        | E::SetBypass { id, .. }
+        | E::SetCollapsed { id, .. } => Some(id),
         E::SetInput { node, .. }
         | E::UnsetInput { node, .. }
         | E::AddStroke { node, .. }
@@ -63,11 +64,16 @@ fn node_of(edit: &Edit) -> Option<&NodeId> {
         E::Connect { to, .. }
         | E::Disconnect { to, .. }
         | E::Reorder { to, .. }
-        | E::SetWires { to, .. } => Some(&to.node),
+        | E::SetWires { to, .. }
+        | E::SetBends { to, .. } => Some(&to.node),
         E::SetDisplay(id) => id.as_ref(),
-        E::SetTitle(_) | E::SetNote(_) | E::SetSeed(_) | E::SetComment { .. } | E::Several(_) => {
-            None
-        }
+        E::SetTitle(_)
+        | E::SetNote(_)
+        | E::SetSeed(_)
+        | E::SetComment { .. }
+        | E::SetFrame { .. }
+        | E::SetView { .. }
+        | E::Several(_) => None,
     }
 }
 
@@ -306,13 +312,48 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
             format!("{} called {}", label.as_deref().unwrap_or(id.as_str()), name(id))
         }
         E::SetNodeNote { id, .. } => format!("{}: note", name(id)),
+        E::SetBends { to, .. } => format!("{}: wire of {} bent", name(&to.node), to.name),
+        E::SetCollapsed { id, collapsed: true } => format!("{}: drawn whole", name(id)),
+        E::SetCollapsed { id, collapsed: false } => format!("{}: drawn small", name(id)),
+        E::SetFrame { name, frame } => {
+            format!("frame {name}: {}", changed(frame.as_ref(), document.frames.get(name)))
+        }
+        E::SetView { name, .. } => match document.views.get(name) {
+            Some(_) => format!("view {name}: saved"),
+            None => format!("view {name}: removed"),
+        },
         E::SetBypass { id, bypass: true } => format!("{}: works again", name(id)),
         E::SetBypass { id, bypass: false } => format!("{}: bypassed", name(id)),
         E::SetComment { .. } => "comment".to_owned(),
         E::AddStroke { node, .. } => format!("{}: stroke removed", name(node)),
         E::RemoveStroke { node, .. } => format!("{}: stroke added", name(node)),
         E::ReplaceStroke { node, .. } => format!("{}: stroke changed", name(node)),
-        E::Several(edits) => words(document, edits),
+        E::Several(edits) => match &edits[..] {
+            // What went with a node or with a wire is no news of its own.
+            [first @ E::AddNode { .. }, rest @ ..]
+                if !rest.iter().any(|edit| matches!(edit, E::AddNode { .. } | E::Several(_))) =>
+            {
+                one_in_words(document, first)
+            }
+            [first @ E::SetWires { .. }, rest @ ..]
+                if rest.iter().all(|edit| matches!(edit, E::SetBends { .. })) =>
+            {
+                one_in_words(document, first)
+            }
+            _ => words(document, edits),
+        },
+    }
+}
+
+/// What became of a frame.
+fn changed(old: Option<&Frame>, new: Option<&Frame>) -> &'static str {
+    match (old, new) {
+        (None, _) => "added",
+        (_, None) => "removed",
+        (Some(old), Some(new)) if old.text != new.text => "text",
+        (Some(old), Some(new)) if old.colour != new.colour => "colour",
+        (Some(old), Some(new)) if old.size != new.size => "size",
+        _ => "moved",
     }
 }
 
@@ -332,7 +373,7 @@ fn now(document: &Document, node: &NodeId, input: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::testing::Random;
-    use super::super::{Node, Point, Socket};
+    use super::super::{Node, Point, SavedView, Socket};
     use super::*;
     use coif_nodes::define::Value;
 
@@ -454,6 +495,18 @@ mod tests {
         let (mut document, mut history) = (Document::default(), History::new());
         let curves = |text: &str| Socket::new(id(text), "curves");
         let wire = Edit::Connect { from: curves("a"), to: curves("b"), at: None };
+        let frame = |text: &str, colour: u8, right: f32| {
+            let (at, size) = (Point(right, 0.0), Point(100.0, 50.0));
+            let frame = Frame { at, size, text: text.into(), colour };
+            Edit::SetFrame { name: "front".into(), frame: Some(frame) }
+        };
+        let view = SavedView {
+            eye: [0.0, 0.0, 60.0],
+            target: [0.0; 3],
+            up: [0.0, 1.0, 0.0],
+            focal_mm: 85.0,
+            orthographic: None,
+        };
         let edits = [
             add("a"),
             add("b"),
@@ -464,7 +517,19 @@ mod tests {
             Edit::SetBypass { id: id("b"), bypass: true },
             Edit::Disconnect { to: curves("b"), at: 0 },
             Edit::Move { id: id("b"), to: Some(Point(1.0, 2.0)) },
+            Edit::Connect { from: curves("a"), to: curves("b"), at: None },
+            Edit::SetBends { to: curves("b"), at: 0, bends: vec![Point(1.0, 2.0)] },
+            Edit::SetCollapsed { id: id("b"), collapsed: true },
+            Edit::Disconnect { to: curves("b"), at: 0 },
+            Edit::Connect { from: curves("a"), to: curves("b"), at: None },
             Edit::RemoveNode { id: id("a") },
+            frame("Front", 0, 0.0),
+            frame("Temples", 0, 0.0),
+            frame("Temples", 3, 0.0),
+            frame("Temples", 3, 9.0),
+            Edit::SetFrame { name: "front".into(), frame: None },
+            Edit::SetView { name: "hero".into(), view: Some(view) },
+            Edit::SetView { name: "hero".into(), view: None },
             Edit::SetSeed(3),
         ];
         for edit in edits {
@@ -480,7 +545,19 @@ mod tests {
             b: bypassed
             b: curves unwired
             b: moved
+            b: curves wired to front rows
+            b: wire of curves bent
+            b: drawn small
+            b: curves unwired
+            b: curves wired to front rows
             front rows: removed
+            frame front: added
+            frame front: text
+            frame front: colour
+            frame front: moved
+            frame front: removed
+            view hero: saved
+            view hero: removed
             seed 0 to 3"#]]
         .assert_eq(&steps(&history).join("\n"));
     }

@@ -7,20 +7,25 @@
 //!
 //! Documents know nothing of evaluation or windows, and open no files.
 
+use coif_nodes::data::strokes::Strokes;
 use coif_nodes::define::Value;
+use coif_nodes::maths::hash::KeyBuilder;
 use std::borrow::Borrow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::sync::Arc;
 
 pub mod edit;
 pub mod graph;
 pub mod history;
+mod layout;
 pub mod strokes;
 mod suggest;
 #[cfg(test)]
 pub(crate) mod testing;
 pub mod values;
+
+pub use layout::{Frame, LONGEST_NAME, SavedView};
 
 /// A groom as it is edited. Cloning is the snapshot: maps of pointers are copied, nodes are shared.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -37,6 +42,14 @@ pub struct Document {
     pub nodes: BTreeMap<NodeId, Arc<Node>>,
     /// For each wired input the outputs it takes from, in order. No list is empty.
     pub links: BTreeMap<Socket, Vec<Socket>>,
+    /// Boxes behind nodes, by name.
+    pub frames: BTreeMap<String, Frame>,
+    /// For each input with a bent wire, the bends of each of its wires in order, from the output on.
+    pub bends: BTreeMap<Socket, Vec<Vec<Point>>>,
+    /// Nodes that are drawn small.
+    pub collapsed: BTreeSet<NodeId>,
+    /// Cameras that were saved, by name.
+    pub views: BTreeMap<String, SavedView>,
     /// Where nodes stand on the canvas, in its own units. Means nothing to evaluation.
     pub layout: BTreeMap<NodeId, Point>,
     /// Comment lines of a hand-edited file, each with its `//`, by the entry that they stand
@@ -48,6 +61,13 @@ pub struct Document {
 /// value.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Point(pub f32, pub f32);
+
+impl Point {
+    /// Whether both numbers are finite.
+    pub fn is_finite(self) -> bool {
+        self.0.is_finite() && self.1.is_finite()
+    }
+}
 
 impl PartialEq for Point {
     fn eq(&self, other: &Self) -> bool {
@@ -86,13 +106,25 @@ impl PartialEq for Setting {
         match (self, other) {
             (Setting::Raw(a), Setting::Raw(b)) => a == b,
             (Setting::Known(a), Setting::Known(b)) => {
-                std::mem::discriminant(a) == std::mem::discriminant(b) && a.key() == b.key()
+                std::mem::discriminant(a) == std::mem::discriminant(b)
+                    && a.key() == b.key()
+                    && drawn_alike(a, b)
             }
             _ => false,
         }
     }
 }
 impl Eq for Setting {}
+
+/// Whether strokes were drawn the same way, which their keys do not say.
+fn drawn_alike(a: &Value, b: &Value) -> bool {
+    let (Value::Strokes(a), Value::Strokes(b)) = (a, b) else { return true };
+    let drawn = |strokes: &Strokes| {
+        let key = KeyBuilder::new("drawn");
+        strokes.0.iter().fold(key, |key, stroke| key.column(&stroke.drawn)).finish()
+    };
+    Arc::ptr_eq(a, b) || drawn(a) == drawn(b)
+}
 
 /// The name of a node within its document: a short word made once, never changed, never shown where
 /// a label can be.
@@ -209,6 +241,14 @@ pub enum Place {
     Input(NodeId, String),
     /// The wires of an input.
     Link(Socket),
+    /// A frame.
+    Frame(String),
+    /// The bends of an input's wires.
+    Bends(Socket),
+    /// A node that is drawn small.
+    Collapsed(NodeId),
+    /// A saved view.
+    View(String),
     /// A node's place on the canvas.
     Layout(NodeId),
 }
@@ -264,7 +304,6 @@ impl Document {
     /// replaying edits gives the same document.
     pub fn fresh_node(&self, kind: &str, id: &NodeId) -> Node {
         use coif_nodes::define::Type;
-        use coif_nodes::maths::hash::KeyBuilder;
         let mut node = Node { kind: kind.to_owned(), ..Node::default() };
         let seeded = coif_nodes::by_id(kind)
             .and_then(|def| def.input("seed"))
@@ -303,6 +342,10 @@ impl Document {
                 "note" => !self.note.is_empty(),
                 "display" => self.display.is_some(),
                 "links" => !self.links.is_empty(),
+                "frames" => !self.frames.is_empty(),
+                "bends" => !self.bends.is_empty(),
+                "collapsed" => !self.collapsed.is_empty(),
+                "views" => !self.views.is_empty(),
                 "layout" => !self.layout.is_empty(),
                 _ => false,
             },
@@ -321,6 +364,10 @@ impl Document {
                 self.node(id.as_str()).is_some_and(|node| node.inputs.contains_key(name))
             }
             Place::Link(socket) => self.links.contains_key(socket),
+            Place::Frame(name) => self.frames.contains_key(name),
+            Place::Bends(socket) => self.bends.contains_key(socket),
+            Place::Collapsed(id) => self.collapsed.contains(id),
+            Place::View(name) => self.views.contains_key(name),
             Place::Layout(id) => self.layout.contains_key(id),
         }
     }

@@ -6,7 +6,7 @@
 
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use coif_nodes::maths::hash::KeyBuilder;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 /// How far the kept stroke may lie from the pen's samples, absolute, in head units (cm): a fifth of
@@ -21,11 +21,16 @@ const STEPS_PER_CM: f64 = 100.0;
 const PRESSURE_STEPS: f64 = 256.0;
 /// Steps of time in a second: pens report at most each millisecond.
 const STEPS_PER_SECOND: f64 = 1000.0;
+/// Steps of tilt in a right angle: 1.4 degrees, finer than any hand.
+const TILT_STEPS: f64 = 64.0;
 /// What simplifying may use of [`TOLERANCE`] once rounding has had its share.
 const SHARE: f32 = 0.011;
 /// How far pressure may be from the pen's, absolute: 4 of 256 steps. One step would keep the noise
 /// of the sensor, a tenth would show where pressure is width.
 const PRESSURE_TOLERANCE: f32 = 4.0 / 256.0;
+/// How far tilt may be from the pen's, in right angles: 5.6 degrees. A finer one would keep samples for
+/// the way a wrist turns, which shows nowhere.
+const TILT_TOLERANCE: f32 = 4.0 / 64.0;
 /// Farther from the head's centre than anything drawn, near enough for exact sums (cm).
 const FARTHEST: f64 = 1e5;
 /// Longer than anybody draws one stroke (seconds).
@@ -36,7 +41,7 @@ const WINDOW: usize = 2048;
 
 /// A sample in whole steps of the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Steps(pub(crate) [i64; 5]);
+pub(crate) struct Steps(pub(crate) [i64; 7]);
 
 /// Nearest step; values beyond `most` are moved to it, NaN to 0.
 fn steps(x: f32, per_unit: f64, most: f64) -> i64 {
@@ -50,15 +55,18 @@ impl Steps {
     pub(crate) fn of(sample: &Sample) -> Self {
         let [x, y, z] = sample.position.to_array().map(|x| steps(x, STEPS_PER_CM, FARTHEST));
         let pressure = steps(sample.pressure, PRESSURE_STEPS, 1.0).max(0);
-        Self([x, y, z, pressure, steps(sample.time, STEPS_PER_SECOND, LONGEST).max(0)])
+        let time = steps(sample.time, STEPS_PER_SECOND, LONGEST).max(0);
+        let [right, near] = sample.tilt.to_array().map(|x| steps(x, TILT_STEPS, 1.0));
+        Self([x, y, z, pressure, time, right, near])
     }
     pub(crate) fn sample(self) -> Sample {
-        let [x, y, z, pressure, time] = self.0;
+        let [x, y, z, pressure, time, right, near] = self.0;
         let [x, y, z] = [x, y, z].map(|x| value(x, STEPS_PER_CM, FARTHEST));
         Sample {
             position: Vec3::new(x, y, z),
             pressure: value(pressure, PRESSURE_STEPS, 1.0).max(0.0),
             time: value(time, STEPS_PER_SECOND, LONGEST).max(0.0),
+            tilt: Vec2::new(value(right, TILT_STEPS, 1.0), value(near, TILT_STEPS, 1.0)),
         }
     }
 }
@@ -66,21 +74,21 @@ impl Steps {
 /// The strokes with every sample on the grid: the same `Arc` when they are already. Samples that
 /// are not finite are left as they are, to be refused as such.
 pub fn on_the_grid(strokes: Arc<Strokes>) -> Arc<Strokes> {
-    let on_grid = |s: &Sample| !is_finite(s) || Steps::of(s).sample() == *s;
-    if strokes.0.iter().all(|stroke| stroke.samples.iter().all(on_grid)) {
+    let on_grid = |s: &Sample| !s.is_finite() || Steps::of(s).sample() == *s;
+    let is_kept =
+        |stroke: &Stroke| stroke.samples.iter().all(on_grid) && stroke.drawn.iter().all(on_grid);
+    if strokes.0.iter().all(is_kept) {
         return strokes;
     }
     let mut strokes = Arc::unwrap_or_clone(strokes);
-    for sample in strokes.0.iter_mut().flat_map(|stroke| &mut stroke.samples) {
-        if is_finite(sample) {
-            *sample = Steps::of(sample).sample();
+    for stroke in &mut strokes.0 {
+        for sample in stroke.samples.iter_mut().chain(&mut stroke.drawn) {
+            if sample.is_finite() {
+                *sample = Steps::of(sample).sample();
+            }
         }
     }
     Arc::new(strokes)
-}
-
-fn is_finite(s: &Sample) -> bool {
-    s.position.is_finite() && s.pressure.is_finite() && s.time.is_finite()
 }
 
 /// A finished stroke from what the pen gave: simplified, on the grid, with an id of its own among
@@ -89,10 +97,10 @@ fn is_finite(s: &Sample) -> bool {
 /// Every sample given lies within [`TOLERANCE`] of the stroke; first and last samples stay. Samples
 /// that are not finite are left out; none is made when nothing remains.
 pub fn finish(samples: &[Sample], others: &Strokes) -> Option<Stroke> {
-    let samples: Vec<Sample> = samples.iter().copied().filter(is_finite).collect();
+    let samples: Vec<Sample> = samples.iter().copied().filter(Sample::is_finite).collect();
     let kept = simplify(&samples);
     let samples: Vec<Sample> = kept.into_iter().map(|i| Steps::of(&samples[i]).sample()).collect();
-    (!samples.is_empty()).then(|| Stroke { id: free_id(&samples, others), samples })
+    (!samples.is_empty()).then(|| Stroke::new(free_id(&samples, others), samples))
 }
 
 /// An id that no stroke of `others` has, of 32 bits, drawn from what was drawn: strokes that two
@@ -108,8 +116,8 @@ fn free_id(samples: &[Sample], others: &Strokes) -> u64 {
     0
 }
 
-/// The numbers of the samples to keep: Douglas and Peucker's method (1973), on position and on
-/// pressure, in windows whose ends stay.
+/// The numbers of the samples to keep: Douglas and Peucker's method (1973), on position, pressure and
+/// tilt, in windows whose ends stay.
 fn simplify(samples: &[Sample]) -> Vec<usize> {
     let n = samples.len();
     let mut keep = vec![false; n];
@@ -145,7 +153,8 @@ fn misfit(a: &Sample, b: &Sample, s: &Sample) -> f32 {
     };
     let off = (to - span * t).length();
     let pressure = (a.pressure + (b.pressure - a.pressure) * t - s.pressure).abs();
-    (off / SHARE).max(pressure / PRESSURE_TOLERANCE)
+    let tilt = (a.tilt + (b.tilt - a.tilt) * t - s.tilt).abs().max_element();
+    (off / SHARE).max(pressure / PRESSURE_TOLERANCE).max(tilt / TILT_TOLERANCE)
 }
 
 #[cfg(test)]
@@ -184,6 +193,23 @@ mod tests {
     }
 
     #[test]
+    fn a_wrist_that_turns_keeps_few_samples_and_its_tilt() {
+        let line = |tilt: fn(f32) -> f32| {
+            let sample = |k: usize| Sample {
+                position: Vec3::X * k as f32 * 0.1,
+                tilt: Vec2::new(0.3, tilt(k as f32 / 99.0)),
+                ..Sample::default()
+            };
+            let samples: Vec<Sample> = (0..100).map(sample).collect();
+            finish(&samples, &Strokes::default()).unwrap().samples
+        };
+        assert_eq!(line(|t| if t > 0.5 { 0.05 } else { 0.0 }).len(), 2);
+        let bent = line(|t| (t - 0.5).abs());
+        assert_eq!(bent.len(), 3);
+        assert!((bent[0].tilt - Vec2::new(0.3, 0.5)).abs().max_element() < 0.01);
+    }
+
+    #[test]
     fn the_grid_holds_what_is_on_it() {
         let mut random = Random::new(9);
         for _ in 0..20_000 {
@@ -193,6 +219,7 @@ mod tests {
                 position: Vec3::new(x, y, z),
                 pressure: random.unit(),
                 time: random.number(),
+                tilt: Vec2::new(random.unit() * 3.0 - 1.5, -random.unit()),
             };
             let once = Steps::of(&sample).sample();
             assert_eq!(Steps::of(&once).sample(), once);
@@ -208,8 +235,10 @@ mod tests {
         let strokes = Arc::new(Random::new(4).strokes());
         assert!(Arc::ptr_eq(&strokes, &on_the_grid(strokes.clone())));
         let mut off = (*strokes).clone();
-        off.0.push(Stroke { id: 1, samples: Random::new(4).pen(5) });
+        let drawn = Random::new(4).pen(5);
+        off.0.push(Stroke { id: 1, samples: vec![Sample::default()], drawn });
         let on = on_the_grid(Arc::new(off));
+        assert_ne!(on.0.last().map(|stroke| &stroke.drawn), Some(&Random::new(4).pen(5)));
         assert!(Arc::ptr_eq(&on, &on_the_grid(on.clone())));
     }
 
@@ -217,18 +246,20 @@ mod tests {
     fn degenerate_strokes_have_an_answer() {
         let none = Strokes::default();
         assert_eq!(finish(&[], &none), None);
-        let bad = Sample { position: Vec3::NAN, pressure: 0.5, time: 0.0 };
+        let bad = Sample { tilt: Vec2::NAN, ..Sample::default() };
         assert_eq!(finish(&[bad], &none), None);
-        let dot = Sample { position: Vec3::ONE, pressure: 0.5, time: 0.0 };
+        let dot = Sample { position: Vec3::ONE, pressure: 0.5, ..Sample::default() };
         let one = finish(&[dot, bad], &none).unwrap();
         assert_eq!(one.samples, [dot]);
         // A pen that rests keeps its ends only.
         let rest: Vec<Sample> = (0..9).map(|k| Sample { time: k as f32 * 0.5, ..dot }).collect();
         let rested = finish(&rest, &none).unwrap();
         assert_eq!(rested.samples.len(), 2);
-        let huge = Sample { position: Vec3::splat(f32::MAX), pressure: 9.0, time: -1.0 };
+        let position = Vec3::splat(f32::MAX);
+        let huge = Sample { position, pressure: 9.0, time: -1.0, tilt: Vec2::splat(-3.0) };
         let sample = finish(&[huge], &none).unwrap().samples[0];
         assert_eq!((sample.position.x, sample.pressure, sample.time), (1e5, 1.0, 0.0));
+        assert_eq!(sample.tilt, Vec2::NEG_ONE);
     }
 
     #[test]

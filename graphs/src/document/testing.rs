@@ -1,7 +1,9 @@
 //! Random documents, values and edits for property tests, from a seed.
 
 use super::edit::Edit;
-use super::{Document, Node, NodeId, Place, Point, Setting, Socket, strokes, values};
+use super::{
+    Document, Frame, Node, NodeId, Place, Point, SavedView, Setting, Socket, strokes, values,
+};
 use coif_nodes::data::field::Field;
 use coif_nodes::data::ramp::{Blend, Ramp};
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};
@@ -119,7 +121,8 @@ impl Random {
                 let y = 8.0 - bend * x * x * 0.05 + 0.3 * (3.0 * t - lean) * (3.0 * t - lean) * t;
                 let z = lean * x + tremor;
                 let pressure = (0.2 + t * (1.4 - t) + 4.0 * tremor).clamp(0.0, 1.0);
-                Sample { position: Vec3::new(x, y, z), pressure, time: t }
+                let tilt = Vec2::new(lean * (0.2 + 0.1 * t), tremor - 0.1 * bend * t);
+                Sample { position: Vec3::new(x, y, z), pressure, time: t, tilt }
             })
             .collect()
     }
@@ -127,7 +130,15 @@ impl Random {
         let mut strokes = Strokes::default();
         for _ in 0..self.below(4) {
             let count = 1 + self.below(60);
-            let stroke = strokes::finish(&self.pen(count), &strokes).unwrap();
+            let mut pen = self.pen(count);
+            if self.chance(2) {
+                pen.iter_mut().for_each(|sample| sample.tilt = Vec2::ZERO);
+            }
+            let mut stroke = strokes::finish(&pen, &strokes).unwrap();
+            if self.chance(3) {
+                stroke.drawn.clone_from(&stroke.samples);
+                stroke.samples.truncate(1 + count / 2);
+            }
             strokes.0.push(stroke);
         }
         strokes
@@ -195,18 +206,38 @@ impl Random {
     fn point(&mut self) -> Option<Point> {
         (!self.chance(4)).then(|| Point(self.number(), self.number()))
     }
+    fn bends(&mut self) -> Vec<Point> {
+        (0..self.below(4)).map(|_| Point(self.number(), self.number())).collect()
+    }
     fn place(&mut self) -> Place {
         let (id, input) = (self.id(), self.input());
         let field = |random: &mut Self, of: &[&str]| random.pick(of).to_owned();
-        match self.below(7) {
+        match self.below(11) {
             0 => Place::Top,
             1 => {
-                Place::Field(field(self, &["format", "title", "note", "display", "links", "nodes"]))
+                let names = [
+                    "format",
+                    "title",
+                    "note",
+                    "display",
+                    "links",
+                    "nodes",
+                    "frames",
+                    "bends",
+                    "collapsed",
+                    "views",
+                    "layout",
+                ];
+                Place::Field(field(self, &names))
             }
             2 => Place::Node(id),
             3 => Place::NodeField(id, field(self, &["kind", "label", "note", "inputs", "bypass"])),
             4 => Place::Input(id, input),
             5 => Place::Link(self.socket()),
+            6 => Place::Frame(self.text()),
+            7 => Place::Bends(self.socket()),
+            8 => Place::Collapsed(id),
+            9 => Place::View(self.text()),
             _ => Place::Layout(id),
         }
     }
@@ -214,7 +245,7 @@ impl Random {
     pub(crate) fn edit(&mut self, document: &Document) -> Edit {
         let (id, to) = (self.id(), self.socket());
         let kind = document.node(id.as_str()).map_or("", |node| &node.kind).to_owned();
-        match self.below(22) {
+        match self.below(29) {
             0..=2 => Edit::AddNode { id, node: self.node().into(), at: self.point() },
             3 => Edit::RemoveNode { id },
             4 => Edit::ReplaceNode { id, node: self.node().into() },
@@ -248,6 +279,30 @@ impl Random {
                 let lines = self.pick(&[&["// one"][..], &["//", "// \"two\" /*"], &[]]);
                 let lines = lines.iter().map(|line| (*line).to_owned()).collect();
                 Edit::SetComment { place: self.place(), lines }
+            }
+            21..=22 => {
+                let bends = self.bends();
+                Edit::SetBends { to, at: self.below(3), bends }
+            }
+            23 => Edit::SetCollapsed { id, collapsed: !self.chance(3) },
+            24..=25 => {
+                let frame = Frame {
+                    at: Point(self.number(), self.number()),
+                    size: Point(self.number().abs(), 30.0),
+                    text: self.text(),
+                    colour: self.below(256) as u8,
+                };
+                Edit::SetFrame { name: self.text(), frame: (!self.chance(4)).then_some(frame) }
+            }
+            26 => {
+                let view = SavedView {
+                    eye: self.vec3().to_array(),
+                    target: self.vec3().to_array(),
+                    up: self.vec3().to_array(),
+                    focal_mm: 1.0 + self.number().abs(),
+                    orthographic: self.chance(2).then(|| self.unit()),
+                };
+                Edit::SetView { name: self.text(), view: (!self.chance(4)).then_some(view) }
             }
             _ => {
                 let count = self.below(4);

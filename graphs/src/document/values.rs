@@ -106,7 +106,7 @@ mod tests {
         check(Type::Int, 0.5.into(), "takes a whole number, not a number");
         check(Type::Float, f32::INFINITY.into(), "not a finite number");
         check(Type::Ramp, Ramp::constant(f32::NAN).into(), "not a finite number");
-        let empty = Strokes(vec![Stroke { id: 1, samples: vec![] }]);
+        let empty = Strokes(vec![Stroke::new(1, vec![])]);
         check(Type::Strokes, empty.into(), "a stroke has no samples");
         let mut deep = Field::Constant(1.0);
         for _ in 0..DEEPEST_FIELD {

@@ -2,7 +2,8 @@
 
 use super::scan::{Scan, error_at, errors_at, scan, trimmed};
 use super::{FORMAT, FileError, Loaded, read_value, upgrade};
-use crate::document::{Document, Node, NodeId, Place, Point, Setting, Socket};
+use crate::document::graph::short;
+use crate::document::{Document, Frame, Node, NodeId, Place, Point, SavedView, Setting, Socket};
 use coif_nodes::define::NodeDef;
 use ron::value::RawValue;
 use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
@@ -37,6 +38,14 @@ struct FileGroom<'a> {
     #[serde(default)]
     links: Entries<Socket, FileWires>,
     #[serde(default)]
+    frames: Entries<String, FileFrame>,
+    #[serde(default)]
+    bends: Entries<Socket, Vec<Vec<(f32, f32)>>>,
+    #[serde(default)]
+    collapsed: Vec<String>,
+    #[serde(default)]
+    views: Entries<String, FileView>,
+    #[serde(default)]
     layout: Entries<NodeId, (f32, f32)>,
 }
 
@@ -52,6 +61,29 @@ struct FileNode<'a> {
     bypass: bool,
     #[serde(borrow, default)]
     inputs: Entries<String, &'a RawValue>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Frame")]
+struct FileFrame {
+    at: (f32, f32),
+    size: (f32, f32),
+    #[serde(default)]
+    text: String,
+    #[serde(default)]
+    colour: u8,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "View")]
+struct FileView {
+    eye: [f32; 3],
+    target: [f32; 3],
+    up: [f32; 3],
+    focal_mm: f32,
+    /// 0 where there is perspective.
+    #[serde(default)]
+    orthographic: f32,
 }
 
 /// A map in the order of the file. Two entries of one name are refused: a merge made them, and one
@@ -216,7 +248,7 @@ pub(crate) fn prove_raw(text: &str) -> Result<(), String> {
     let read = options.from_str::<&RawValue>(text).map_err(|err| in_words(&err.code));
     if read.is_err() || trimmed(text) != text || text.starts_with('#') {
         let why = read.err().unwrap_or_else(|| "something stands around it".to_owned());
-        let text = crate::document::graph::short(text);
+        let text = short(text);
         return Err(format!("{text} is no value that a file can hold: {why}"));
     }
     Ok(())
@@ -269,7 +301,7 @@ fn convert(text: &str, groom: FileGroom) -> Loaded {
         document.nodes.insert(id, Arc::new(node));
     }
     for (written, FileWires(from)) in groom.links.0 {
-        let to = reader.present_input(&document, &written);
+        let to = reader.present_input(&document, &written, Place::Link);
         let why = match document.links.entry(to) {
             _ if from.is_empty() => "an empty list of wires",
             Entry::Occupied(_) => "the input is wired under its new name too",
@@ -288,6 +320,7 @@ fn convert(text: &str, groom: FileGroom) -> Loaded {
             reader.warn(&Place::Field("display".to_owned()), message);
         }
     }
+    reader.besides(&mut document, groom.frames, groom.bends, groom.collapsed, groom.views);
     for (id, (x, y)) in groom.layout.0 {
         let why = if !document.nodes.contains_key(&id) {
             "there is no such node"
@@ -364,15 +397,85 @@ impl Reader<'_> {
         Setting::Raw(text.into())
     }
 
+    /// What is kept besides the meaning.
+    fn besides(
+        &mut self,
+        document: &mut Document,
+        frames: Entries<String, FileFrame>,
+        bends: Entries<Socket, Vec<Vec<(f32, f32)>>>,
+        collapsed: Vec<String>,
+        views: Entries<String, FileView>,
+    ) {
+        let point = |(x, y)| Point(x, y);
+        for (name, FileFrame { at, size, text, colour }) in frames.0 {
+            let frame = Frame { at: point(at), size: point(size), text, colour };
+            match frame.fault(&name) {
+                Some(why) => {
+                    let message = format!("frame {:?}: {why}: dropped", short(&name));
+                    self.warn(&Place::Frame(name), message);
+                }
+                None => drop(document.frames.insert(name, frame)),
+            }
+        }
+        for (written, bends) in bends.0 {
+            let to = self.present_input(document, &written, Place::Bends);
+            let wires = document.links.get(&to).map_or(0, Vec::len);
+            let bends: Vec<Vec<Point>> =
+                bends.into_iter().map(|wire| wire.into_iter().map(point).collect()).collect();
+            let why = if !bends.iter().flatten().all(|point| point.is_finite()) {
+                "a bend is not a finite number"
+            } else if bends.len() > wires {
+                "there are fewer wires"
+            } else if document.bends.contains_key(&to) {
+                "the input has bends under its new name too"
+            } else {
+                document.set_all_bends(&to, bends);
+                continue;
+            };
+            self.warn(
+                &Place::Bends(written.clone()),
+                format!("bends of {written}: {why}: dropped"),
+            );
+        }
+        for name in collapsed {
+            let id = NodeId::new(&name).ok().filter(|id| document.nodes.contains_key(id));
+            match id {
+                Some(id) => drop(document.collapsed.insert(id)),
+                None => {
+                    let place = NodeId::new(&name)
+                        .map_or(Place::Field("collapsed".to_owned()), Place::Collapsed);
+                    let name = short(&name);
+                    self.warn(&place, format!("collapsed: there is no node {name:?}: dropped"));
+                }
+            }
+        }
+        for (name, FileView { eye, target, up, focal_mm, orthographic }) in views.0 {
+            let orthographic = Some(orthographic).filter(|height| *height != 0.0);
+            let view = SavedView { eye, target, up, focal_mm, orthographic };
+            match view.fault(&name) {
+                Some(why) => {
+                    let message = format!("view {:?}: {why}: dropped", short(&name));
+                    self.warn(&Place::View(name), message);
+                }
+                None => drop(document.views.insert(name, view)),
+            }
+        }
+    }
+
     /// The socket under the name that its node's input has today.
-    fn present_input(&mut self, document: &Document, written: &Socket) -> Socket {
+    fn present_input(
+        &mut self,
+        document: &Document,
+        written: &Socket,
+        place: fn(Socket) -> Place,
+    ) -> Socket {
         let node = document.node(written.node.as_str());
         let def = node.and_then(|node| coif_nodes::by_id(&node.kind));
         let to = Socket::new(written.node.clone(), &present_name(def, &written.name));
         if to != *written
-            && let Some(lines) = self.scan.comments.remove(&Place::Link(written.clone()))
+            && let Some(lines) = self.scan.comments.remove(&place(written.clone()))
         {
-            self.scan.comments.insert(Place::Link(to.clone()), lines);
+            self.scan.comments.insert(place(to.clone()), lines);
         }
         to
     }

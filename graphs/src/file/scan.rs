@@ -35,6 +35,10 @@ enum Inside<'a> {
     Node(&'a NodeId),
     Inputs(&'a NodeId),
     Links,
+    Frames,
+    Bends,
+    Collapsed,
+    Views,
     Layout,
 }
 
@@ -219,13 +223,13 @@ impl<'a> Scanner<'a> {
 
     /// The entries of a bracket of our own, from the bracket on. Anything else is skipped.
     fn entries(&mut self, inside: Inside) {
-        if !self.rest().starts_with(['(', '{']) {
+        if !self.rest().starts_with(['(', '{', '[']) {
             return self.value();
         }
         self.skip(1);
         loop {
             self.trivia(true);
-            if self.rest().is_empty() || self.rest().starts_with([')', '}']) {
+            if self.rest().is_empty() || self.rest().starts_with([')', '}', ']']) {
                 self.found.dropped.append(&mut self.pending);
                 self.skip(usize::from(!self.rest().is_empty()));
                 return;
@@ -238,10 +242,15 @@ impl<'a> Scanner<'a> {
                 Some(place) => self.attach(place.clone()),
                 None => self.found.dropped.append(&mut self.pending),
             }
-            self.trivia(false);
-            if self.rest().starts_with(':') {
-                self.skip(1);
+            if matches!(inside, Inside::Collapsed) {
+                // Of a list: the entry is its own value.
+                self.at = start;
+            } else {
                 self.trivia(false);
+                if self.rest().starts_with(':') {
+                    self.skip(1);
+                    self.trivia(false);
+                }
             }
             match place {
                 Some(place) => {
@@ -262,6 +271,10 @@ impl<'a> Scanner<'a> {
             Place::Field(name) => match name.as_str() {
                 "nodes" => self.entries(Inside::Nodes),
                 "links" => self.entries(Inside::Links),
+                "frames" => self.entries(Inside::Frames),
+                "bends" => self.entries(Inside::Bends),
+                "collapsed" => self.entries(Inside::Collapsed),
+                "views" => self.entries(Inside::Views),
                 "layout" => self.entries(Inside::Layout),
                 _ => self.value(),
             },
@@ -313,6 +326,10 @@ fn place(inside: Inside, key: &str) -> Option<Place> {
         Inside::Node(id) => Place::NodeField(id.clone(), key.to_owned()),
         Inside::Inputs(id) => Place::Input(id.clone(), key.to_owned()),
         Inside::Links => Place::Link(key.parse::<Socket>().ok()?),
+        Inside::Frames => Place::Frame(key.to_owned()),
+        Inside::Bends => Place::Bends(key.parse::<Socket>().ok()?),
+        Inside::Collapsed => Place::Collapsed(NodeId::new(key).ok()?),
+        Inside::Views => Place::View(key.to_owned()),
         Inside::Layout => Place::Layout(NodeId::new(key).ok()?),
     })
 }

@@ -41,6 +41,24 @@ const FULL: &str = r#"// Cornrows for the wedding scene.
         // from tomorrow
         "rows.curves": "all.out",
     },
+    frames: {
+        // of the wedding
+        "front": (at: (300.0, -40.0), size: (420.0, 160.0), text: "Front rows", colour: 3),
+        "plain": (at: (0.0, 0.0), size: (10.0, 10.0)),
+    },
+    // drawn by hand
+    bends: {
+        "all.in": [[], [(500.0, 60.5), (560.0, 60.5)]],
+    },
+    collapsed: [
+        // too long
+        "all",
+    ],
+    views: {
+        "flat": (eye: (0.0, 0.0, 60.0), target: (0.0, 0.0, 0.0), up: (0.0, 1.0, 0.0), focal_mm: 50.0, orthographic: 32.0),
+        // for the poster
+        "hero": (eye: (31.5, 8.0, 42.0), target: (0.0, 1.5, 0.0), up: (0.0, 1.0, 0.0), focal_mm: 85.0),
+    },
     layout: {
         "all": (640.5, -20.0),
         "rows": (320.0, 0.0),
@@ -133,7 +151,7 @@ fn values_are_written_each_on_its_line() {
                             (B, Ellipse(0.7)),
                         ],
                         "strokes": [
-                            (id: 2274773992, x: [
+                            (id: 783982968, x: [
         0,76,79,71,19,24,6,37,82,83,68,20,
         78,59,5,17,25,17,12,47,19,25,41,23,
         9,3,27,5
@@ -153,6 +171,14 @@ fn values_are_written_each_on_its_line() {
         0,55,60,55,15,20,5,30,70,75,65,20,
         80,65,5,20,30,20,15,60,25,35,60,35,
         15,5,45,10
+        ], tilt_x: [
+        3,0,1,0,0,0,0,0,0,0,0,0,
+        0,0,0,0,0,0,1,0,0,0,0,0,
+        0,0,0,0
+        ], tilt_y: [
+        0,0,-1,0,0,-1,1,-1,0,-1,0,-1,
+        0,-1,1,-1,0,0,0,-1,0,0,0,-1,
+        0,0,0,0
         ]),
                         ],
                     },
@@ -238,7 +264,7 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
     said(
         "(format: 1, colour: 3)",
         expect![
-            "x.ron:1:13: unexpected field named `colour` in `Groom`, expected one of `format`, `title`, `note`, `seed`, `display`, `nodes`, `links`, or `layout` instead"
+            "x.ron:1:13: unexpected field named `colour` in `Groom`, expected one of `format`, `title`, `note`, `seed`, `display`, `nodes`, `links`, `frames`, `bends`, `collapsed`, `views`, or `layout` instead"
         ],
     );
     said("(format: 1, seed: -1)", expect!["x.ron:1:21: the number is out of range"]);
@@ -294,6 +320,27 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
             1:47: display: there is no node "a": dropped
             1:67: a.b: an empty list of wires: dropped
         "#]],
+    );
+    said(
+        "(format: 1, nodes: {\"a\": (kind: \"resample\")}, links: {\"a.curves\": \"a.curves\"},\n\
+         frames: {\"\": (at: (0, 0), size: (1, 1)), \"f\": (at: (0, 0), size: (0, 1))},\n\
+         bends: {\"a.curves\": [[], []], \"b.curves\": [[(1, 2)]], \"a.x\": [[(1, NaN)]]},\n\
+         collapsed: [\"a\", \"b\", \"B\"],\n\
+         views: {\"v\": (eye: (0, 0, 0), target: (0, 0, 0), up: (0, 1, 0), focal_mm: 50)})",
+        expect![[r#"
+            2:14: frame "": it has no name: dropped
+            2:47: frame "f": its width and height must be over 0: dropped
+            3:21: bends of a.curves: there are fewer wires: dropped
+            3:43: bends of b.curves: there are fewer wires: dropped
+            3:62: bends of a.x: a bend is not a finite number: dropped
+            4:12: collapsed: there is no node "B": dropped
+            4:18: collapsed: there is no node "b": dropped
+            5:14: view "v": its eye is where it looks: dropped
+        "#]],
+    );
+    said(
+        "(format: 1, frames: {\"f\": (at: (0, 0), size: (1, 1), colour: 256)})",
+        expect!["x.ron:1:65: the number is out of range"],
     );
     said(
         "(format: 1,\n<<<<<<< ours\n  seed: 1,\n=======\n",

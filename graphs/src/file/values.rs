@@ -6,7 +6,7 @@ use crate::document::values::{DEEPEST_FIELD, fit};
 use coif_nodes::data::field::Field;
 use coif_nodes::data::ramp::{Blend, Ramp};
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};
-use coif_nodes::data::strokes::{Stroke, Strokes};
+use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use coif_nodes::define::{Type, Value};
 use glam::{Vec2, Vec3};
 use ron::value::RawValue;
@@ -214,9 +214,9 @@ impl FileSection {
     }
 }
 
-/// A stroke in columns of whole steps of the grid (0.01 cm, 1/256 of pressure, 1 ms): the first
-/// sample, then each sample's distance from the one before. Small numbers are short, and a moved
-/// sample changes two.
+/// A stroke in columns of whole steps of the grid (0.01 cm, 1/256 of pressure, 1 ms, 1/64 of a right
+/// angle): the first sample, then each sample's distance from the one before. Small numbers are short,
+/// and a moved sample changes two.
 #[derive(Deserialize)]
 #[serde(rename = "stroke", deny_unknown_fields)]
 struct FileStroke {
@@ -226,33 +226,68 @@ struct FileStroke {
     z: Vec<i64>,
     pressure: Vec<i64>,
     time: Vec<i64>,
+    #[serde(default)]
+    tilt_x: Vec<i64>,
+    #[serde(default)]
+    tilt_y: Vec<i64>,
+    #[serde(default)]
+    drawn: FileDrawn,
 }
 
-const COLUMNS: [&str; 5] = ["x", "y", "z", "pressure", "time"];
+/// The samples of a stroke as drawn, in the same columns.
+#[derive(Default, Deserialize)]
+#[serde(rename = "drawn", deny_unknown_fields)]
+struct FileDrawn {
+    x: Vec<i64>,
+    y: Vec<i64>,
+    z: Vec<i64>,
+    pressure: Vec<i64>,
+    time: Vec<i64>,
+    #[serde(default)]
+    tilt_x: Vec<i64>,
+    #[serde(default)]
+    tilt_y: Vec<i64>,
+}
+
+const COLUMNS: [&str; 7] = ["x", "y", "z", "pressure", "time", "tilt_x", "tilt_y"];
+/// The number of the first column that is left out where it says nothing.
+const TILT: usize = 5;
 /// More steps than any place, pressure or time of a stroke has; sums of them stay exact.
 const MOST_STEPS: i64 = 1 << 32;
 
 impl FileStroke {
     fn stroke(self) -> Result<Stroke, String> {
-        let columns = [&self.x, &self.y, &self.z, &self.pressure, &self.time];
-        let count = self.x.len();
-        if let Some(i) = columns.iter().position(|column| column.len() != count) {
-            let (name, found) = (COLUMNS[i], columns[i].len());
-            return Err(format!("stroke {}: {name} has {found} samples, x has {count}", self.id));
-        }
-        let mut at = Steps::default();
-        let mut samples = Vec::with_capacity(count);
-        for i in 0..count {
-            for (sum, column) in at.0.iter_mut().zip(columns) {
-                *sum = sum.saturating_add(column[i]);
-                if sum.abs() > MOST_STEPS {
-                    return Err(format!("stroke {}: sample {i} is not on earth", self.id));
-                }
-            }
-            samples.push(at.sample());
-        }
-        Ok(Stroke { id: self.id, samples })
+        let Self { id, x, y, z, pressure, time, tilt_x, tilt_y, drawn } = self;
+        let samples = samples([x, y, z, pressure, time, tilt_x, tilt_y])
+            .map_err(|reason| format!("stroke {id}: {reason}"))?;
+        let FileDrawn { x, y, z, pressure, time, tilt_x, tilt_y } = drawn;
+        let drawn = self::samples([x, y, z, pressure, time, tilt_x, tilt_y])
+            .map_err(|reason| format!("stroke {id} as drawn: {reason}"))?;
+        Ok(Stroke { id, samples, drawn })
     }
+}
+
+/// Samples from their columns, in the order of [`COLUMNS`].
+fn samples(columns: [Vec<i64>; 7]) -> Result<Vec<Sample>, String> {
+    let count = columns[0].len();
+    let is_short =
+        |(i, column): (usize, &Vec<i64>)| column.len() != count && (i < TILT || !column.is_empty());
+    if let Some(i) = columns.iter().enumerate().position(is_short) {
+        let (name, found) = (COLUMNS[i], columns[i].len());
+        return Err(format!("{name} has {found} samples, x has {count}"));
+    }
+    let mut at = Steps::default();
+    let mut samples = Vec::with_capacity(count);
+    for i in 0..count {
+        for (sum, column) in at.0.iter_mut().zip(&columns) {
+            *sum = sum.saturating_add(column.get(i).copied().unwrap_or_default());
+            if sum.abs() > MOST_STEPS {
+                return Err(format!("sample {i} is not on earth"));
+            }
+        }
+        samples.push(at.sample());
+    }
+    Ok(samples)
 }
 
 /// Writes a value as RON, on one line.
@@ -382,13 +417,24 @@ fn write_section(out: &mut String, section: &Section) {
     };
 }
 
-/// The columns of a stroke. Its numbers begin their lines: indentation would be a fifth of the
-/// file.
 fn write_stroke(out: &mut String, stroke: &Stroke, indent: Option<usize>) {
-    let _ = write!(out, "(id: {}", stroke.id);
-    let steps: Vec<Steps> = stroke.samples.iter().map(Steps::of).collect();
-    for (c, name) in COLUMNS.iter().enumerate() {
-        let _ = write!(out, ", {name}: [");
+    let _ = write!(out, "(id: {}, ", stroke.id);
+    write_samples(out, &stroke.samples, indent);
+    if !stroke.drawn.is_empty() {
+        out.push_str(", drawn: (");
+        write_samples(out, &stroke.drawn, indent);
+        out.push(')');
+    }
+    out.push(')');
+}
+
+/// The columns of samples. Their numbers begin their lines: indentation would be a fifth of the file.
+fn write_samples(out: &mut String, samples: &[Sample], indent: Option<usize>) {
+    let steps: Vec<Steps> = samples.iter().map(Steps::of).collect();
+    let is_upright = |Steps(at): &Steps| at[TILT..].iter().all(|tilt| *tilt == 0);
+    let count = if steps.iter().all(is_upright) { TILT } else { COLUMNS.len() };
+    for (c, name) in COLUMNS.iter().enumerate().take(count) {
+        let _ = write!(out, "{}{name}: [", if c > 0 { ", " } else { "" });
         let mut last = 0;
         for (i, Steps(at)) in steps.iter().enumerate() {
             if indent.is_some() && i % SAMPLES_A_LINE == 0 {
@@ -403,7 +449,6 @@ fn write_stroke(out: &mut String, stroke: &Stroke, indent: Option<usize>) {
         }
         out.push(']');
     }
-    out.push(')');
 }
 
 /// A text in quotes. Line breaks and control characters are escaped: a text is one line of a file.
@@ -506,6 +551,13 @@ mod tests {
         reads(Type::Shapes, shapes, shapes);
         let strokes = "[(id: 7, x: [100,-5], y: [0,0], z: [1,1], pressure: [128,3], time: [0,16])]";
         reads(Type::Strokes, strokes, strokes);
+        let more = "[(id: 7, x: [100], y: [0], z: [1], pressure: [128], time: [0], tilt_x: [-64], tilt_y: [3], \
+                    drawn: (x: [90,5], y: [0,0], z: [1,1], pressure: [128,1], time: [0,9]))]";
+        reads(Type::Strokes, more, more);
+        let upright = "[(id: 7, x: [1], y: [0], z: [1], pressure: [1], time: [0], tilt_y: [0], drawn: (x: [], \
+                       y: [], z: [], pressure: [], time: []))]";
+        let short = "[(id: 7, x: [1], y: [0], z: [1], pressure: [1], time: [0])]";
+        reads(Type::Strokes, upright, short);
     }
 
     #[test]
@@ -595,12 +647,16 @@ mod tests {
                 "[(id: 0, x: [1], y: [1], z: [1], pressure: [1], time: [1])]",
                 "[(id: 1, x: [], y: [], z: [], pressure: [], time: [])]",
                 "[(id: 1, x: [9223372036854775807], y: [1], z: [1], pressure: [1], time: [1])]",
+                "[(id: 1, x: [1], y: [1], z: [1], pressure: [1], time: [1], tilt_x: [1,1])]",
+                "[(id: 1, x: [1], y: [1], z: [1], pressure: [1], time: [1], drawn: (x: [1], y: [], z: [1], pressure: [1], time: [1]))]",
             ],
             expect![[r#"
                 [(id: 1, x: [1,2], y: [1], z: [1], pressure: [1], time: [1])… is no strokes: stroke 1: y has 1 samples, x has 2; write it like the strokes of another groom
                 stroke 0: its id 0 is 0 or used before
                 a stroke has no samples
-                [(id: 1, x: [9223372036854775807], y: [1], z: [1], pressure:… is no strokes: stroke 1: sample 0 is not on earth; write it like the strokes of another groom"#]],
+                [(id: 1, x: [9223372036854775807], y: [1], z: [1], pressure:… is no strokes: stroke 1: sample 0 is not on earth; write it like the strokes of another groom
+                [(id: 1, x: [1], y: [1], z: [1], pressure: [1], time: [1], t… is no strokes: stroke 1: tilt_x has 2 samples, x has 1; write it like the strokes of another groom
+                [(id: 1, x: [1], y: [1], z: [1], pressure: [1], time: [1], d… is no strokes: stroke 1 as drawn: y has 0 samples, x has 1; write it like the strokes of another groom"#]],
         );
         check(
             Type::Curves,
@@ -620,11 +676,17 @@ mod tests {
     }
 
     #[test]
-    fn a_stroke_takes_at_most_20_bytes_a_sample() {
+    fn a_stroke_takes_at_most_20_bytes_a_sample_and_24_with_tilt() {
+        assert!(bytes_a_sample(|tilt| tilt * 0.0) <= 20.0);
+        assert!(bytes_a_sample(|tilt| tilt) <= 24.0);
+    }
+
+    fn bytes_a_sample(tilt: impl Fn(Vec2) -> Vec2) -> f32 {
         let (mut bytes, mut samples) = (0, 0);
         for seed in 0..40 {
-            let stroke =
-                crate::document::strokes::finish(&Random::new(seed).pen(300), &Strokes::default());
+            let mut pen = Random::new(seed).pen(300);
+            pen.iter_mut().for_each(|sample| sample.tilt = tilt(sample.tilt));
+            let stroke = crate::document::strokes::finish(&pen, &Strokes::default());
             let strokes = Strokes(stroke.into_iter().collect());
             samples += strokes.0[0].samples.len();
             let mut text = String::new();
@@ -632,6 +694,6 @@ mod tests {
             bytes += text.len();
             assert!(text.lines().all(|line| line.len() < 100));
         }
-        assert!(bytes <= 20 * samples, "{} bytes a sample", bytes as f32 / samples as f32);
+        bytes as f32 / samples as f32
     }
 }

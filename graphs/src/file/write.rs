@@ -2,7 +2,7 @@
 
 use super::FORMAT;
 use super::values::{new_line, quoted, write_to};
-use crate::document::{Document, Node, NodeId, Place, Point, Setting};
+use crate::document::{Document, Node, NodeId, Place, Point, SavedView, Setting};
 use std::fmt::Write as _;
 
 pub(super) fn write(document: &Document) -> String {
@@ -44,13 +44,71 @@ pub(super) fn write(document: &Document) -> String {
             });
         });
     }
+    if !document.frames.is_empty() {
+        out.field("frames", |out| {
+            let frames = document.frames.iter();
+            let frames = frames.map(|(name, frame)| (Place::Frame(name.clone()), (name, frame)));
+            out.map(frames, |out, (name, frame)| {
+                out.quoted(name);
+                out.text(": (at: ");
+                out.point(frame.at);
+                out.text(", size: ");
+                out.point(frame.size);
+                if !frame.text.is_empty() {
+                    out.text(", text: ");
+                    out.quoted(&frame.text);
+                }
+                if frame.colour != 0 {
+                    out.text(&format!(", colour: {}", frame.colour));
+                }
+                out.text(")");
+            });
+        });
+    }
+    if !document.bends.is_empty() {
+        out.field("bends", |out| {
+            let bends = document.bends.iter();
+            let bends = bends.map(|(to, bends)| (Place::Bends(to.clone()), (to, bends)));
+            out.map(bends, |out, (to, bends)| {
+                out.quoted(&to.to_string());
+                out.text(": ");
+                out.list(bends, |out, wire| out.list(wire, |out, point| out.point(*point)));
+            });
+        });
+    }
+    if !document.collapsed.is_empty() {
+        out.field("collapsed", |out| {
+            let nodes = document.collapsed.iter();
+            let nodes = nodes.map(|id| (Place::Collapsed(id.clone()), id));
+            out.block(['[', ']'], nodes, |out, id| out.quoted(id.as_str()));
+        });
+    }
+    if !document.views.is_empty() {
+        out.field("views", |out| {
+            let views = document.views.iter();
+            let views = views.map(|(name, view)| (Place::View(name.clone()), (name, view)));
+            out.map(views, |out, (name, view)| {
+                out.quoted(name);
+                let SavedView { eye, target, up, focal_mm, orthographic } = view;
+                for (open, [x, y, z]) in [(": (eye", eye), (", target", target), (", up", up)] {
+                    let _ = write!(out.out, "{open}: ({x:?}, {y:?}, {z:?})");
+                }
+                let _ = write!(out.out, ", focal_mm: {focal_mm:?}");
+                if let Some(height) = orthographic {
+                    let _ = write!(out.out, ", orthographic: {height:?}");
+                }
+                out.text(")");
+            });
+        });
+    }
     if !document.layout.is_empty() {
         out.field("layout", |out| {
             let layout = document.layout.iter();
             let layout = layout.map(|(id, at)| (Place::Layout(id.clone()), (id, at)));
-            out.map(layout, |out, (id, Point(x, y))| {
+            out.map(layout, |out, (id, at)| {
                 out.quoted(id.as_str());
-                let _ = write!(out.out, ": ({x:?}, {y:?})");
+                out.text(": ");
+                out.point(*at);
             });
         });
     }
@@ -89,14 +147,26 @@ impl Writer<'_> {
         });
     }
     fn map<T>(&mut self, entries: impl Iterator<Item = (Place, T)>, one: impl Fn(&mut Self, T)) {
-        self.out.push('{');
+        self.block(['{', '}'], entries, one);
+    }
+    /// Entries between brackets, each on its line.
+    fn block<T>(
+        &mut self,
+        [open, close]: [char; 2],
+        entries: impl Iterator<Item = (Place, T)>,
+        one: impl Fn(&mut Self, T),
+    ) {
+        self.out.push(open);
         self.indent += 4;
         for (place, entry) in entries {
             self.entry(&place, |out| one(out, entry));
         }
         self.indent -= 4;
         new_line(&mut self.out, self.indent);
-        self.out.push('}');
+        self.out.push(close);
+    }
+    fn point(&mut self, Point(x, y): Point) {
+        let _ = write!(self.out, "({x:?}, {y:?})");
     }
     fn node(&mut self, id: &NodeId, node: &Node) {
         self.out.push('(');
@@ -141,10 +211,14 @@ impl Writer<'_> {
         if let [one] = from {
             return self.quoted(&one.to_string());
         }
+        self.list(from, |out, wire| out.quoted(&wire.to_string()));
+    }
+    /// A list on one line.
+    fn list<T>(&mut self, items: &[T], one: impl Fn(&mut Self, &T)) {
         self.out.push('[');
-        for (i, wire) in from.iter().enumerate() {
+        for (i, item) in items.iter().enumerate() {
             self.text(if i > 0 { ", " } else { "" });
-            self.quoted(&wire.to_string());
+            one(self, item);
         }
         self.out.push(']');
     }

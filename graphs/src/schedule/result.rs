@@ -1,12 +1,13 @@
 //! What an evaluation gave: values, what ran, what was said, and the hash by which machines are compared.
 
-use crate::document::Document;
+use crate::document::{Document, Setting};
 use coif_nodes::data::attributes::{Attribute, Column, DECLARED, Domain};
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::define::{NodeError, Value};
 use coif_nodes::eval::Message;
 use coif_nodes::maths::hash::canonical;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// What happened to one node of a plan.
 #[derive(Clone, Debug, Default)]
@@ -82,16 +83,29 @@ pub fn content_hash(curves: &Curves) -> String {
     hash.finalize().to_hex()[..32].to_owned()
 }
 
-/// Hash of what a document means, as 32 hexadecimal digits: moving nodes and writing notes changes nothing.
+/// Hash of what a document means, as 32 hexadecimal digits: moving nodes, writing notes and displaying another node changes
+/// nothing.
 pub fn document_hash(document: &Document) -> String {
     let mut meaning = document.clone();
+    meaning.display = None;
     meaning.layout.clear();
+    meaning.frames.clear();
+    meaning.bends.clear();
+    meaning.collapsed.clear();
+    meaning.views.clear();
     meaning.comments.clear();
     meaning.note.clear();
     for node in meaning.nodes.values_mut() {
-        let node = std::sync::Arc::make_mut(node);
+        let node = Arc::make_mut(node);
         node.note.clear();
         node.label = None;
+        for setting in node.inputs.values_mut() {
+            if let Setting::Known(Value::Strokes(strokes)) = setting
+                && strokes.0.iter().any(|stroke| !stroke.drawn.is_empty())
+            {
+                Arc::make_mut(strokes).0.iter_mut().for_each(|stroke| stroke.drawn.clear());
+            }
+        }
     }
     blake3::hash(crate::file::write(&meaning).as_bytes()).to_hex()[..32].to_owned()
 }
@@ -182,7 +196,6 @@ mod tests {
     use coif_nodes::data::attributes::{ID, RADIUS, WIDTH};
     use coif_nodes::data::curves::TuftBuilder;
     use glam::Vec3;
-    use std::sync::Arc;
 
     fn tuft(ids: std::ops::Range<u64>, width: &[f32]) -> Arc<Tuft> {
         let mut b = TuftBuilder::new();
@@ -194,6 +207,30 @@ mod tests {
             b.set(WIDTH, Domain::Curve, width.to_vec());
         }
         Arc::new(b.build())
+    }
+
+    #[test]
+    fn a_documents_hash_does_not_see_what_means_nothing() {
+        let full = r#"(format: 1, nodes: {
+            "pen": (kind: "stroke_input", label: "rows", note: "n", inputs: {"strokes": [
+                (id: 1, x: [1,2], y: [1,0], z: [1,0], pressure: [1,0], time: [0,1],
+                 drawn: (x: [1], y: [1], z: [1], pressure: [1], time: [0])),
+            ]}),
+            "a": (kind: "resample"),
+        }, links: {"a.curves": "pen.curves"},
+        frames: {"f": (at: (0, 0), size: (9, 9))}, bends: {"a.curves": [[(1, 2)]]}, collapsed: ["a"],
+        views: {"v": (eye: (0, 0, 9), target: (0, 0, 0), up: (0, 1, 0), focal_mm: 50)}, layout: {"a": (1, 2)})"#;
+        let plain = r#"(format: 1, nodes: {
+            "pen": (kind: "stroke_input", inputs: {"strokes": [
+                (id: 1, x: [1,2], y: [1,0], z: [1,0], pressure: [1,0], time: [0,1]),
+            ]}),
+            "a": (kind: "resample"),
+        }, links: {"a.curves": "pen.curves"})"#;
+        let hash = |text: &str| document_hash(&crate::file::read(text).unwrap().document);
+        assert_eq!(crate::file::read(full).unwrap().warnings, []);
+        assert_eq!(hash(full), hash(plain));
+        assert_ne!(hash(plain), hash(&plain.replace("x: [1,2]", "x: [1,3]")));
+        assert_ne!(hash(plain), hash(&plain.replace("time: [0,1]", "time: [0,1], tilt_x: [1,0]")));
     }
 
     #[test]

@@ -218,10 +218,11 @@ mod tests {
                 let (s, c) =
                     crate::maths::transcendental::sin_cos_turns(k as f32 / 30.0 * 0.4 - 0.1);
                 let position = Vec3::new(x, c * 9.9, -s * 9.9);
-                Sample { position, pressure: k as f32 / 30.0, time: k as f32 * 0.01 }
+                let (pressure, time) = (k as f32 / 30.0, k as f32 * 0.01);
+                Sample { position, pressure, time, ..Sample::default() }
             })
             .collect();
-        Stroke { id, samples }
+        Stroke::new(id, samples)
     }
 
     fn drawn(scalp: &Arc<Scalp>, strokes: Vec<Stroke>, set: &[(&str, Value)]) -> Curves {
@@ -272,12 +273,8 @@ mod tests {
             "{points:?}"
         );
         // A stroke through the head comes out of it.
-        let through = |id| Stroke {
-            id,
-            samples: [-9.0, 0.0, 9.0]
-                .map(|x| Sample { position: Vec3::new(x, 3.0, 1.0), pressure: 1.0, time: 0.0 })
-                .to_vec(),
-        };
+        let at = |x| Sample { position: Vec3::new(x, 3.0, 1.0), ..Sample::default() };
+        let through = |id| Stroke::new(id, [-9.0, 0.0, 9.0].map(at).to_vec());
         let curves = drawn(&scalp, vec![through(3)], &set);
         for p in curves.tufts()[0].curve(0) {
             let hit = scalp.surface().closest(*p).unwrap();
@@ -337,7 +334,7 @@ mod tests {
     #[test]
     fn a_dot_is_named_and_the_rest_is_drawn() {
         let scalp = ball(HEAD_RADIUS);
-        let dot = Stroke { id: 9, samples: back(9, 1.0).samples[..1].to_vec() };
+        let dot = Stroke::new(9, back(9, 1.0).samples[..1].to_vec());
         let strokes = Strokes(vec![dot, back(7, 2.0)]);
         let (out, said) = run(&NODE, &[("scalp", scalp.into()), ("strokes", strokes.into())]);
         assert_eq!(curves_of(&out[0]).curve_count(), 1);

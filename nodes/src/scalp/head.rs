@@ -732,15 +732,13 @@ mod tests {
     fn hair_grows_inside_a_drawn_hairline() {
         use crate::data::strokes::{Sample, Stroke};
         use crate::maths::transcendental::sin_cos_turns;
-        let ring = |from: u32, to: u32| Stroke {
-            id: 1,
-            samples: (from..to)
-                .map(|k| {
-                    let (s, c) = sin_cos_turns(k as f32 / 48.0);
-                    let position = Vec3::new(s, 0.3, c).normalize() * 9.0;
-                    Sample { position, pressure: 1.0, time: 0.0 }
-                })
-                .collect(),
+        let ring = |from: u32, to: u32| {
+            let sample = |k| {
+                let (s, c) = sin_cos_turns(k as f32 / 48.0);
+                let position = Vec3::new(s, 0.3, c).normalize() * 9.0;
+                Sample { position, pressure: 1.0, ..Sample::default() }
+            };
+            Stroke::new(1, (from..to).map(sample).collect())
         };
         let set = |from, to| {
             [("region", "hairline".into()), ("hairline", Strokes(vec![ring(from, to)]).into())]

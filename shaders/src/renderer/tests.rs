@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::Precision;
+use crate::display::Transform;
 use crate::environment::{Backdrop, Environment};
 use crate::surface::Material;
 use coif_nodes::data::attributes::{COLOUR, Domain, WIDTH};
@@ -178,6 +179,35 @@ fn picks(renderer: &mut Renderer) -> Vec<Option<(Arc<Tuft>, usize, usize)>> {
     let (width, height) = renderer.size();
     let pixels = (0..height).step_by(3).flat_map(|y| (0..width).step_by(3).map(move |x| (x, y)));
     pixels.map(|(x, y)| renderer.pick(x, y)).collect()
+}
+
+#[test]
+fn what_is_shown_is_the_picture_encoded() {
+    let Some(mut renderer) = renderer("what_is_shown_is_the_picture_encoded") else { return };
+    let black = [0, 0, 0, 255].repeat((SIZE[0] * SIZE[1]) as usize);
+    assert_eq!(renderer.shown(Transform::Agx, 0.0), black, "before the first sample");
+    let scene = Scene::of(tufts(0..20));
+    for (samples, size) in [(1, SIZE), (3, [67, 41])] {
+        renderer.resize(size[0], size[1]).expect("a small picture");
+        scene.set(&mut renderer);
+        let picture = finish(&mut renderer, samples);
+        for (transform, exposure) in
+            [(Transform::Agx, 0.0), (Transform::Srgb, 1.5), (Transform::Rec1886, -2.0)]
+        {
+            let theirs = renderer.shown(transform, exposure);
+            let ours = picture.encoded(transform, exposure);
+            assert_eq!(theirs.len(), ours.len());
+            let off = theirs.iter().zip(&ours).map(|(a, b)| a.abs_diff(*b));
+            let most = off.clone().max();
+            let differ = off.filter(|off| *off > 0).count();
+            assert!(
+                most <= Some(1) && differ * 50 < ours.len(),
+                "{transform:?}: {differ} {most:?}"
+            );
+            assert!(ours.iter().any(|b| *b > 40 && *b < 255), "something is seen");
+        }
+        assert_eq!(renderer.progress().samples, samples, "showing changes nothing");
+    }
 }
 
 // --- upload -------------------------------------------------------------------------------------

@@ -1,0 +1,3 @@
+//! The viewport: the groom as it is, drawn beside the window.
+
+pub mod projection;

@@ -1,0 +1,46 @@
+//! The window never waits: CPU time of the UI thread, frame by frame, while the evaluator works.
+
+use super::harness::{on_groom, settle};
+use coif::editor::event::Event;
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{NodeId, Setting};
+use coif_nodes::define::Value;
+use cpu_time::ThreadTime;
+use std::time::{Duration, Instant};
+
+#[test]
+fn frames_stay_short_while_a_long_evaluation_runs() {
+    let mut ui = on_groom("cornrows");
+    settle(&mut ui);
+    let fill = NodeId::new("fill").expect("an id");
+    let mut times = vec![];
+    let mut long = Duration::ZERO;
+    // Ten times the hair: seconds of work.
+    for k in 0..2 {
+        let setting = Setting::Known(Value::Int(1800 + k));
+        let edit = Edit::SetInput { node: fill.clone(), input: "count".to_owned(), setting };
+        ui.state_mut().apply(Event::Edit(edit));
+        let began = Instant::now();
+        ui.step();
+        while !ui.state().is_idle() && began.elapsed() < Duration::from_secs(60) {
+            let before = ThreadTime::now();
+            ui.step();
+            times.push(before.elapsed());
+            std::thread::sleep(Duration::from_millis(8));
+        }
+        long = long.max(began.elapsed());
+    }
+    assert!(long > Duration::from_secs(2), "the evaluation was long enough to notice: {long:?}");
+    times.sort_unstable();
+    let at = |part: f64| times[((times.len() - 1) as f64 * part) as usize];
+    println!(
+        "UI thread, {} frames during evaluations of up to {long:.1?}: median {:.1?}, 99 % {:.1?}, worst {:.1?}",
+        times.len(),
+        at(0.5),
+        at(0.99),
+        at(1.0)
+    );
+    // Sixteen milliseconds are for a release build; this one may be without optimisation.
+    let most = if cfg!(debug_assertions) { 64 } else { 16 };
+    assert!(at(0.99) < Duration::from_millis(most), "{:?}", at(0.99));
+}
