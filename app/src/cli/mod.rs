@@ -48,7 +48,7 @@ enum Command {
 
 /// How a command ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Exit {
+pub(crate) enum Exit {
     /// All done; warnings are allowed.
     Done = 0,
     /// A node on the way to an output failed, an output has no curves, or writing failed.
@@ -110,7 +110,7 @@ fn print(text: &str) {
 }
 
 /// A lower-case extension without the dot.
-fn extension_of(path: &std::path::Path) -> String {
+pub(crate) fn extension_of(path: &std::path::Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 

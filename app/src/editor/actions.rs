@@ -33,7 +33,7 @@ pub fn always(_: &Editor) -> Result<(), &'static str> {
 pub const MENUS: &[&str] = &["File", "Edit", "Node", "View", "Pen", "Window", "Help"];
 
 /// The parts of the table, room by room.
-const PARTS: &[&[Action]] = &[ACTIONS];
+const PARTS: &[&[Action]] = &[super::documents::actions::ACTIONS, ACTIONS];
 
 /// Every action, in the order of menus.
 pub fn all() -> impl Iterator<Item = &'static Action> {

@@ -7,6 +7,7 @@
 //! groom's hash.
 
 pub mod actions;
+pub mod documents;
 pub mod evaluation;
 pub mod event;
 pub mod keys;
@@ -21,9 +22,12 @@ pub mod theme;
 pub mod visibility;
 
 use coif_graphs::document::edit::Edit;
+use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::{file, grooms};
 use coif_nodes::eval::Quality;
+use documents::Documents;
+use documents::places::Places;
 use egui_dock::{DockArea, DockState};
 use evaluation::{Evaluation, Finished, Request, Trace, first_output};
 use event::Event;
@@ -44,6 +48,8 @@ const SLOW_MS: f64 = 250.0;
 pub struct Editor {
     /// What it knows.
     pub state: State,
+    /// Documents as files.
+    pub documents: Documents,
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
@@ -87,6 +93,7 @@ impl Editor {
         });
         Self {
             state,
+            documents: Documents::new(ctx),
             keys,
             palette: Palette::default(),
             key_sheet: false,
@@ -117,6 +124,7 @@ impl Editor {
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         self.now = ctx.input(|input| input.time);
+        documents::before(self, &ctx);
         if let Some(finished) = self.evaluation.as_ref().and_then(Evaluation::take) {
             self.finished(finished);
         }
@@ -129,13 +137,14 @@ impl Editor {
         if let Some(action) = palette::ui(self, &ctx) {
             self.act(action);
         }
-        if !self.palette.is_open() {
+        if !self.palette.is_open() && !self.documents.takes_keys() {
             for action in self.keys.pressed(&ctx, self.state.focus) {
                 self.act(action);
             }
         }
         menus::bar(self, ui);
         menus::status(self, ui);
+        documents::panels(self, ui);
         let mut events = vec![];
         let mut dock = std::mem::replace(&mut self.dock, DockState::new(vec![]));
         let mut tabs = Tabs { editor: self, out: &mut events };
@@ -153,6 +162,7 @@ impl Editor {
         for event in events {
             self.apply(event);
         }
+        documents::after(self, &ctx);
         self.evaluate();
         if self.state.run.since.is_some() {
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
@@ -233,12 +243,28 @@ impl Editor {
                     evaluation.stop();
                 }
             }
+            Event::Documents(event) => self.apply_to_file(event),
             Event::Focus(room) => state.focus = room,
             Event::Show(room) => {
                 rooms::show(&mut self.dock, room);
                 state.focus = room;
             }
         }
+    }
+
+    /// Another document takes the place of this one. The last picture stays until there is one of it.
+    pub(crate) fn replace(&mut self, document: Document, file: OpenFile, history: History) {
+        let state = &mut self.state;
+        let new = State::new(document, file, state.settings.clone());
+        let old = std::mem::replace(state, new);
+        state.history = history;
+        state.revision = old.revision + 1;
+        state.changes = old.changes + 1;
+        (state.shown, state.run) = (old.shown, old.run);
+        (state.notes, state.focus) = (old.notes, old.focus);
+        // Also where evaluation waits for a key, a new document is seen.
+        self.asked = None;
+        self.last_final_ms = 0.0;
     }
 
     fn edit(&mut self, edit: &Edit, nudge: bool) {
@@ -405,7 +431,9 @@ pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
         "coif",
         options,
         Box::new(move |cc| {
-            Ok(Box::new(Window { editor: Editor::new(&cc.egui_ctx, document, file) }))
+            let mut editor = Editor::new(&cc.egui_ctx, document, file);
+            editor.keep_in(&cc.egui_ctx, Places::here());
+            Ok(Box::new(Window { editor }))
         }),
     )
     .map_err(|err| err.to_string())

@@ -22,6 +22,10 @@ pub struct Settings {
     pub samples: u32,
     /// Larger targets, for pens: 32 points instead of 24.
     pub pen_mode: bool,
+    /// A document that has a file is saved by itself after so many minutes with changes; 0: never.
+    pub save_minutes: u32,
+    /// Whether the welcome panel opens with the window.
+    pub welcome: bool,
 }
 
 impl Default for Settings {
@@ -34,6 +38,8 @@ impl Default for Settings {
             trackball: false,
             samples: 32,
             pen_mode: false,
+            save_minutes: 0,
+            welcome: true,
         }
     }
 }

@@ -13,7 +13,6 @@ pub(super) fn show(
     ui: &mut egui::Ui,
     out: &mut Vec<Event>,
 ) {
-    let mut say = |event: FileEvent| out.push(Event::Documents(event));
     for (at, left) in documents.leftovers.iter().enumerate() {
         Panel::top(egui::Id::new(("left", at))).show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
@@ -25,7 +24,7 @@ pub(super) fn show(
                     ("Discard", "Removes it for good", Left::Discard),
                 ] {
                     if ui.button(word).on_hover_text(tip).clicked() {
-                        say(FileEvent::Left(at, answer));
+                        out.push(Event::Documents(FileEvent::Left(at, answer)));
                     }
                 }
             });
@@ -46,7 +45,7 @@ pub(super) fn show(
                     ("Compare", "Lists the nodes that differ", Disk::Compare),
                 ] {
                     if ui.button(word).on_hover_text(tip).clicked() {
-                        say(FileEvent::Disk(answer));
+                        out.push(Event::Documents(FileEvent::Disk(answer)));
                     }
                 }
             });

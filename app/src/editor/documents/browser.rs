@@ -18,6 +18,7 @@ pub(crate) struct Browser {
     typed: String,
     listing: Arc<Mutex<Listing>>,
     fresh: bool,
+    wake: Arc<dyn Fn() + Send + Sync>,
 }
 
 #[derive(Default)]
@@ -41,25 +42,26 @@ pub(crate) enum Outcome {
 
 impl Browser {
     /// A browser for a question.
-    pub(crate) fn new(question: Question, ctx: &egui::Context) -> Self {
+    pub(crate) fn new(question: Question, wake: Arc<dyn Fn() + Send + Sync>) -> Self {
         let folder = std::path::absolute(&question.folder).unwrap_or_default();
         let typed = if question.purpose.saves() { question.name.clone() } else { String::new() };
         let listing = Arc::default();
-        let mut browser = Self { question, folder: PathBuf::new(), typed, listing, fresh: true };
-        browser.enter(folder, ctx);
+        let mut browser =
+            Self { question, folder: PathBuf::new(), typed, listing, fresh: true, wake };
+        browser.enter(folder);
         browser
     }
 
-    fn enter(&mut self, folder: PathBuf, ctx: &egui::Context) {
+    fn enter(&mut self, folder: PathBuf) {
         self.folder.clone_from(&folder);
         self.listing = Arc::default();
-        let (listing, ctx) = (self.listing.clone(), ctx.clone());
+        let (listing, wake) = (self.listing.clone(), self.wake.clone());
         let endings = self.question.purpose.endings().1;
         // Without a thread the list stays empty; the path can be typed.
         let _ = std::thread::Builder::new().name("folder".to_owned()).spawn(move || {
             let read = list(&folder, endings);
             *listing.lock().unwrap_or_else(PoisonError::into_inner) = read;
-            ctx.request_repaint();
+            wake();
         });
     }
 
@@ -149,7 +151,7 @@ impl Browser {
                 });
             });
         if let Some(folder) = enter {
-            self.enter(folder, ctx);
+            self.enter(folder);
         }
         if !open || ctx.input(|input| input.key_pressed(Key::Escape)) {
             outcome = Outcome::Closed;

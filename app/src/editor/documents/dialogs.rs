@@ -190,6 +190,7 @@ pub(crate) mod fake {
     pub(crate) struct Fake {
         pub(crate) answers: Arc<Mutex<Vec<Answer>>>,
         pub(crate) asked: Arc<Mutex<Vec<Question>>>,
+        waits: bool,
     }
 
     impl Fake {
@@ -201,10 +202,12 @@ pub(crate) mod fake {
     impl Dialogs for Fake {
         fn ask(&mut self, question: &Question) {
             self.asked.lock().unwrap().push(question.clone());
+            self.waits = true;
         }
         fn answer(&mut self) -> Option<Answer> {
             let mut answers = self.answers.lock().unwrap();
-            (!answers.is_empty()).then(|| answers.remove(0))
+            let waits = std::mem::take(&mut self.waits);
+            (waits && !answers.is_empty()).then(|| answers.remove(0))
         }
     }
 }

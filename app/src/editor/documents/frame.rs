@@ -4,7 +4,7 @@
 use super::dialogs::{Answer, MESHES};
 use super::export::Ended;
 use super::watch::Change;
-use super::{Browser, Changed, Event, bars, browser, own_head, paths, welcome};
+use super::{Browser, Changed, Event, bars, browser, home, own_head, paths, welcome};
 use crate::editor::Editor;
 use crate::editor::notes::Note;
 use coif_graphs::document::Setting;
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Before the rooms are shown.
 pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
     if ctx.input(|input| input.viewport().close_requested()) && !editor.documents.leaving {
-        editor.apply_to_file(Event::Close, ctx);
+        editor.apply_to_file(Event::Close);
         if !editor.documents.leaving {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
         }
@@ -27,15 +27,15 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
         files.iter().map(|file| file.path().to_owned()).collect()
     });
     for path in dropped {
-        drop_file(editor, &path, ctx);
+        drop_file(editor, &path);
     }
     match editor.documents.dialogs.answer() {
-        Some(Answer::Chosen(path)) => editor.answered(Some(path), ctx),
-        Some(Answer::Nothing) => editor.answered(None, ctx),
+        Some(Answer::Chosen(path)) => editor.answered(Some(path)),
+        Some(Answer::Nothing) => editor.answered(None),
         Some(Answer::NoDialog) => {
             editor.documents.no_dialogs = true;
             if let Some(asking) = &editor.documents.asking {
-                editor.documents.browser = Some(Browser::new(asking.question.clone(), ctx));
+                editor.documents.browser = Some(Browser::new(asking.question.clone(), editor.documents.wake.clone()));
             }
         }
         None => {}
@@ -63,7 +63,7 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
 }
 
 /// A file dropped on the window: a groom is opened, a mesh becomes the head.
-fn drop_file(editor: &mut Editor, path: &Path, ctx: &egui::Context) {
+fn drop_file(editor: &mut Editor, path: &Path) {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let event = match ending.as_str() {
         "ron" => Event::Open(path.to_owned()),
@@ -80,7 +80,7 @@ fn drop_file(editor: &mut Editor, path: &Path, ctx: &egui::Context) {
             return editor.state.notes.say(Note::warning(text));
         }
     };
-    editor.apply_to_file(event, ctx);
+    editor.apply_to_file(event);
 }
 
 fn changed(editor: &mut Editor, change: &Change) {
@@ -123,11 +123,11 @@ pub(crate) fn panels(editor: &mut Editor, ui: &mut egui::Ui) {
     match outcome {
         Some(browser::Outcome::Chosen(path)) => {
             editor.documents.browser = None;
-            editor.answered(Some(path), &ctx);
+            editor.answered(Some(path));
         }
         Some(browser::Outcome::Closed) => {
             editor.documents.browser = None;
-            editor.answered(None, &ctx);
+            editor.answered(None);
         }
         Some(browser::Outcome::Open) | None => {}
     }
@@ -136,6 +136,7 @@ pub(crate) fn panels(editor: &mut Editor, ui: &mut egui::Ui) {
 /// Behind the rooms: what changed becomes safe, and is looked at.
 pub(crate) fn after(editor: &mut Editor, ctx: &egui::Context) {
     own_head::settle(editor);
+    home::heed_settings(editor, ctx);
     save_by_itself(editor, ctx);
     editor.tell_journal();
     let state = &editor.state;

@@ -1,10 +1,10 @@
 //! What a crash leaves: the document as it was, kept by a thread that nobody waits for.
 //!
 //! After every step the editor hands the journal a snapshot (a copy of pointers); the writer turns the newest one into
-//! text and renames it over the one before. What is guaranteed: once [`Journal::written`] has reached the number that
-//! [`Journal::keep`] gave, that document or a newer one is found again, whatever kills the process. The writer never
-//! has more than one document in work and one waiting, so a process that is killed loses at most the steps of the last
-//! two writes, some milliseconds each.
+//! text and renames it over the one before. Guaranteed: once [`Journal::is_done`] says so, the document that was given
+//! last is found again, whatever kills the process; until then a whole earlier one is. The writer has at most one
+//! document in work and one waiting, so a process that is killed loses at most the steps of two writes, some
+//! milliseconds each.
 //!
 //! For when the power fails, the text is then synced, and the newest synced one is kept until the next is: two files a
 //! session. A session is alive while it holds the lock of its own lock file, which the system lets go of however it ends; so
@@ -135,7 +135,7 @@ impl Journal {
         Ok(Self { shared, writer: Some(writer), files, _alive: alive })
     }
 
-    /// Keeps a document instead of the one before. Gives the number by which [`Journal::written`] says that it is safe.
+    /// Keeps a document instead of the one before. Gives its number.
     pub(crate) fn keep(&self, about: About, document: Document) -> u64 {
         self.wish(Wish::Keep(Box::new((about, document))))
     }
@@ -154,8 +154,13 @@ impl Journal {
     }
 
     /// The number of the newest wish that is done.
-    pub(crate) fn written(&self) -> u64 {
+    fn written(&self) -> u64 {
         self.shared.written.load(Ordering::Acquire)
+    }
+
+    /// Whether everything wished for is done.
+    pub(crate) fn is_done(&self) -> bool {
+        self.written() == locked(&self.shared.inbox).number
     }
 
     /// Why the last document could not be kept; told once.

@@ -14,19 +14,28 @@ const MOST_BYTES: u64 = 4 << 20;
 
 /// What a file says, and what to tell when it could not be used. A file that is not there is no trouble.
 pub(crate) fn load<T: DeserializeOwned + Default>(path: &Path) -> (T, Option<String>) {
+    let (read, told) = load_with(path, |text| ron::from_str(text).map_err(|err| err.to_string()));
+    (read.unwrap_or_default(), told)
+}
+
+/// The same for a file that is read in another way; none where there is nothing to be used.
+pub(crate) fn load_with<T>(
+    path: &Path,
+    read: impl FnOnce(&str) -> Result<T, String>,
+) -> (Option<T>, Option<String>) {
     let mut text = String::new();
     let file = match std::fs::File::open(path) {
         Ok(file) => file,
-        Err(err) if err.kind() == std::io::ErrorKind::NotFound => return (T::default(), None),
-        Err(err) => return (T::default(), Some(format!("{}: {err}", path.display()))),
+        Err(err) if err.kind() == std::io::ErrorKind::NotFound => return (None, None),
+        Err(err) => return (None, Some(format!("{}: {err}", path.display()))),
     };
     let damage = match file.take(MOST_BYTES + 1).read_to_string(&mut text) {
         Err(err) if err.kind() == std::io::ErrorKind::InvalidData => "is no text".to_owned(),
-        Err(err) => return (T::default(), Some(format!("{}: {err}", path.display()))),
+        Err(err) => return (None, Some(format!("{}: {err}", path.display()))),
         Ok(_) if text.len() as u64 > MOST_BYTES => "is too large".to_owned(),
-        Ok(_) => match ron::from_str(&text) {
-            Ok(value) => return (value, None),
-            Err(err) => err.to_string(),
+        Ok(_) => match read(&text) {
+            Ok(value) => return (Some(value), None),
+            Err(why) => why,
         },
     };
     let mut aside = path.as_os_str().to_owned();
@@ -35,18 +44,24 @@ pub(crate) fn load<T: DeserializeOwned + Default>(path: &Path) -> (T, Option<Str
         Ok(()) => format!("it was kept as {}", Path::new(&aside).display()),
         Err(err) => format!("it could not be set aside: {err}"),
     };
-    (T::default(), Some(format!("{}: {damage}; defaults are used, {kept}", path.display())))
+    (None, Some(format!("{}: {damage}; defaults are used, {kept}", path.display())))
 }
 
 /// Writes a file, and its folder where there is none.
 pub(crate) fn store<T: Serialize>(path: &Path, value: &T) -> Result<(), String> {
-    let said = |reason: String| format!("{}: {reason}", path.display());
     let style = ron::ser::PrettyConfig::default();
-    let text = ron::ser::to_string_pretty(value, style).map_err(|err| said(err.to_string()))?;
+    let text = ron::ser::to_string_pretty(value, style)
+        .map_err(|err| format!("{}: {err}", path.display()))?;
+    store_text(path, &(text + "\n"))
+}
+
+/// The same for text.
+pub(crate) fn store_text(path: &Path, text: &str) -> Result<(), String> {
+    let said = |reason: String| format!("{}: {reason}", path.display());
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(|err| said(err.to_string()))?;
     }
-    write_text(path, &(text + "\n")).map_err(said)
+    write_text(path, text).map_err(said)
 }
 
 #[cfg(test)]

@@ -34,12 +34,12 @@ pub(super) fn empty_head() -> Document {
 
 impl Editor {
     /// Does what happened to the document as a whole.
-    pub(crate) fn apply_to_file(&mut self, event: Event, ctx: &egui::Context) {
+    pub(crate) fn apply_to_file(&mut self, event: Event) {
         match event {
             Event::New(groom) => self.after_question(Next::New(groom)),
             Event::Open(path) => self.after_question(Next::Open(path)),
             Event::Close => self.after_question(Next::Close),
-            Event::Save => self.save(ctx),
+            Event::Save => self.save(),
             Event::SaveTo(path) => {
                 if self.save_to(&path)
                     && let Some(next) = self.documents.after_save.take()
@@ -47,8 +47,8 @@ impl Editor {
                     self.go_on(next);
                 }
             }
-            Event::Ask(purpose) => self.ask(purpose, None, ctx),
-            Event::Find(node, input) => self.ask(Purpose::Find, Some((node, input)), ctx),
+            Event::Ask(purpose) => self.ask(purpose, None),
+            Event::Find(node, input) => self.ask(Purpose::Find, Some((node, input))),
             Event::Mesh(path) => self.try_mesh(&path),
             Event::Head(choice) => self.head_chosen(choice),
             Event::Export(path) => self.export(path),
@@ -57,7 +57,7 @@ impl Editor {
                     export.stop();
                 }
             }
-            Event::Unsaved(answer) => self.unsaved(answer, ctx),
+            Event::Unsaved(answer) => self.unsaved(answer),
             Event::Disk(answer) => self.changed_on_disk(answer),
             Event::Left(at, answer) => self.left(at, answer),
             Event::Forget(path) => {
@@ -86,14 +86,14 @@ impl Editor {
         }
     }
 
-    fn unsaved(&mut self, answer: Unsaved, ctx: &egui::Context) {
+    fn unsaved(&mut self, answer: Unsaved) {
         let Some(next) = self.documents.unsaved.take() else { return };
         match answer {
             Unsaved::Cancel => {}
             Unsaved::Discard => self.go_on(next),
             Unsaved::Save => {
                 self.documents.after_save = Some(next);
-                self.save(ctx);
+                self.save();
             }
         }
     }
@@ -107,6 +107,14 @@ impl Editor {
             Next::Restore(at) => self.restore(at),
             Next::Close => self.leave(),
         }
+    }
+
+    /// Another document is there, as it was opened or made.
+    fn put(&mut self, document: Document, file: OpenFile, history: History) {
+        self.replace(document, file, history);
+        self.documents.changed = None;
+        self.documents.head = None;
+        self.documents.welcome.is_open = false;
     }
 
     fn begin(&mut self, groom: Option<&'static str>) {
@@ -125,18 +133,17 @@ impl Editor {
                 }
             }
         };
-        self.replace(document, OpenFile::default(), History::new());
-        self.documents.welcome.is_open = false;
+        self.put(document, OpenFile::default(), History::new());
     }
 
     /// Opens a file. Where it cannot be, everything stays as it is and somebody is told why.
     fn open(&mut self, path: &Path) -> bool {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        let shown = path.display();
+        let shown = path.display().to_string();
         let read = read_at_most(&path, MOST_BYTES)
             .map_err(|why| format!("{shown}: {why}"))
             .and_then(|bytes| {
-                let loaded = file::read_bytes(&bytes).map_err(|err| err.of_file(shown))?;
+                let loaded = file::read_bytes(&bytes).map_err(|err| err.of_file(&shown))?;
                 Ok((loaded, hash_of(&bytes)))
             });
         let (loaded, hash) = match read {
@@ -147,16 +154,15 @@ impl Editor {
             }
         };
         for warning in &loaded.warnings {
-            self.state.notes.say(Note::warning(warning.of_file(shown)));
+            self.state.notes.say(Note::warning(warning.of_file(&shown)));
         }
         for comment in &loaded.dropped_comments {
-            let text = format!("{} (saving drops this comment)", comment.of_file(shown));
+            let text = format!("{} (saving drops this comment)", comment.of_file(&shown));
             self.state.notes.say(Note::warning(text));
         }
         self.documents.watch.knows(&path, hash);
         self.remember(&path);
-        self.replace(loaded.document, OpenFile::at(path), History::new());
-        self.documents.welcome.is_open = false;
+        self.put(loaded.document, OpenFile::at(path), History::new());
         true
     }
 
@@ -166,10 +172,10 @@ impl Editor {
         }
     }
 
-    fn save(&mut self, ctx: &egui::Context) {
+    fn save(&mut self) {
         match self.state.file.path.clone() {
-            Some(path) => self.apply_to_file(Event::SaveTo(path), ctx),
-            None => self.ask(Purpose::Save, None, ctx),
+            Some(path) => self.apply_to_file(Event::SaveTo(path)),
+            None => self.ask(Purpose::Save, None),
         }
     }
 
@@ -210,7 +216,7 @@ impl Editor {
         true
     }
 
-    fn ask(&mut self, purpose: Purpose, input: Option<(NodeId, String)>, ctx: &egui::Context) {
+    fn ask(&mut self, purpose: Purpose, input: Option<(NodeId, String)>) {
         let file = &self.state.file;
         let folder = match (&file.path, self.documents.recent.files().first()) {
             (None, Some(last)) => last.parent().map(Path::to_owned).unwrap_or_default(),
@@ -224,7 +230,7 @@ impl Editor {
         let question = Question { purpose, folder, name: format!("{stem}.{ending}") };
         let documents = &mut self.documents;
         if documents.no_dialogs {
-            documents.browser = Some(super::Browser::new(question.clone(), ctx));
+            documents.browser = Some(super::Browser::new(question.clone(), documents.wake.clone()));
         } else {
             documents.dialogs.ask(&question);
         }
@@ -232,7 +238,7 @@ impl Editor {
     }
 
     /// Somebody chose a file, or not.
-    pub(super) fn answered(&mut self, path: Option<PathBuf>, ctx: &egui::Context) {
+    pub(super) fn answered(&mut self, path: Option<PathBuf>) {
         let Some(Asking { question, input }) = self.documents.asking.take() else { return };
         let purpose = question.purpose;
         let Some(path) = path.map(|path| purpose.complete(path)) else {
@@ -240,8 +246,8 @@ impl Editor {
             return;
         };
         match (purpose, input) {
-            (Purpose::Open, _) => self.apply_to_file(Event::Open(path), ctx),
-            (Purpose::Save, _) => self.apply_to_file(Event::SaveTo(path), ctx),
+            (Purpose::Open, _) => self.apply_to_file(Event::Open(path)),
+            (Purpose::Save, _) => self.apply_to_file(Event::SaveTo(path)),
             (Purpose::Export, _) => self.export(path),
             (Purpose::Find, Some((node, input))) => {
                 let name = self.name_for(&path);
@@ -333,8 +339,7 @@ impl Editor {
         let file = left.about.path.clone().map(OpenFile::at).unwrap_or_default();
         let text = format!("restored {}: it is not saved yet", left.about.name);
         // What was restored differs from its file, whatever was done to it since.
-        self.replace(left.document.clone(), file, History::default());
-        self.documents.welcome.is_open = false;
+        self.put(left.document.clone(), file, History::default());
         self.state.notes.say(Note::done(text));
         self.tell_journal();
         if let Some(journal) = &self.documents.journal {
@@ -344,7 +349,7 @@ impl Editor {
 
     /// Hands the document to the journal, when it is another than the last.
     pub(super) fn tell_journal(&mut self) {
-        let (state, documents) = (&self.state, &mut self.documents);
+        let (state, documents) = (&self.state, &self.documents);
         let Some(journal) = &documents.journal else { return };
         if let Some(why) = journal.fault() {
             self.state.notes.say(Note::warning(format!("the last step is not safe: {why}")));

@@ -14,6 +14,7 @@ mod compare;
 pub(crate) mod dialogs;
 mod export;
 mod frame;
+mod home;
 mod journal;
 pub(crate) mod kept;
 mod life;
@@ -28,7 +29,7 @@ mod tests;
 mod watch;
 mod welcome;
 
-use super::notes::Note;
+use super::settings::Settings;
 use browser::Browser;
 use coif_graphs::document::NodeId;
 use dialogs::{Dialogs, Question, System};
@@ -44,7 +45,7 @@ use welcome::Welcome;
 
 pub use compare::{Difference, differences};
 pub use dialogs::Purpose;
-pub(crate) use frame::{before, panels, after};
+pub(crate) use frame::{after, before, panels};
 
 /// Something that happened to a document as a whole.
 #[derive(Clone, Debug)]
@@ -175,6 +176,8 @@ pub struct Documents {
     head: Option<OwnHead>,
     welcome: Welcome,
     title: String,
+    /// The settings that the window has, and that are kept.
+    settings: Option<Settings>,
     /// When the document was saved or changed last, for saving by itself; seconds of the window.
     saved_at: f64,
     /// Nothing keeps the window from closing any more.
@@ -206,34 +209,21 @@ impl Documents {
             head: None,
             welcome: Welcome::default(),
             title: String::new(),
+            settings: None,
             saved_at: 0.0,
             leaving: false,
             wake,
         }
     }
 
-    /// Keeps recent files and a journal from now on, and offers what other sessions left. Gives what there is to tell.
-    fn settle(&mut self, home: Places) -> Vec<Note> {
-        let mut notes = vec![];
-        let (recent, damage) = Recent::load(home.recent());
-        notes.extend(damage.map(Note::warning));
-        self.recent = recent;
-        let recovery = home.recovery();
-        self.leftovers = journal::leftovers(&recovery);
-        match Journal::open(&recovery) {
-            Ok(journal) => self.journal = Some(journal),
-            Err(err) => notes.push(Note::warning(format!(
-                "nothing can be recovered after a crash: {}: {err}",
-                recovery.display()
-            ))),
-        }
-        self.home = Some(home);
-        notes
-    }
-
     /// Whether something is open that takes the keys.
     pub(crate) fn takes_keys(&self) -> bool {
         self.unsaved.is_some() || self.browser.is_some()
+    }
+
+    /// Whether the document would be found again as it is now, whatever ended the process.
+    pub fn is_safe(&self) -> bool {
+        self.journal.as_ref().is_some_and(|journal| journal.is_done())
     }
 
     /// Whether the present file was changed by others and nothing was decided.

@@ -219,9 +219,10 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
                         placing.scale = if found { 0.0 } else { scale_now(head, state) };
                     }
                     if !found {
+                        let speed = placing.scale * 0.01;
                         let field = DragValue::new(&mut placing.scale)
                             .range(1e-6..=1e6)
-                            .speed(placing.scale * 0.01)
+                            .speed(speed)
                             .suffix(" cm a unit");
                         drags |= ui.add(field).dragged();
                     }

@@ -8,21 +8,21 @@ use std::path::{Path, PathBuf};
 
 /// The program's own folders.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Places {
+pub struct Places {
     /// What people set: settings, keys, layout.
-    pub(crate) config: PathBuf,
+    pub config: PathBuf,
     /// What the program remembers: recent files, recovery.
-    pub(crate) state: PathBuf,
+    pub state: PathBuf,
 }
 
 impl Places {
     /// Those of this machine and person.
-    pub(crate) fn here() -> Self {
+    pub fn here() -> Self {
         Self::of(cfg!(windows), cfg!(target_os = "macos"), |name| std::env::var_os(name))
     }
 
     /// Everything under one folder.
-    pub(crate) fn under(home: &Path) -> Self {
+    pub fn under(home: &Path) -> Self {
         Self { config: home.to_owned(), state: home.to_owned() }
     }
 
@@ -54,6 +54,14 @@ impl Places {
     /// What people set.
     pub(crate) fn settings(&self) -> PathBuf {
         self.config.join("settings.ron")
+    }
+    /// How rooms are docked.
+    pub(crate) fn layout(&self) -> PathBuf {
+        self.config.join("layout.ron")
+    }
+    /// A person's own keys.
+    pub(crate) fn keys(&self) -> PathBuf {
+        self.config.join("keys.ron")
     }
     /// Files that were open lately.
     pub(crate) fn recent(&self) -> PathBuf {

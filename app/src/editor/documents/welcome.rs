@@ -5,6 +5,7 @@ use super::dialogs::Purpose;
 use super::recent::Recent;
 use super::Event as FileEvent;
 use crate::editor::event::Event;
+use crate::editor::settings::Settings;
 use crate::editor::state::State;
 use coif_graphs::grooms;
 use egui::{Align, Button, ColorImage, Image, Layout, RichText, ScrollArea, TextureHandle, Vec2};
@@ -44,8 +45,9 @@ pub(super) fn window(
     if !welcome.is_open {
         return;
     }
-    let mut say = |event: FileEvent| out.push(Event::Documents(event));
-    let mut open = true;
+    let mut said = vec![];
+    let mut say = |event: FileEvent| said.push(event);
+    let (mut open, mut shows) = (true, state.settings.welcome);
     egui::Window::new("Welcome")
         .id("welcome".into())
         .open(&mut open)
@@ -81,15 +83,13 @@ pub(super) fn window(
                 });
             });
             ui.separator();
-            let mut shows = state.settings.welcome;
-            if ui.checkbox(&mut shows, "Show this at every start").changed() {
-                let settings = crate::editor::settings::Settings {
-                    welcome: shows,
-                    ..state.settings.clone()
-                };
-                out.push(Event::Settings(Box::new(settings)));
-            }
+            ui.checkbox(&mut shows, "Show this at every start");
         });
+    out.extend(said.into_iter().map(Event::Documents));
+    if shows != state.settings.welcome {
+        let settings = Settings { welcome: shows, ..state.settings.clone() };
+        out.push(Event::Settings(Box::new(settings)));
+    }
     if !open {
         out.push(Event::Documents(FileEvent::Welcome(false)));
     }
