@@ -1,5 +1,7 @@
 //! What whole-program tests share: the program itself, the heads they run on, and how they say that they cannot run.
 
+pub mod screen;
+
 use coif_graphs::document::{Setting, Socket};
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;

@@ -103,7 +103,8 @@ impl Editor {
             forced: false,
             now: 0.0,
             nudged: f64::NEG_INFINITY,
-            last_final_ms: 0.0,
+            // Nothing is known yet: a preview comes first.
+            last_final_ms: f64::INFINITY,
         }
     }
 

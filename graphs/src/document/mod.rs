@@ -19,11 +19,13 @@ pub mod edit;
 pub mod graph;
 pub mod history;
 mod layout;
+pub mod part;
 pub mod strokes;
 mod suggest;
 #[cfg(test)]
 pub(crate) mod testing;
 pub mod values;
+pub mod wiring;
 
 pub use layout::{Frame, LONGEST_NAME, SavedView};
 

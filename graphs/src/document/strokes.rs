@@ -9,6 +9,11 @@ use coif_nodes::maths::hash::KeyBuilder;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
+pub mod cvs;
+#[cfg(test)]
+mod tests;
+pub mod whole;
+
 /// How far the kept stroke may lie from the pen's samples, absolute, in head units (cm): a fifth of
 /// a millimetre is a few hair widths and under the tremor of a hand. Larger shows as corners in
 /// cornrows; smaller keeps tremor and costs bytes.
@@ -155,122 +160,4 @@ fn misfit(a: &Sample, b: &Sample, s: &Sample) -> f32 {
     let pressure = (a.pressure + (b.pressure - a.pressure) * t - s.pressure).abs();
     let tilt = (a.tilt + (b.tilt - a.tilt) * t - s.tilt).abs().max_element();
     (off / SHARE).max(pressure / PRESSURE_TOLERANCE).max(tilt / TILT_TOLERANCE)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::testing::Random;
-    use super::*;
-
-    fn distance(p: Vec3, path: &[Sample]) -> f32 {
-        let to = |a: Vec3, b: Vec3| {
-            let span = b - a;
-            let t = if span.length_squared() > 0.0 {
-                (p - a).dot(span) / span.length_squared()
-            } else {
-                0.0
-            };
-            (a + span * t.clamp(0.0, 1.0)).distance(p)
-        };
-        let ends = path.windows(2).map(|w| to(w[0].position, w[1].position));
-        ends.fold(path[0].position.distance(p), f32::min)
-    }
-
-    #[test]
-    fn a_finished_stroke_is_within_tolerance_of_every_sample_and_much_shorter() {
-        let (mut worst, mut given, mut kept) = (0.0f32, 0, 0);
-        for seed in 0..40 {
-            let samples = Random::new(seed).pen(300);
-            let stroke = finish(&samples, &Strokes::default()).unwrap();
-            given += samples.len();
-            kept += stroke.samples.len();
-            for sample in &samples {
-                worst = worst.max(distance(sample.position, &stroke.samples));
-            }
-        }
-        assert!(worst <= TOLERANCE, "{worst}");
-        assert!(kept * 3 < given, "{kept} of {given}");
-    }
-
-    #[test]
-    fn a_wrist_that_turns_keeps_few_samples_and_its_tilt() {
-        let line = |tilt: fn(f32) -> f32| {
-            let sample = |k: usize| Sample {
-                position: Vec3::X * k as f32 * 0.1,
-                tilt: Vec2::new(0.3, tilt(k as f32 / 99.0)),
-                ..Sample::default()
-            };
-            let samples: Vec<Sample> = (0..100).map(sample).collect();
-            finish(&samples, &Strokes::default()).unwrap().samples
-        };
-        assert_eq!(line(|t| if t > 0.5 { 0.05 } else { 0.0 }).len(), 2);
-        let bent = line(|t| (t - 0.5).abs());
-        assert_eq!(bent.len(), 3);
-        assert!((bent[0].tilt - Vec2::new(0.3, 0.5)).abs().max_element() < 0.01);
-    }
-
-    #[test]
-    fn the_grid_holds_what_is_on_it() {
-        let mut random = Random::new(9);
-        for _ in 0..20_000 {
-            let mut at = |most: f32| (random.unit() - 0.5) * 2.0 * most;
-            let (x, y, z) = (at(60.0), at(1.0), at(1e5));
-            let sample = Sample {
-                position: Vec3::new(x, y, z),
-                pressure: random.unit(),
-                time: random.number(),
-                tilt: Vec2::new(random.unit() * 3.0 - 1.5, -random.unit()),
-            };
-            let once = Steps::of(&sample).sample();
-            assert_eq!(Steps::of(&once).sample(), once);
-            assert!(
-                (once.position.x - x).abs() < 0.00501
-                    && (once.pressure - sample.pressure).abs() < 0.002
-            );
-        }
-    }
-
-    #[test]
-    fn strokes_on_the_grid_are_shared_and_others_brought_there() {
-        let strokes = Arc::new(Random::new(4).strokes());
-        assert!(Arc::ptr_eq(&strokes, &on_the_grid(strokes.clone())));
-        let mut off = (*strokes).clone();
-        let drawn = Random::new(4).pen(5);
-        off.0.push(Stroke { id: 1, samples: vec![Sample::default()], drawn });
-        let on = on_the_grid(Arc::new(off));
-        assert_ne!(on.0.last().map(|stroke| &stroke.drawn), Some(&Random::new(4).pen(5)));
-        assert!(Arc::ptr_eq(&on, &on_the_grid(on.clone())));
-    }
-
-    #[test]
-    fn degenerate_strokes_have_an_answer() {
-        let none = Strokes::default();
-        assert_eq!(finish(&[], &none), None);
-        let bad = Sample { tilt: Vec2::NAN, ..Sample::default() };
-        assert_eq!(finish(&[bad], &none), None);
-        let dot = Sample { position: Vec3::ONE, pressure: 0.5, ..Sample::default() };
-        let one = finish(&[dot, bad], &none).unwrap();
-        assert_eq!(one.samples, [dot]);
-        // A pen that rests keeps its ends only.
-        let rest: Vec<Sample> = (0..9).map(|k| Sample { time: k as f32 * 0.5, ..dot }).collect();
-        let rested = finish(&rest, &none).unwrap();
-        assert_eq!(rested.samples.len(), 2);
-        let position = Vec3::splat(f32::MAX);
-        let huge = Sample { position, pressure: 9.0, time: -1.0, tilt: Vec2::splat(-3.0) };
-        let sample = finish(&[huge], &none).unwrap().samples[0];
-        assert_eq!((sample.position.x, sample.pressure, sample.time), (1e5, 1.0, 0.0));
-        assert_eq!(sample.tilt, Vec2::NEG_ONE);
-    }
-
-    #[test]
-    fn ids_differ_within_a_list_and_are_the_same_in_a_replay() {
-        let samples = Random::new(2).pen(30);
-        let mut strokes = Strokes::default();
-        for _ in 0..5 {
-            let stroke = finish(&samples, &strokes).unwrap();
-            assert_eq!(stroke, finish(&samples, &strokes).unwrap());
-            strokes.0.push(stroke);
-        }
-        assert_eq!(strokes.fault(), None);
-    }
 }

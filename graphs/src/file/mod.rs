@@ -81,6 +81,19 @@ pub fn write(document: &Document) -> String {
     write::write(document)
 }
 
+/// Writes nodes and their wires, as they are copied.
+pub(crate) fn write_part(part: &Document) -> String {
+    write::write_part(part)
+}
+
+/// Reads what [`write_part`] wrote, or a whole groom.
+pub(crate) fn read_part(text: &str) -> Result<Loaded, FileError> {
+    read::read_part(text)
+}
+
+/// The format of copied nodes.
+const PART: u32 = 1;
+
 /// Saves a document so that a crash leaves the old file or the new one: written beside it, synced,
 /// renamed.
 pub fn save(document: &Document, path: &Path) -> io::Result<()> {

@@ -1,7 +1,7 @@
 //! Text to documents: the structs of format 1, and their conversion.
 
 use super::scan::{Scan, error_at, errors_at, scan, trimmed};
-use super::{FORMAT, FileError, Loaded, read_value, upgrade};
+use super::{FORMAT, FileError, Loaded, PART, read_value, upgrade};
 use crate::document::graph::short;
 use crate::document::{Document, Frame, Node, NodeId, Place, Point, SavedView, Setting, Socket};
 use coif_nodes::define::NodeDef;
@@ -21,7 +21,7 @@ const DEEPEST: usize = 64;
 /// What of it is left within the value of an input.
 const DEEPEST_VALUE: usize = DEEPEST - 8;
 
-#[derive(serde::Deserialize)]
+#[derive(Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, rename = "Groom")]
 struct FileGroom<'a> {
     format: u32,
@@ -45,6 +45,23 @@ struct FileGroom<'a> {
     collapsed: Vec<String>,
     #[serde(default)]
     views: Entries<String, FileView>,
+    #[serde(default)]
+    layout: Entries<NodeId, (f32, f32)>,
+}
+
+/// Nodes as they are copied.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Nodes")]
+struct FilePart<'a> {
+    coif_nodes: u32,
+    #[serde(borrow, default)]
+    nodes: Entries<NodeId, FileNode<'a>>,
+    #[serde(default)]
+    links: Entries<Socket, FileWires>,
+    #[serde(default)]
+    bends: Entries<Socket, Vec<Vec<(f32, f32)>>>,
+    #[serde(default)]
+    collapsed: Vec<String>,
     #[serde(default)]
     layout: Entries<NodeId, (f32, f32)>,
 }
@@ -185,7 +202,7 @@ pub(super) fn in_words(err: &ron::Error) -> String {
 pub(super) fn read(text: &str) -> Result<Loaded, FileError> {
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
     refuse_conflicts(text)?;
-    match parse(text) {
+    match parse::<FileGroom>(text) {
         Ok(groom) if groom.format == FORMAT => Ok(convert(text, groom)),
         parsed => match upgrade::format_of(text) {
             Some((format, at)) if format > FORMAT => Err(error_at(
@@ -208,6 +225,38 @@ pub(super) fn read(text: &str) -> Result<Loaded, FileError> {
     }
 }
 
+/// Reads copied nodes, or a whole groom.
+pub(super) fn read_part(text: &str) -> Result<Loaded, FileError> {
+    let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
+    refuse_conflicts(text)?;
+    let said = scan(text).values;
+    if said.contains_key(&Place::Field("format".to_owned())) {
+        return read(text);
+    }
+    let Some(at) = said.get(&Place::Field("coif_nodes".to_owned())) else {
+        let message = "these are no nodes: they begin with `(coif_nodes: 1`".to_owned();
+        return Err(error_at(text, 0, message));
+    };
+    let digits = text[*at..].split(|c: char| !c.is_ascii_digit()).next().unwrap_or_default();
+    if digits.parse::<u32>().is_ok_and(|format| format > PART) {
+        let message = format!(
+            "the nodes have format {digits}, this version reads up to {PART}: paste them into a newer coif"
+        );
+        return Err(error_at(text, *at, message));
+    }
+    let FilePart { coif_nodes, nodes, links, bends, collapsed, layout } = parse(text)?;
+    let groom = FileGroom {
+        format: coif_nodes,
+        nodes,
+        links,
+        bends,
+        collapsed,
+        layout,
+        ..FileGroom::default()
+    };
+    Ok(convert(text, groom))
+}
+
 /// Reads what an upgrade made. Places in it mean nothing to the user, who has the old file.
 fn read_upgraded(old: &str, new: &str, format: u32, at: usize) -> Result<Loaded, FileError> {
     let here = |message: String| error_at(old, at, format!("read as format {format}: {message}"));
@@ -226,7 +275,7 @@ fn read_upgraded(old: &str, new: &str, format: u32, at: usize) -> Result<Loaded,
     Ok(loaded)
 }
 
-fn parse(text: &str) -> Result<FileGroom<'_>, FileError> {
+fn parse<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, FileError> {
     if trimmed_start(text).starts_with('#') {
         let message = "a groom has no #![...] attributes: remove this line".to_owned();
         return Err(error_at(text, text.len() - trimmed_start(text).len(), message));

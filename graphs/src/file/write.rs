@@ -1,18 +1,17 @@
 //! Documents to text.
 
-use super::FORMAT;
 use super::values::{new_line, quoted, write_to};
+use super::{FORMAT, PART};
 use crate::document::{Document, Node, NodeId, Place, Point, SavedView, Setting};
 use std::fmt::Write as _;
 
 pub(super) fn write(document: &Document) -> String {
-    let mut out = Writer { out: String::new(), document, indent: 0 };
+    let mut out = Writer { out: String::new(), document, indent: 4 };
     for line in document.comments.get(&Place::Top).into_iter().flatten() {
         out.out.push_str(line);
         out.out.push('\n');
     }
     out.out.push('(');
-    out.indent = 4;
     out.field("format", |out| out.text(&FORMAT.to_string()));
     out.field("title", |out| out.quoted(&document.title));
     if !document.note.is_empty() {
@@ -22,97 +21,15 @@ pub(super) fn write(document: &Document) -> String {
     if let Some(id) = &document.display {
         out.field("display", |out| out.quoted(id.as_str()));
     }
-    out.field("nodes", |out| {
-        let nodes = document.nodes.iter();
-        out.map(
-            nodes.map(|(id, node)| (Place::Node(id.clone()), (id, node))),
-            |out, (id, node)| {
-                out.quoted(id.as_str());
-                out.text(": ");
-                out.node(id, node);
-            },
-        );
-    });
-    if !document.links.is_empty() {
-        out.field("links", |out| {
-            let links = document.links.iter();
-            let links = links.map(|(to, from)| (Place::Link(to.clone()), (to, from)));
-            out.map(links, |out, (to, from)| {
-                out.quoted(&to.to_string());
-                out.text(": ");
-                out.wires(from);
-            });
-        });
-    }
-    if !document.frames.is_empty() {
-        out.field("frames", |out| {
-            let frames = document.frames.iter();
-            let frames = frames.map(|(name, frame)| (Place::Frame(name.clone()), (name, frame)));
-            out.map(frames, |out, (name, frame)| {
-                out.quoted(name);
-                out.text(": (at: ");
-                out.point(frame.at);
-                out.text(", size: ");
-                out.point(frame.size);
-                if !frame.text.is_empty() {
-                    out.text(", text: ");
-                    out.quoted(&frame.text);
-                }
-                if frame.colour != 0 {
-                    out.text(&format!(", colour: {}", frame.colour));
-                }
-                out.text(")");
-            });
-        });
-    }
-    if !document.bends.is_empty() {
-        out.field("bends", |out| {
-            let bends = document.bends.iter();
-            let bends = bends.map(|(to, bends)| (Place::Bends(to.clone()), (to, bends)));
-            out.map(bends, |out, (to, bends)| {
-                out.quoted(&to.to_string());
-                out.text(": ");
-                out.list(bends, |out, wire| out.list(wire, |out, point| out.point(*point)));
-            });
-        });
-    }
-    if !document.collapsed.is_empty() {
-        out.field("collapsed", |out| {
-            let nodes = document.collapsed.iter();
-            let nodes = nodes.map(|id| (Place::Collapsed(id.clone()), id));
-            out.block(['[', ']'], nodes, |out, id| out.quoted(id.as_str()));
-        });
-    }
-    if !document.views.is_empty() {
-        out.field("views", |out| {
-            let views = document.views.iter();
-            let views = views.map(|(name, view)| (Place::View(name.clone()), (name, view)));
-            out.map(views, |out, (name, view)| {
-                out.quoted(name);
-                let SavedView { eye, target, up, focal_mm, orthographic } = view;
-                for (open, [x, y, z]) in [(": (eye", eye), (", target", target), (", up", up)] {
-                    let _ = write!(out.out, "{open}: ({x:?}, {y:?}, {z:?})");
-                }
-                let _ = write!(out.out, ", focal_mm: {focal_mm:?}");
-                if let Some(height) = orthographic {
-                    let _ = write!(out.out, ", orthographic: {height:?}");
-                }
-                out.text(")");
-            });
-        });
-    }
-    if !document.layout.is_empty() {
-        out.field("layout", |out| {
-            let layout = document.layout.iter();
-            let layout = layout.map(|(id, at)| (Place::Layout(id.clone()), (id, at)));
-            out.map(layout, |out, (id, at)| {
-                out.quoted(id.as_str());
-                out.text(": ");
-                out.point(*at);
-            });
-        });
-    }
-    out.out.push_str("\n)\n");
+    out.nodes_and_more();
+    out.out
+}
+
+/// Nodes and their wires, as they are copied.
+pub(super) fn write_part(part: &Document) -> String {
+    let mut out = Writer { out: "(".to_owned(), document: part, indent: 4 };
+    out.field("coif_nodes", |out| out.text(&PART.to_string()));
+    out.nodes_and_more();
     out.out
 }
 
@@ -123,6 +40,103 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
+    /// All fields from the nodes on, and the end.
+    fn nodes_and_more(&mut self) {
+        let document = self.document;
+        let out = self;
+        out.field("nodes", |out| {
+            let nodes = document.nodes.iter();
+            out.map(
+                nodes.map(|(id, node)| (Place::Node(id.clone()), (id, node))),
+                |out, (id, node)| {
+                    out.quoted(id.as_str());
+                    out.text(": ");
+                    out.node(id, node);
+                },
+            );
+        });
+        if !document.links.is_empty() {
+            out.field("links", |out| {
+                let links = document.links.iter();
+                let links = links.map(|(to, from)| (Place::Link(to.clone()), (to, from)));
+                out.map(links, |out, (to, from)| {
+                    out.quoted(&to.to_string());
+                    out.text(": ");
+                    out.wires(from);
+                });
+            });
+        }
+        if !document.frames.is_empty() {
+            out.field("frames", |out| {
+                let frames = document.frames.iter();
+                let frames =
+                    frames.map(|(name, frame)| (Place::Frame(name.clone()), (name, frame)));
+                out.map(frames, |out, (name, frame)| {
+                    out.quoted(name);
+                    out.text(": (at: ");
+                    out.point(frame.at);
+                    out.text(", size: ");
+                    out.point(frame.size);
+                    if !frame.text.is_empty() {
+                        out.text(", text: ");
+                        out.quoted(&frame.text);
+                    }
+                    if frame.colour != 0 {
+                        out.text(&format!(", colour: {}", frame.colour));
+                    }
+                    out.text(")");
+                });
+            });
+        }
+        if !document.bends.is_empty() {
+            out.field("bends", |out| {
+                let bends = document.bends.iter();
+                let bends = bends.map(|(to, bends)| (Place::Bends(to.clone()), (to, bends)));
+                out.map(bends, |out, (to, bends)| {
+                    out.quoted(&to.to_string());
+                    out.text(": ");
+                    out.list(bends, |out, wire| out.list(wire, |out, point| out.point(*point)));
+                });
+            });
+        }
+        if !document.collapsed.is_empty() {
+            out.field("collapsed", |out| {
+                let nodes = document.collapsed.iter();
+                let nodes = nodes.map(|id| (Place::Collapsed(id.clone()), id));
+                out.block(['[', ']'], nodes, |out, id| out.quoted(id.as_str()));
+            });
+        }
+        if !document.views.is_empty() {
+            out.field("views", |out| {
+                let views = document.views.iter();
+                let views = views.map(|(name, view)| (Place::View(name.clone()), (name, view)));
+                out.map(views, |out, (name, view)| {
+                    out.quoted(name);
+                    let SavedView { eye, target, up, focal_mm, orthographic } = view;
+                    for (open, [x, y, z]) in [(": (eye", eye), (", target", target), (", up", up)] {
+                        let _ = write!(out.out, "{open}: ({x:?}, {y:?}, {z:?})");
+                    }
+                    let _ = write!(out.out, ", focal_mm: {focal_mm:?}");
+                    if let Some(height) = orthographic {
+                        let _ = write!(out.out, ", orthographic: {height:?}");
+                    }
+                    out.text(")");
+                });
+            });
+        }
+        if !document.layout.is_empty() {
+            out.field("layout", |out| {
+                let layout = document.layout.iter();
+                let layout = layout.map(|(id, at)| (Place::Layout(id.clone()), (id, at)));
+                out.map(layout, |out, (id, at)| {
+                    out.quoted(id.as_str());
+                    out.text(": ");
+                    out.point(*at);
+                });
+            });
+        }
+        out.text("\n)\n");
+    }
     fn text(&mut self, text: &str) {
         self.out.push_str(text);
     }

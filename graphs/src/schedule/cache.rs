@@ -8,6 +8,27 @@ use coif_nodes::eval::Kept;
 use coif_nodes::maths::hash::Key;
 use std::collections::{BTreeMap, HashMap};
 
+/// The most that a cache takes by itself.
+const MOST: u64 = 2 << 30;
+
+/// The budget of an editor's cache in bytes: a quarter of the machine's memory, at most 2 GiB, and 1 GiB
+/// where the system does not say how much there is.
+pub fn usual_budget() -> usize {
+    let memory = std::fs::read_to_string("/proc/meminfo").ok();
+    budget_of(memory.and_then(|text| bytes_of(&text)))
+}
+
+fn budget_of(memory: Option<u64>) -> usize {
+    usize::try_from(memory.map_or(1 << 30, |bytes| bytes / 4).min(MOST)).unwrap_or(usize::MAX)
+}
+
+/// All memory, as Linux tells of it.
+fn bytes_of(meminfo: &str) -> Option<u64> {
+    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
+    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    kib.checked_mul(1024)
+}
+
 /// Results by key.
 #[derive(Default)]
 pub struct Cache {
@@ -33,6 +54,10 @@ impl Cache {
     /// Bytes held, as stated.
     pub fn bytes(&self) -> usize {
         self.bytes
+    }
+    /// The most bytes that it may hold.
+    pub fn budget(&self) -> usize {
+        self.budget
     }
     /// Whether anything can be kept.
     pub fn is_off(&self) -> bool {
@@ -72,6 +97,17 @@ impl Cache {
 mod tests {
     use super::*;
     use std::sync::Arc;
+
+    #[test]
+    fn the_budget_is_a_quarter_of_memory_and_at_most_2_gib() {
+        let said = |text: &str| budget_of(bytes_of(text));
+        assert_eq!(said("MemTotal:        4194304 kB\nMemFree: 1 kB"), 1 << 30);
+        assert_eq!(said("MemTotal: 999999999 kB"), 2 << 30);
+        for text in ["", "MemTotal: lots", "MemTotal: 99999999999999999999 kB"] {
+            assert_eq!(said(text), 1 << 30, "{text}");
+        }
+        assert!(usual_budget() > 0);
+    }
 
     #[test]
     fn the_least_recently_used_goes_first_and_the_budget_holds() {

@@ -5,7 +5,7 @@
 
 use super::files::Files;
 use super::plan::{Plan, Source, Step};
-use crate::document::{Document, NodeId, Setting, Socket};
+use crate::document::{Document, NodeId, Setting, Socket, graph};
 use coif_nodes::define::{Arity, Type, Value};
 use coif_nodes::eval::Quality;
 use std::collections::BTreeMap;
@@ -35,91 +35,65 @@ pub fn plan(
     quality: Quality,
     files: &dyn Files,
 ) -> Result<Plan, BadRequest> {
-    let mut order = Order { document, numbers: BTreeMap::new(), order: vec![] };
-    for target in targets {
-        order.visit(&target.node)?;
+    let (plan, refused) = plan_possible(document, targets, quality, files);
+    match refused.into_iter().flatten().next() {
+        Some(bad) => Err(bad),
+        None => Ok(plan),
     }
-    let Order { numbers, order, .. } = order;
-    let number = |id: &NodeId| match numbers.get(id) {
-        Some(Some(number)) => Ok(*number),
-        _ => Err(bad(id, "is wired in a circle")),
+}
+
+/// The plan that gives as many of `targets` as can be given, in their order, and for each target why it
+/// cannot, or none where it is in the plan. For the editor, where a broken node aside does not stop
+/// the display.
+pub fn plan_possible(
+    document: &Document,
+    targets: &[Socket],
+    quality: Quality,
+    files: &dyn Files,
+) -> (Plan, Vec<Option<BadRequest>>) {
+    let mut planner = Planner { document, files, known: BTreeMap::new(), steps: vec![] };
+    let found: Vec<Result<(usize, usize), BadRequest>> =
+        targets.iter().map(|target| planner.target(target)).collect();
+    let mut plan = Plan {
+        seed: document.seed,
+        quality,
+        steps: planner.steps,
+        targets: found.iter().flatten().copied().collect(),
     };
-    let output = |socket: &Socket| {
-        let step = number(&socket.node)?;
-        let node = &document.nodes[&socket.node];
-        let def =
-            coif_nodes::by_id(&node.kind).ok_or_else(|| unknown_kind(&socket.node, &node.kind))?;
-        let found = def.output(&socket.name).ok_or_else(|| {
-            let known: Vec<&str> = def.outputs.iter().map(|o| o.name).collect();
-            bad(
-                &socket.node,
-                format!(
-                    "has no output {:?}; a {} gives {}",
-                    &*socket.name,
-                    def.id,
-                    known.join(", ")
-                ),
-            )
-        })?;
-        Ok((step, found.0, found.1.ty))
-    };
-    let mut steps = vec![];
-    for id in &order {
-        let node = &document.nodes[id];
-        let def = coif_nodes::by_id(&node.kind).ok_or_else(|| unknown_kind(id, &node.kind))?;
-        let mut inputs: Vec<Vec<Source>> = vec![vec![]; def.inputs.len()];
-        for (name, setting) in &node.inputs {
-            let (at, input) = def.input(name).ok_or_else(|| unknown_input(id, def, name))?;
-            let value = match setting {
-                Setting::Known(value) => value.clone(),
-                Setting::Raw(text) => {
-                    return Err(bad(id, format!("{name}: {text} is no {}", input.ty.name())));
+    if plan.targets.len() < targets.len() {
+        drop_unneeded(&mut plan);
+    }
+    (plan, found.into_iter().map(Result::err).collect())
+}
+
+/// Leaves the steps that targets need.
+fn drop_unneeded(plan: &mut Plan) {
+    let mut needed = vec![false; plan.steps.len()];
+    plan.targets.iter().for_each(|(step, _)| needed[*step] = true);
+    // From the last on: a step's wires lead to earlier ones only.
+    for i in (0..plan.steps.len()).rev() {
+        if needed[i] {
+            for source in plan.steps[i].inputs.iter().flatten() {
+                if let Source::Wire { step, .. } = source {
+                    needed[*step] = true;
                 }
-            };
-            if let Some(fault) = value.fault() {
-                return Err(bad(id, format!("{name}: {fault}")));
-            }
-            inputs[at] = match (input.ty, &value) {
-                (Type::File, Value::Text(path)) if path.is_empty() => vec![],
-                (Type::File, Value::Text(path)) => {
-                    let file = files
-                        .read(path)
-                        .map_err(|reason| bad(id, format!("{name}: {path}: {reason}")))?;
-                    vec![Source::Value(Value::File(file))]
-                }
-                _ => vec![Source::Value(value)],
-            };
-        }
-        for (to, from) in document.links.iter().filter(|(to, _)| to.node == *id) {
-            let (at, input) =
-                def.input(&to.name).ok_or_else(|| unknown_input(id, def, &to.name))?;
-            if input.arity != Arity::Many && from.len() > 1 {
-                return Err(bad(id, format!("{} takes one wire, not {}", to.name, from.len())));
-            }
-            inputs[at].clear();
-            for socket in from {
-                let (step, output, ty) = output(socket)?;
-                if !ty.fits(input.ty) {
-                    return Err(bad(
-                        id,
-                        format!(
-                            "{} takes {}, but {socket} gives {}",
-                            to.name,
-                            input.ty.name(),
-                            ty.name()
-                        ),
-                    ));
-                }
-                inputs[at].push(Source::Wire { step, output });
             }
         }
-        steps.push(Step { name: id.to_string(), def, bypass: node.bypass, inputs });
     }
-    let targets = targets
-        .iter()
-        .map(|target| output(target).map(|(step, output, _)| (step, output)))
-        .collect::<Result<_, _>>()?;
-    Ok(Plan { seed: document.seed, quality, steps, targets })
+    let mut numbers = vec![0; plan.steps.len()];
+    let mut count = 0;
+    for (number, _) in numbers.iter_mut().zip(&needed).filter(|(_, needed)| **needed) {
+        *number = count;
+        count += 1;
+    }
+    let steps = std::mem::take(&mut plan.steps).into_iter().zip(needed);
+    plan.steps = steps.filter(|(_, needed)| *needed).map(|(step, _)| step).collect();
+    for source in plan.steps.iter_mut().flat_map(|step| &mut step.inputs).flatten() {
+        if let Source::Wire { step, .. } = source {
+            *step = numbers[*step];
+        }
+    }
+    plan.targets.iter_mut().for_each(|(step, _)| *step = numbers[*step]);
 }
 
 fn unknown_kind(id: &NodeId, kind: &str) -> BadRequest {
@@ -131,43 +105,224 @@ fn unknown_input(id: &NodeId, def: &coif_nodes::define::NodeDef, name: &str) -> 
     bad(id, format!("has no input {name:?}; a {} has {}", def.id, known.join(", ")))
 }
 
-/// Nodes in an order in which each comes after what it reads.
-struct Order<'a> {
-    document: &'a Document,
-    /// None while a node's sources are visited: meeting it again is a circle.
-    numbers: BTreeMap<NodeId, Option<usize>>,
-    order: Vec<NodeId>,
+/// What is known of a node.
+enum Known {
+    /// Its sources are looked at: meeting it again is a circle.
+    Visited,
+    /// It is this step.
+    Step(usize),
+    /// It cannot be, or something that it needs cannot.
+    Bad(BadRequest),
 }
 
-impl Order<'_> {
+/// Steps in an order in which each comes after what it reads.
+struct Planner<'a> {
+    document: &'a Document,
+    files: &'a dyn Files,
+    known: BTreeMap<NodeId, Known>,
+    steps: Vec<Step>,
+}
+
+impl Planner<'_> {
+    /// Step and output of a target, planned with all that it needs.
+    fn target(&mut self, target: &Socket) -> Result<(usize, usize), BadRequest> {
+        self.visit(&target.node);
+        self.output(target).map(|(step, output, _)| (step, output))
+    }
+
     /// Walks upstream without recursion: a chain may be as long as a document allows.
-    fn visit(&mut self, target: &NodeId) -> Result<(), BadRequest> {
+    fn visit(&mut self, target: &NodeId) {
         let mut stack = vec![(target.clone(), false)];
         while let Some((id, sources_done)) = stack.pop() {
             if sources_done {
-                self.numbers.insert(id.clone(), Some(self.order.len()));
-                self.order.push(id);
+                let known = match self.step(&id) {
+                    Ok(step) => {
+                        self.steps.push(step);
+                        Known::Step(self.steps.len() - 1)
+                    }
+                    Err(bad) => Known::Bad(bad),
+                };
+                self.known.insert(id, known);
                 continue;
             }
-            match self.numbers.get(&id) {
-                Some(Some(_)) => continue,
-                Some(None) => return Err(bad(&id, "is wired in a circle")),
-                None => {}
+            if self.known.contains_key(&id) {
+                continue;
             }
             if !self.document.nodes.contains_key(&id) {
-                return Err(bad(&id, "there is no node of that id"));
+                let missing = Known::Bad(bad(&id, "there is no node of that id"));
+                self.known.insert(id, missing);
+                continue;
             }
-            self.numbers.insert(id.clone(), None);
-            stack.push((id.clone(), true));
-            let wires = self.document.links.iter().filter(|(to, _)| to.node == id);
-            for from in wires.flat_map(|(_, from)| from).rev() {
-                match self.numbers.get(&from.node) {
-                    Some(Some(_)) => {}
-                    Some(None) => return Err(bad(&from.node, "is wired in a circle")),
-                    None => stack.push((from.node.clone(), false)),
+            self.known.insert(id.clone(), Known::Visited);
+            let sources: Vec<&Socket> =
+                graph::inputs_of(self.document, &id).flat_map(|(_, from)| from).collect();
+            stack.push((id, true));
+            let new = sources.into_iter().rev().filter(|from| !self.known.contains_key(&from.node));
+            stack.extend(new.map(|from| (from.node.clone(), false)));
+        }
+    }
+
+    /// Step, number and type of an output of a node that was visited.
+    fn output(&self, socket: &Socket) -> Result<(usize, usize, Type), BadRequest> {
+        let step = match self.known.get(&socket.node) {
+            Some(Known::Step(step)) => *step,
+            Some(Known::Bad(bad)) => return Err(bad.clone()),
+            Some(Known::Visited) | None => return Err(bad(&socket.node, "is wired in a circle")),
+        };
+        let def = self.steps[step].def;
+        let found = def.output(&socket.name).ok_or_else(|| {
+            let known: Vec<&str> = def.outputs.iter().map(|o| o.name).collect();
+            let (name, known) = (&*socket.name, known.join(", "));
+            bad(&socket.node, format!("has no output {name:?}; a {} gives {known}", def.id))
+        })?;
+        Ok((step, found.0, found.1.ty))
+    }
+
+    /// The step of a node whose sources were visited.
+    fn step(&self, id: &NodeId) -> Result<Step, BadRequest> {
+        let node = &self.document.nodes[id];
+        let def = coif_nodes::by_id(&node.kind).ok_or_else(|| unknown_kind(id, &node.kind))?;
+        let mut inputs: Vec<Vec<Source>> = vec![vec![]; def.inputs.len()];
+        for (name, setting) in &node.inputs {
+            let (at, input) = def.input(name).ok_or_else(|| unknown_input(id, def, name))?;
+            inputs[at] = self.value(id, name, input.ty, setting)?.into_iter().collect();
+        }
+        for (to, from) in graph::inputs_of(self.document, id) {
+            let (at, input) =
+                def.input(&to.name).ok_or_else(|| unknown_input(id, def, &to.name))?;
+            if input.arity != Arity::Many && from.len() > 1 {
+                return Err(bad(id, format!("{} takes one wire, not {}", to.name, from.len())));
+            }
+            inputs[at].clear();
+            for socket in from {
+                let (step, output, ty) = self.output(socket)?;
+                if !ty.fits(input.ty) {
+                    let (takes, gives) = (input.ty.name(), ty.name());
+                    let reason = format!("{} takes {takes}, but {socket} gives {gives}", to.name);
+                    return Err(bad(id, reason));
+                }
+                inputs[at].push(Source::Wire { step, output });
+            }
+        }
+        Ok(Step { name: id.to_string(), def, bypass: node.bypass, inputs })
+    }
+
+    /// What an input is set to, with its file read; none where no file is named.
+    fn value(
+        &self,
+        id: &NodeId,
+        name: &str,
+        ty: Type,
+        setting: &Setting,
+    ) -> Result<Option<Source>, BadRequest> {
+        let value = match setting {
+            Setting::Known(value) => value.clone(),
+            Setting::Raw(text) => {
+                return Err(bad(id, format!("{name}: {text} is no {}", ty.name())));
+            }
+        };
+        if let Some(fault) = value.fault() {
+            return Err(bad(id, format!("{name}: {fault}")));
+        }
+        let value = match (ty, &value) {
+            (Type::File, Value::Text(path)) if path.is_empty() => return Ok(None),
+            (Type::File, Value::Text(path)) => {
+                let read = self.files.read(path);
+                Value::File(read.map_err(|reason| bad(id, format!("{name}: {path}: {reason}")))?)
+            }
+            _ => value,
+        };
+        Ok(Some(Source::Value(value)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::files::DiskFiles;
+    use super::*;
+    use crate::document::testing::Random;
+    use expect_test::expect;
+
+    const TEXT: &str = r#"(format: 1, nodes: {
+        "head": (kind: "head"), "rows": (kind: "stroke_input"), "thin": (kind: "resample"),
+        "lost": (kind: "head", inputs: {"mesh": "no/such.obj"}), "on": (kind: "scatter_guides"),
+        "loop": (kind: "resample"), "back": (kind: "resample"), "hung": (kind: "resample"),
+        "new": (kind: "of_tomorrow"), "old": (kind: "resample"), "all": (kind: "merge"),
+        "raw": (kind: "resample", inputs: {"count": Many}), "wrong": (kind: "resample"),
+    }, links: {
+        "rows.scalp": "head.scalp", "thin.curves": "rows.curves", "on.scalp": "lost.scalp",
+        "loop.curves": "back.curves", "back.curves": "loop.curves", "hung.curves": "back.curves",
+        "old.curves": "new.out", "all.curves": ["thin.curves", "hung.curves"],
+        "raw.curves": "rows.curves", "wrong.curves": "head.scalp",
+    })"#;
+
+    fn sockets(text: &str) -> Vec<Socket> {
+        text.split_whitespace().map(|text| text.parse().unwrap()).collect()
+    }
+
+    #[test]
+    fn what_can_be_planned_is_and_the_rest_says_why_not() {
+        let document = crate::file::read(TEXT).unwrap().document;
+        let targets = sockets(
+            "all.curves rows.curves on.curves hung.curves old.curves thin.curves raw.curves gone.x \
+             head.nose wrong.curves back.curves loop.curves new.out lost.scalp head.scalp",
+        );
+        let files = DiskFiles::default();
+        let (plan, refused) = plan_possible(&document, &targets, Quality::Final, &files);
+        let said = targets.iter().zip(&refused).map(|(target, refused)| match refused {
+            Some(why) => format!("{target}: {why}"),
+            None => format!("{target} is planned"),
+        });
+        expect![[r#"
+            all.curves: back: is wired in a circle
+            rows.curves is planned
+            on.curves: lost: mesh: no/such.obj: no such file
+            hung.curves: back: is wired in a circle
+            old.curves: new: this version of coif knows no node of kind "of_tomorrow"
+            thin.curves is planned
+            raw.curves: raw: count: Many is no whole number
+            gone.x: gone: there is no node of that id
+            head.nose: head: has no output "nose"; a head gives scalp
+            wrong.curves: wrong: curves takes curves, but head.scalp gives scalp
+            back.curves: back: is wired in a circle
+            loop.curves: back: is wired in a circle
+            new.out: new: this version of coif knows no node of kind "of_tomorrow"
+            lost.scalp: lost: mesh: no/such.obj: no such file
+            head.scalp is planned"#]]
+        .assert_eq(&said.collect::<Vec<_>>().join("\n"));
+        let steps: Vec<&str> = plan.steps.iter().map(|step| step.name.as_str()).collect();
+        assert_eq!(steps, ["head", "rows", "thin"]);
+        assert_eq!(plan.targets, [(1, 0), (2, 0), (0, 0)]);
+        let whole = super::plan(&document, &targets, Quality::Final, &files);
+        assert_eq!(whole.err(), refused[0].clone());
+    }
+
+    #[test]
+    fn a_target_is_planned_alone_as_it_is_among_broken_ones() {
+        let files = DiskFiles::default();
+        for seed in 0..100 {
+            let document = Random::new(seed).document();
+            let targets: Vec<Socket> =
+                document.nodes.keys().map(|id| Socket::new(id.clone(), "curves")).collect();
+            let (plan, refused) = plan_possible(&document, &targets, Quality::Final, &files);
+            for (i, step) in plan.steps.iter().enumerate() {
+                let wires = step.inputs.iter().flatten().filter_map(|source| match source {
+                    Source::Wire { step, .. } => Some(*step),
+                    Source::Value(_) => None,
+                });
+                assert!(wires.into_iter().all(|step| step < i));
+            }
+            let mut planned = plan.targets.iter();
+            for (target, refused) in targets.iter().zip(&refused) {
+                let alone =
+                    super::plan(&document, std::slice::from_ref(target), Quality::Final, &files);
+                assert_eq!(alone.is_err(), refused.is_some(), "seed {seed} {target}");
+                if let Ok(alone) = alone {
+                    let name = |plan: &Plan, step: usize| plan.steps[step].name.clone();
+                    let (step, _) = planned.next().unwrap();
+                    assert_eq!(name(&plan, *step), name(&alone, alone.targets[0].0));
                 }
             }
         }
-        Ok(())
     }
 }

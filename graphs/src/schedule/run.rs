@@ -60,7 +60,9 @@ pub enum OnFailure {
 /// Threads and a cache that outlive single runs.
 pub struct Evaluator {
     pool: rayon::ThreadPool,
-    threads: usize,
+    /// For previews, which are made while somebody drags: one thread less, so that a core is left to
+    /// what draws the window. None where that would leave a single thread.
+    polite: Option<rayon::ThreadPool>,
     cache: Mutex<Cache>,
 }
 
@@ -71,25 +73,44 @@ impl Evaluator {
     /// # Errors
     /// When the system gives no threads.
     pub fn new(threads: usize, cache_bytes: usize) -> Result<Self, String> {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|err| format!("no threads to work with: {err}"))?;
-        let threads = pool.current_num_threads();
-        Ok(Self { pool, threads, cache: Mutex::new(Cache::new(cache_bytes)) })
+        let pool = |threads| {
+            let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            built.map_err(|err| format!("no threads to work with: {err}"))
+        };
+        let all = pool(threads)?;
+        let polite = match all.current_num_threads() {
+            // One that drops what it made has nobody who drags.
+            threads if threads > 2 && cache_bytes > 0 => Some(pool(threads - 1)?),
+            _ => None,
+        };
+        Ok(Self { pool: all, polite, cache: Mutex::new(Cache::new(cache_bytes)) })
+    }
+
+    /// Bytes that the cache holds, and its budget.
+    pub fn cache_bytes(&self) -> (usize, usize) {
+        let cache = self.cache();
+        (cache.bytes(), cache.budget())
+    }
+
+    /// Threads that work on a plan of this quality.
+    pub fn threads(&self, quality: Quality) -> usize {
+        self.pool(quality).current_num_threads()
+    }
+
+    fn pool(&self, quality: Quality) -> &rayon::ThreadPool {
+        match quality {
+            Quality::Preview => self.polite.as_ref().unwrap_or(&self.pool),
+            Quality::Final => &self.pool,
+        }
     }
 
     fn cache(&self) -> std::sync::MutexGuard<'_, Cache> {
         self.cache.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Runs `f` on the evaluator's threads.
+    /// Runs `f` on all of the evaluator's threads.
     pub fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
-        if self.threads == 1 || n < 2 {
-            (0..n).for_each(f);
-        } else {
-            self.pool.install(|| (0..n).into_par_iter().with_max_len(1).for_each(f));
-        }
+        for_each_on(&self.pool, n, f);
     }
 
     /// Runs a plan to its end, to the first failure on every way, or until cancelled.
@@ -118,10 +139,11 @@ impl Evaluator {
         let mut reports: Vec<Option<NodeReport>> = vec![None; n];
         let mut ready: Vec<usize> = (0..n).rev().filter(|i| waiting[*i] == 0).collect();
         let (mut running, mut finished) = (0, 0);
+        let threads = self.threads(plan.quality);
         let (send, receive) = mpsc::channel::<(usize, NodeReport, Option<Vec<Value>>)>();
         std::thread::scope(|scope| {
             loop {
-                while running < self.threads
+                while running < threads
                     && let Some(i) = ready.pop()
                 {
                     let inputs: Vec<Vec<Value>> = plan.steps[i]
@@ -215,7 +237,8 @@ impl Evaluator {
         } else if cancel.is_cancelled() {
             Err(NodeError::Cancelled)
         } else {
-            let host = PoolHost { evaluator: self, cancel, progress, node: &step.name };
+            let pool = self.pool(plan.quality);
+            let host = PoolHost { evaluator: self, pool, cancel, progress, node: &step.name };
             let cx =
                 EvalCx { seed: plan.seed, quality: plan.quality, node, host: &host, log: &log };
             let ran = std::panic::catch_unwind(AssertUnwindSafe(|| (step.def.run)(&cx, &inputs)));
@@ -302,8 +325,17 @@ fn passed_through(step: &Step, inputs: &[Vec<Value>]) -> Option<Vec<Value>> {
     all.then(|| vec![curves.clone(); step.def.outputs.len()])
 }
 
+fn for_each_on(pool: &rayon::ThreadPool, n: usize, f: &(dyn Fn(usize) + Sync)) {
+    if pool.current_num_threads() == 1 || n < 2 {
+        (0..n).for_each(f);
+    } else {
+        pool.install(|| (0..n).into_par_iter().with_max_len(1).for_each(f));
+    }
+}
+
 struct PoolHost<'a> {
     evaluator: &'a Evaluator,
+    pool: &'a rayon::ThreadPool,
     cancel: &'a CancelToken,
     progress: &'a dyn Progress,
     node: &'a str,
@@ -311,7 +343,7 @@ struct PoolHost<'a> {
 
 impl Host for PoolHost<'_> {
     fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
-        self.evaluator.for_each(n, f);
+        for_each_on(self.pool, n, f);
     }
     fn cancelled(&self) -> bool {
         self.cancel.is_cancelled()
@@ -325,5 +357,48 @@ impl Host for PoolHost<'_> {
     }
     fn progress(&self, done: usize, of: usize) {
         self.progress.pieces(self.node, done, of);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Document, NodeId, Socket};
+    use crate::schedule::files::DiskFiles;
+    use crate::schedule::request::plan;
+
+    fn guides() -> Document {
+        let text = r#"(format: 1, nodes: {"head": (kind: "head"),
+            "on": (kind: "scatter_guides")}, links: {"on.scalp": "head.scalp"})"#;
+        crate::file::read(text).unwrap().document
+    }
+    fn evaluate(evaluator: &Evaluator, quality: Quality) -> Outcome {
+        let target = Socket::new(NodeId::new("on").unwrap(), "curves");
+        let plan = plan(&guides(), &[target], quality, &DiskFiles::default()).unwrap();
+        evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet)
+    }
+
+    #[test]
+    fn a_preview_leaves_a_core_where_there_are_more_than_two() {
+        for (threads, cache, preview) in [(1, 9, 1), (2, 9, 2), (3, 9, 2), (4, 9, 3), (4, 0, 4)] {
+            let evaluator = Evaluator::new(threads, cache).unwrap();
+            let found =
+                [Quality::Preview, Quality::Final].map(|quality| evaluator.threads(quality));
+            assert_eq!(found, [preview, threads], "{threads} threads, cache of {cache}");
+        }
+    }
+
+    #[test]
+    fn what_is_kept_is_counted_and_reused_by_either_quality() {
+        let evaluator = Evaluator::new(3, 1 << 30).unwrap();
+        assert_eq!(evaluator.cache_bytes(), (0, 1 << 30));
+        let first = evaluate(&evaluator, Quality::Preview);
+        let (used, budget) = evaluator.cache_bytes();
+        assert!(used > 10_000 && used < budget, "{used}");
+        let again = evaluate(&evaluator, Quality::Final);
+        assert!(again.nodes.iter().all(|node| node.cached), "{:?}", again.nodes);
+        assert_eq!(evaluator.cache_bytes().0, used);
+        let key = |outcome: &Outcome| outcome.targets[0].as_ref().unwrap().key();
+        assert_eq!(key(&first), key(&again));
     }
 }

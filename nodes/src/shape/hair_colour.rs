@@ -5,8 +5,8 @@
 //! from root to tip and from hair to hair without turning muddy or pale. Equal ids give equal hairs whatever
 //! else is there, and raising `grey` only adds grey hairs.
 
-use super::set_width::fractions;
-use crate::data::attributes::{COLOUR, Domain};
+use super::along::{Held, lay};
+use crate::data::attributes::COLOUR;
 use crate::data::curves::{Curves, View};
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
@@ -78,8 +78,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let grey = inputs.grey.on(tuft, scalp)?;
         let old = tuft.view(COLOUR);
         // What one hair's own pigment is multiplied by: it varies, and some hairs have nearly none.
-        let own = |i: usize, first: usize| {
-            let id = tuft.id(i);
+        let own = |i: usize| {
+            let (id, first) = (tuft.id(i), tuft.offsets()[i] as usize);
             let vary = match inputs.variation {
                 0.0 => 1.0,
                 variation => exp(variation * dice.signed(id, 0)),
@@ -97,34 +97,15 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             }
             colour_of(sigma)
         };
-        let of_curves = level
+        let level = level
             && (!dyed || laid.is_of_curves())
             && (covers || amount.is_of_curves() && !matches!(old, View::Point(_)));
         let alike = inputs.variation == 0.0
             && inputs.grey.constant() == Some(0.0)
-            && (!dyed || inputs.dye_amount.constant().is_some());
-        let mut out = tuft.edit();
-        if of_curves && alike && covers && !tuft.is_empty() {
-            out.set(COLOUR, Domain::Curve, vec![colour(0, 0, 0.0, 1.0)]);
-        } else if of_curves {
-            let mut colours = Vec::with_capacity(tuft.len());
-            for i in 0..tuft.len() {
-                piece.tick()?;
-                let first = tuft.offsets()[i] as usize;
-                colours.push(colour(i, first, 0.0, own(i, first)));
-            }
-            out.set(COLOUR, Domain::Curve, colours);
-        } else {
-            let mut colours = Vec::with_capacity(tuft.points().len());
-            for i in 0..tuft.len() {
-                piece.tick()?;
-                let own = own(i, tuft.offsets()[i] as usize);
-                // Colours of all curves before and of this one so far: the number of the point.
-                fractions(tuft, i, |u| colours.push(colour(i, colours.len(), u, own)));
-            }
-            out.set(COLOUR, Domain::Point, colours);
-        }
-        Ok([out.build()])
+            && (!dyed || inputs.dye_amount.constant().is_some())
+            && covers;
+        let value = |own: &f32, i: usize, point: usize, u: f32| colour(i, point, u, *own);
+        Ok([lay(piece, tuft, COLOUR, Held::fewest(level, alike), own, value)?])
     })?;
     Ok(Outputs { curves })
 }
@@ -142,7 +123,7 @@ fn greyness(share: f32, softness: f32, chance: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::attributes::ID;
+    use crate::data::attributes::{Domain, ID};
     use crate::data::curves::{Tuft, TuftBuilder};
     use crate::data::field::Field;
     use crate::define::Value;

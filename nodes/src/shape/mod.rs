@@ -2,6 +2,7 @@
 
 use crate::define::NodeDef;
 
+mod along;
 mod hair_colour;
 pub(crate) mod resample;
 mod set_colour;

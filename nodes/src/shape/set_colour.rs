@@ -3,9 +3,9 @@
 //! Guarantees: nothing else changes and nothing else is copied; a colour that is the same everywhere is stored
 //! once. Colours are linear Rec.709.
 
-use super::set_width::fractions;
-use crate::data::attributes::{COLOUR, Domain};
-use crate::data::curves::Curves;
+use super::along::{Held, lay};
+use crate::data::attributes::COLOUR;
+use crate::data::curves::{Curves, View};
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
 use crate::define::{Colour, FieldInput, NodeError, node};
@@ -65,28 +65,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             true => colour,
             false => old.at(i, point).lerp(colour, amount.at(i, point, u)),
         };
-        let old_of_curves = covers || !matches!(old, crate::data::curves::View::Point(_));
-        let mut out = tuft.edit();
-        if level && uniform && covers {
-            out.set(COLOUR, Domain::Curve, vec![along(0.0)]);
-        } else if level && amount.is_of_curves() && old_of_curves {
-            let mut colours = Vec::with_capacity(tuft.len());
-            for i in 0..tuft.len() {
-                piece.tick()?;
-                colours.push(mixed(i, tuft.offsets()[i] as usize, 0.0, along(0.0) * vary(i)));
-            }
-            out.set(COLOUR, Domain::Curve, colours);
-        } else {
-            let mut colours = Vec::with_capacity(tuft.points().len());
-            for i in 0..tuft.len() {
-                piece.tick()?;
-                let vary = vary(i);
-                // Colours of all curves before and of this one so far: the number of the point.
-                fractions(tuft, i, |u| colours.push(mixed(i, colours.len(), u, along(u) * vary)));
-            }
-            out.set(COLOUR, Domain::Point, colours);
-        }
-        Ok([out.build()])
+        let level = level && amount.is_of_curves() && (covers || !matches!(old, View::Point(_)));
+        let held = Held::fewest(level, uniform && covers);
+        let value =
+            |vary: &f32, i: usize, point: usize, u: f32| mixed(i, point, u, along(u) * *vary);
+        Ok([lay(piece, tuft, COLOUR, held, vary, value)?])
     })?;
     Ok(Outputs { curves })
 }
@@ -94,7 +77,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::attributes::ID;
+    use crate::data::attributes::{Domain, ID};
     use crate::data::curves::TuftBuilder;
     use crate::define::Value;
     use crate::testing::{curves_of, run};

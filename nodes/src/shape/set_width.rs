@@ -2,13 +2,13 @@
 //!
 //! Guarantees: nothing else changes and nothing else is copied; a width that is the same everywhere is stored once.
 
-use crate::data::attributes::{Domain, WIDTH};
-use crate::data::curves::{Curves, Tuft};
+use super::along::{Held, lay};
+use crate::data::attributes::WIDTH;
+use crate::data::curves::Curves;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::EvalCx;
-use glam::Vec3;
 use std::sync::Arc;
 
 node! {
@@ -48,61 +48,25 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let [curves] = cx.each_tuft(&inputs.curves, |tuft, piece| {
         let scale = inputs.scale.on(tuft, scalp)?;
         let vary = |i: usize| 1.0 + inputs.variation * dice.signed(tuft.id(i), 0);
-        let mut out = tuft.edit();
-        let uniform = inputs.variation == 0.0;
-        if level && let Some(scale) = inputs.scale.constant().filter(|_| uniform) {
-            out.set(WIDTH, Domain::Curve, vec![along(0.0) * scale]);
-        } else if level && scale.is_of_curves() {
-            let mut widths = Vec::with_capacity(tuft.len());
-            for i in 0..tuft.len() {
-                piece.tick()?;
-                let first = tuft.offsets()[i] as usize;
-                widths.push(along(0.0) * scale.at(i, first, 0.0) * vary(i));
-            }
-            out.set(WIDTH, Domain::Curve, widths);
-        } else {
-            let mut widths = Vec::with_capacity(tuft.points().len());
-            for i in 0..tuft.len() {
-                piece.tick()?;
-                let vary = if uniform { 1.0 } else { vary(i) };
-                let first = tuft.offsets()[i] as usize;
-                let start = widths.len();
-                fractions(tuft, i, |u| {
-                    let point = first + widths.len() - start;
-                    widths.push(along(u) * scale.at(i, point, u) * vary);
-                });
-            }
-            out.set(WIDTH, Domain::Point, widths);
-        }
-        Ok([out.build()])
+        let level = level && scale.is_of_curves();
+        let alike = inputs.variation == 0.0 && inputs.scale.constant().is_some();
+        let value =
+            |vary: &f32, i: usize, point: usize, u: f32| along(u) * scale.at(i, point, u) * *vary;
+        Ok([lay(piece, tuft, WIDTH, Held::fewest(level, alike), vary, value)?])
     })?;
     Ok(Outputs { curves })
-}
-
-/// Calls `put` with the fraction of the length at which each point of a curve lies, measured along straight
-/// lines from point to point.
-#[inline]
-pub(super) fn fractions(tuft: &Tuft, curve: usize, mut put: impl FnMut(f32)) {
-    let points = tuft.curve(curve);
-    let span = |pair: &[Vec3]| pair[0].distance(pair[1]);
-    let length: f32 = points.windows(2).map(span).sum();
-    let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
-    let mut at = 0.0;
-    put(0.0);
-    for pair in points.windows(2) {
-        at += span(pair);
-        put((at * scale).min(1.0));
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::attributes::Domain;
     use crate::data::attributes::ID;
     use crate::data::curves::TuftBuilder;
     use crate::data::field::Field;
     use crate::define::Value;
     use crate::testing::{curves_of, run};
+    use glam::Vec3;
 
     fn hair() -> Curves {
         let mut b = TuftBuilder::new();

@@ -1,0 +1,306 @@
+//! Some nodes of a document as text, and text as new nodes: copy, paste, duplicate, drag and drop.
+//!
+//! The text is a small format of its own (`coif_nodes: 1`) with the syntax of files, so that it can
+//! be mailed, put on a page and edited by hand. A whole groom can be pasted too.
+//!
+//! Kept: kinds, labels, notes, values (also those that this version does not know), seed tags, wires
+//! among the nodes with their bends, and places. A wire that came in from elsewhere is wired again
+//! where the document has that output. Not kept: comments, frames, views, and what the nodes fed.
+
+use super::edit::Edit;
+use super::wiring::output_type;
+use super::{Document, NodeId, Point, Socket};
+use crate::file;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Nodes as text, with the wires that end at them. Nodes that are not there are left out.
+pub fn copy(document: &Document, nodes: &BTreeSet<NodeId>) -> String {
+    let there: BTreeSet<NodeId> =
+        nodes.iter().filter(|id| document.nodes.contains_key(*id)).cloned().collect();
+    let part = Document {
+        nodes: document
+            .nodes
+            .iter()
+            .filter(|(id, _)| there.contains(*id))
+            .map(|(id, node)| (id.clone(), node.clone()))
+            .collect(),
+        links: of(&document.links, |to| there.contains(&to.node)),
+        bends: of(&document.bends, |to| there.contains(&to.node)),
+        layout: of(&document.layout, |id| there.contains(id)),
+        collapsed: document.collapsed.intersection(&there).cloned().collect(),
+        ..Document::default()
+    };
+    file::write_part(&part)
+}
+
+fn of<K: Ord + Clone, V: Clone>(map: &BTreeMap<K, V>, keep: impl Fn(&K) -> bool) -> BTreeMap<K, V> {
+    map.iter().filter(|(key, _)| keep(key)).map(|(key, v)| (key.clone(), v.clone())).collect()
+}
+
+/// The edit that adds the nodes of a text under ids of their own, and these ids. `at` is where the
+/// upper left of them comes to lie; none leaves them where they were copied.
+///
+/// # Errors
+/// What is wrong with the text, with line and column, on one line.
+pub fn paste(
+    document: &Document,
+    text: &str,
+    at: Option<Point>,
+) -> Result<(Edit, Vec<NodeId>), String> {
+    let part = file::read_part(text).map_err(|err| err.to_string())?.document;
+    if part.nodes.is_empty() {
+        return Err("there are no nodes in it".to_owned());
+    }
+    let ids = fresh_ids(document, &part);
+    let corner = part.layout.values().copied().reduce(|a, b| Point(a.0.min(b.0), a.1.min(b.1)));
+    let shift = match (at, corner) {
+        (Some(at), Some(corner)) => Some(Point(at.0 - corner.0, at.1 - corner.1)),
+        _ => None,
+    };
+    let moved = |point: &Point| {
+        let to = shift.map_or(*point, |by| Point(point.0 + by.0, point.1 + by.1));
+        Some(to).filter(|point| point.is_finite())
+    };
+    let mut edits = vec![];
+    for (old, node) in &part.nodes {
+        let at = part.layout.get(old).and_then(moved);
+        edits.push(Edit::AddNode { id: ids[old].clone(), node: Arc::clone(node), at });
+    }
+    for (to, wires) in &part.links {
+        let Some(node) = ids.get(&to.node) else { continue };
+        let to_new = Socket::new(node.clone(), &to.name);
+        let (mut from, mut bends) = (vec![], vec![]);
+        for (i, wire) in wires.iter().enumerate() {
+            let source = match ids.get(&wire.node) {
+                Some(node) => Some(Socket::new(node.clone(), &wire.name)),
+                None => Some(wire.clone()).filter(|wire| output_type(document, wire).is_some()),
+            };
+            if let Some(source) = source {
+                bends.push(part.bends_of(to, i).iter().filter_map(moved).collect::<Vec<Point>>());
+                from.push(source);
+            }
+        }
+        if from.is_empty() {
+            continue;
+        }
+        edits.push(Edit::SetWires { to: to_new.clone(), from });
+        for (at, bends) in bends.into_iter().enumerate().filter(|(_, bends)| !bends.is_empty()) {
+            edits.push(Edit::SetBends { to: to_new.clone(), at, bends });
+        }
+    }
+    for old in &part.collapsed {
+        edits.push(Edit::SetCollapsed { id: ids[old].clone(), collapsed: true });
+    }
+    let edit = Edit::Several(edits);
+    // What a text holds may still be refused: said now, and not when half of a gesture is done.
+    edit.apply(&mut document.clone()).map_err(|err| err.to_string())?;
+    Ok((edit, ids.into_values().collect()))
+}
+
+/// For each node of a part an id that the document does not use: its own, else its stem with the
+/// first free number.
+fn fresh_ids(document: &Document, part: &Document) -> BTreeMap<NodeId, NodeId> {
+    let mut scratch = Document { nodes: document.nodes.clone(), ..Document::default() };
+    // Wires that wait for a node of that id are not meant for this one.
+    for (to, wires) in &document.links {
+        for id in wires.iter().map(|wire| &wire.node).chain([&to.node]) {
+            scratch.nodes.entry(id.clone()).or_default();
+        }
+    }
+    let mut numbers: BTreeMap<String, u32> = BTreeMap::new();
+    let mut ids = BTreeMap::new();
+    for old in part.nodes.keys() {
+        let id = if scratch.nodes.contains_key(old) {
+            let stem = old.as_str().trim_end_matches(|c: char| c.is_ascii_digit());
+            let stem = stem.trim_end_matches('_');
+            let stem = if stem.is_empty() { old.as_str() } else { stem };
+            // Remembered, so that a thousand nodes of one stem do not count from 2 each.
+            let number = numbers.entry(stem.to_owned()).or_insert(1);
+            loop {
+                *number += 1;
+                let id = scratch.free_id(&format!("{stem}_{number}"));
+                if !part.nodes.contains_key(&id) {
+                    break id;
+                }
+            }
+        } else {
+            old.clone()
+        };
+        scratch.nodes.insert(id.clone(), Arc::default());
+        ids.insert(old.clone(), id);
+    }
+    ids
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::Random;
+    use super::*;
+    use expect_test::expect;
+
+    fn ids(text: &str) -> BTreeSet<NodeId> {
+        text.split_whitespace().map(|id| NodeId::new(id).unwrap()).collect()
+    }
+    fn braids() -> Document {
+        let text = r#"(format: 1, title: "x", seed: 7, nodes: {
+            "head": (kind: "head"),
+            "rows": (kind: "stroke_input", label: "front", inputs: {"seed": 17, "radius": 2}),
+            "thin": (kind: "resample", note: "n", inputs: {"count": 9, "twist": Twist(3)}),
+            "new": (kind: "of_tomorrow", inputs: {"deep": [1, 2]}),
+        }, links: {
+            "rows.scalp": "head.scalp", "thin.curves": "rows.curves",
+            "new.in": ["thin.curves", "rows.curves"],
+        }, bends: {"thin.curves": [[(5, 5)]], "new.in": [[], [(9, 9)]]}, collapsed: ["thin"],
+        layout: {"head": (0, 0), "rows": (100, 50), "thin": (200, 40)})"#;
+        file::read(text).unwrap().document
+    }
+
+    #[test]
+    fn a_part_is_text_that_people_can_read() {
+        expect![[r#"
+            (
+                coif_nodes: 1,
+                nodes: {
+                    "rows": (
+                        kind: "stroke_input",
+                        label: "front",
+                        inputs: {
+                            "radius": 2.0,
+                            "seed": 17,
+                        },
+                    ),
+                    "thin": (
+                        kind: "resample",
+                        note: "n",
+                        inputs: {
+                            "count": 9,
+                            "twist": Twist(3),
+                        },
+                    ),
+                },
+                links: {
+                    "rows.scalp": "head.scalp",
+                    "thin.curves": "rows.curves",
+                },
+                bends: {
+                    "thin.curves": [[(5.0, 5.0)]],
+                },
+                collapsed: [
+                    "thin",
+                ],
+                layout: {
+                    "rows": (100.0, 50.0),
+                    "thin": (200.0, 40.0),
+                },
+            )
+        "#]]
+        .assert_eq(&copy(&braids(), &ids("rows thin gone")));
+    }
+
+    #[test]
+    fn a_duplicate_has_ids_of_its_own_the_same_values_and_the_wires_that_came_in() {
+        let mut document = braids();
+        let text = copy(&document, &ids("rows thin new"));
+        let (edit, made) = paste(&document, &text, Some(Point(1000.0, 500.0))).unwrap();
+        let before = document.clone();
+        let undo = edit.apply(&mut document).unwrap();
+        assert_eq!(
+            made.iter().map(NodeId::as_str).collect::<Vec<_>>(),
+            ["new_2", "rows_2", "thin_2"]
+        );
+        for (old, new) in [("rows", "rows_2"), ("thin", "thin_2"), ("new", "new_2")] {
+            assert_eq!(document.node(old), document.node(new));
+        }
+        let wires = |to: &str| format!("{:?}", document.links[&to.parse().unwrap()]);
+        assert_eq!(wires("rows_2.scalp"), "[head.scalp]");
+        assert_eq!(wires("thin_2.curves"), "[rows_2.curves]");
+        assert_eq!(wires("new_2.in"), "[thin_2.curves, rows_2.curves]");
+        assert_eq!(document.bends_of(&"new_2.in".parse().unwrap(), 1), [Point(909.0, 469.0)]);
+        assert_eq!(document.layout["rows_2"], Point(1000.0, 510.0));
+        assert!(document.collapsed.contains("thin_2") && !document.layout.contains_key("new_2"));
+        undo.apply(&mut document).unwrap();
+        assert_eq!(document, before);
+    }
+
+    #[test]
+    fn a_part_pasted_into_another_groom_keeps_ids_and_loses_the_wires_from_elsewhere() {
+        let text = copy(&braids(), &ids("rows thin"));
+        let mut document = Document::default();
+        paste(&document, &text, None).unwrap().0.apply(&mut document).unwrap();
+        assert_eq!(document.layout["rows"], Point(100.0, 50.0));
+        let wired: Vec<String> = document.links.keys().map(Socket::to_string).collect();
+        assert_eq!(wired, ["thin.curves"]);
+        let (_, made) = paste(&document, &file::write(&braids()), None).unwrap();
+        assert_eq!(made.len(), 4);
+    }
+
+    #[test]
+    fn everything_that_can_be_copied_can_be_pasted_and_is_the_same_again() {
+        for seed in 0..60 {
+            let mut random = Random::new(seed);
+            let document = random.document();
+            let all: BTreeSet<NodeId> = document.nodes.keys().cloned().collect();
+            let text = copy(&document, &all);
+            match paste(&document, &text, None) {
+                Err(why) => assert!(all.is_empty(), "{why}\n{text}"),
+                Ok((edit, made)) => {
+                    let mut after = document.clone();
+                    let undo = edit.apply(&mut after).unwrap();
+                    assert_eq!((made.len(), after.nodes.len()), (all.len(), 2 * all.len()));
+                    undo.apply(&mut after).unwrap();
+                    assert_eq!(after, document, "seed {seed}");
+                    let mut alone = Document::default();
+                    paste(&alone, &text, None).unwrap().0.apply(&mut alone).unwrap();
+                    assert_eq!(alone.nodes, document.nodes, "seed {seed}");
+                    assert_eq!(alone.layout, document.layout, "seed {seed}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_part_is_refused_in_one_line() {
+        let refused = |text: &str| paste(&braids(), text, None).unwrap_err();
+        expect![[r#"
+            1:1: these are no nodes: they begin with `(coif_nodes: 1`
+            1:1: these are no nodes: they begin with `(coif_nodes: 1`
+            there are no nodes in it
+            1:14: the nodes have format 2, this version reads up to 1: paste them into a newer coif
+            1:10: the file has format 9, this version reads up to 1: open it with a newer coif
+            1:1: these are no nodes: they begin with `(coif_nodes: 1`"#]]
+        .assert_eq(
+            &[
+                "",
+                "hello",
+                "(coif_nodes: 1)",
+                "(coif_nodes: 2, frames: 3)",
+                "(format: 9)",
+                "(title: \"x\")",
+            ]
+            .map(refused)
+            .join("\n"),
+        );
+        let mut random = Random::new(7);
+        let text = copy(&braids(), &ids("head rows thin new"));
+        for _ in 0..400 {
+            let (a, b) = (random.below(text.len()), random.below(text.len()));
+            let mut broken = text.clone();
+            broken.replace_range(
+                a.min(b)..a.max(b).min(a.min(b) + 20),
+                random.pick(&["", "(", "\"", "}", ",", "0"]),
+            );
+            if let Err(why) = paste(&braids(), &broken, None) {
+                assert!(!why.contains('\n') && !why.is_empty(), "{why}");
+            }
+        }
+        let begin = std::time::Instant::now();
+        let many: String = (2..4000).map(|n| format!("\"rows_{n}\": (kind: \"head\"),")).collect();
+        let many = format!("(coif_nodes: 1, nodes: {{{many}}})");
+        let (edit, _) = paste(&braids(), &many, None).unwrap();
+        let mut document = braids();
+        edit.apply(&mut document).unwrap();
+        assert_eq!(paste(&document, &many, None).unwrap().1.len(), 3998);
+        assert!(begin.elapsed().as_secs() < 20, "{:?}", begin.elapsed());
+    }
+}

@@ -1,0 +1,629 @@
+//! What hands do with wires, as edits: removing a node heals the wires through it, dropping one on a
+//! wire inserts it, changing its kind keeps what fits.
+//!
+//! Pure functions of the document. What they give can be applied to it, as one step; what they refuse
+//! they refuse with a reason for people.
+
+use super::edit::Edit;
+use super::graph::{self, wire_ends_problem};
+use super::{Document, Node, NodeId, Setting, Socket, values};
+use coif_nodes::define::{Arity, InputDef, NodeDef, OutputDef, Type};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What an output gives; none where there is no such output or nobody knows.
+pub fn output_type(document: &Document, from: &Socket) -> Option<Type> {
+    let def = coif_nodes::by_id(&document.node(from.node.as_str())?.kind)?;
+    def.output(&from.name).map(|(_, output)| output.ty)
+}
+
+/// The declaration of an input; none where there is no such input or nobody knows.
+pub fn input_def(document: &Document, to: &Socket) -> Option<&'static InputDef> {
+    let def = coif_nodes::by_id(&document.node(to.node.as_str())?.kind)?;
+    def.input(&to.name).map(|(_, input)| input)
+}
+
+/// Whether an output can feed an input, as far as their types say.
+fn fits(document: &Document, from: &Socket, to: &Socket) -> bool {
+    match (output_type(document, from), input_def(document, to)) {
+        (Some(from), Some(to)) => from.fits(to.ty),
+        // Of kinds that this version does not know, whoever wired them did.
+        _ => document.nodes.contains_key(&from.node),
+    }
+}
+
+/// The input of a kind that takes a wire of this type: one of the very type, else one that it fits.
+pub fn taking(def: &'static NodeDef, from: Type) -> Option<&'static InputDef> {
+    let exact = def.inputs.iter().find(|input| input.ty == from);
+    exact.or_else(|| def.inputs.iter().find(|input| from.fits(input.ty)))
+}
+
+/// The output of a kind that can feed an input of this type: one of the very type, else one that fits.
+pub fn giving(def: &'static NodeDef, to: Type) -> Option<&'static OutputDef> {
+    let exact = def.outputs.iter().find(|output| output.ty == to);
+    exact.or_else(|| def.outputs.iter().find(|output| output.ty.fits(to)))
+}
+
+/// The kinds that a wire dropped from an output can end at, each with the input that takes it.
+pub fn kinds_taking(
+    document: &Document,
+    from: &Socket,
+) -> Vec<(&'static NodeDef, &'static InputDef)> {
+    let Some(ty) = output_type(document, from) else { return vec![] };
+    coif_nodes::all().filter_map(|def| Some((def, taking(def, ty)?))).collect()
+}
+
+/// The kinds that a wire dropped from an input can begin at, each with the output that feeds it.
+pub fn kinds_giving(
+    document: &Document,
+    to: &Socket,
+) -> Vec<(&'static NodeDef, &'static OutputDef)> {
+    let Some(input) = input_def(document, to) else { return vec![] };
+    coif_nodes::all().filter_map(|def| Some((def, giving(def, input.ty)?))).collect()
+}
+
+/// A wire while one end of it is dragged: says quickly, for every socket, whether it can end there.
+pub struct LooseWire<'a> {
+    document: &'a Document,
+    fixed: Socket,
+    is_output: bool,
+    /// Where the wire would run in a circle.
+    circle: BTreeSet<NodeId>,
+}
+
+impl<'a> LooseWire<'a> {
+    /// A wire that begins at an output and looks for an input.
+    pub fn from_output(document: &'a Document, from: Socket) -> Self {
+        let circle = graph::upstream(document, [&from.node]);
+        Self { document, fixed: from, is_output: true, circle }
+    }
+    /// A wire that ends at an input and looks for an output.
+    pub fn from_input(document: &'a Document, to: Socket) -> Self {
+        let circle = graph::downstream(document, [&to.node]);
+        Self { document, fixed: to, is_output: false, circle }
+    }
+    /// Why it cannot be wired to `other`, in words without a full stop; none when it can.
+    pub fn reason(&self, other: &Socket) -> Option<String> {
+        let (from, to) = if self.is_output { (&self.fixed, other) } else { (other, &self.fixed) };
+        if from.node == to.node {
+            return Some("a node cannot feed itself".to_owned());
+        }
+        if let Some(problem) = wire_ends_problem(self.document, from, to) {
+            return Some(problem.text);
+        }
+        self.circle.contains(&other.node).then(|| {
+            let name = |id| self.document.name_of(id);
+            format!("wires would run in a circle: {} feeds {}", name(&to.node), name(&from.node))
+        })
+    }
+}
+
+/// Removes nodes; what their first outputs fed is fed by what fed them, where types fit. A removed
+/// display goes to what fed it.
+pub fn remove_healed(document: &Document, nodes: &BTreeSet<NodeId>) -> Edit {
+    let mut edits = healed(document, nodes);
+    if let Some(id) = document.display.as_ref().filter(|id| nodes.contains(*id)) {
+        let shown = first_output(document, id).and_then(|from| {
+            let ty = output_type(document, &from);
+            source(document, nodes, &from, |from| {
+                document.nodes.contains_key(&from.node)
+                    && ty.zip(output_type(document, from)).is_none_or(|(ty, from)| ty == from)
+            })
+        });
+        edits.extend(shown.map(|from| Edit::SetDisplay(Some(from.node))));
+    }
+    let there = nodes.iter().filter(|id| document.nodes.contains_key(*id));
+    edits.extend(there.map(|id| Edit::RemoveNode { id: id.clone() }));
+    Edit::Several(edits)
+}
+
+/// Takes all wires from nodes; what their first outputs fed is fed by what fed them, where types fit.
+pub fn disconnect(document: &Document, nodes: &BTreeSet<NodeId>) -> Edit {
+    let wired = document.links.keys().filter(|to| nodes.contains(&to.node));
+    let mut edits: Vec<Edit> =
+        wired.map(|to| Edit::SetWires { to: to.clone(), from: vec![] }).collect();
+    edits.extend(healed(document, nodes));
+    Edit::Several(edits)
+}
+
+/// The wires of the other nodes' inputs without `nodes`.
+fn healed(document: &Document, nodes: &BTreeSet<NodeId>) -> Vec<Edit> {
+    let mut edits = vec![];
+    for (to, wires) in document.links.iter().filter(|(to, _)| !nodes.contains(&to.node)) {
+        if !wires.iter().any(|wire| nodes.contains(&wire.node)) {
+            continue;
+        }
+        let mut kept: Vec<Socket> = vec![];
+        for wire in wires {
+            if !nodes.contains(&wire.node) {
+                kept.push(wire.clone());
+                continue;
+            }
+            let through = source(document, nodes, wire, |from| fits(document, from, to));
+            // The same hair twice in one list is nobody's wish.
+            kept.extend(through.filter(|from| !kept.contains(from) && !wires.contains(from)));
+        }
+        edits.push(Edit::SetWires { to: to.clone(), from: kept });
+    }
+    edits
+}
+
+fn first_output(document: &Document, id: &NodeId) -> Option<Socket> {
+    let def = coif_nodes::by_id(&document.node(id.as_str())?.kind)?;
+    Some(Socket::new(id.clone(), def.outputs.first()?.name))
+}
+
+/// What feeds an output of one of `nodes` from outside of them, through first outputs and first
+/// inputs that fit.
+fn source(
+    document: &Document,
+    nodes: &BTreeSet<NodeId>,
+    from: &Socket,
+    fits: impl Fn(&Socket) -> bool,
+) -> Option<Socket> {
+    let mut at = from;
+    // Each node once: a broken document may run in a circle.
+    for _ in 0..=nodes.len() {
+        if !nodes.contains(&at.node) {
+            return Some(at.clone());
+        }
+        let def = document.node(at.node.as_str()).and_then(|node| coif_nodes::by_id(&node.kind));
+        if def.is_some_and(|def| def.outputs.first().is_none_or(|first| *first.name != *at.name)) {
+            return None;
+        }
+        let wired = graph::inputs_of(document, &at.node);
+        let mut wired: Vec<(usize, &Socket)> = wired
+            .filter_map(|(to, wires)| {
+                let number = def.and_then(|def| def.input(&to.name)).map_or(0, |(i, _)| i);
+                Some((number, wires.first()?))
+            })
+            .collect();
+        // Stable: of kinds that are not known, by name.
+        wired.sort_by_key(|(number, _)| *number);
+        at = wired.into_iter().map(|(_, from)| from).find(|from| fits(from))?;
+    }
+    None
+}
+
+/// Puts a node between the ends of wire `at` of input `to`.
+///
+/// # Errors
+/// Why it does not fit there, without a full stop.
+pub fn insert_on_wire(
+    document: &Document,
+    node: &NodeId,
+    to: &Socket,
+    at: usize,
+) -> Result<Edit, String> {
+    let name = document.name_of(node);
+    let wires = document.links.get(to).map_or(&[][..], Vec::as_slice);
+    let from = wires.get(at).ok_or_else(|| format!("{to} has no wire {at}"))?;
+    if *node == from.node || *node == to.node {
+        return Err(format!("{name} is an end of this wire"));
+    }
+    let kind =
+        &document.node(node.as_str()).ok_or_else(|| format!("there is no node {node}"))?.kind;
+    let def = coif_nodes::by_id(kind).ok_or_else(|| format!("nobody knows what {kind:?} takes"))?;
+    let given =
+        output_type(document, from).ok_or_else(|| format!("nobody knows what {from} gives"))?;
+    let taken = input_def(document, to).map_or(given, |input| input.ty);
+    let input = taking(def, given).ok_or_else(|| format!("{name} takes no {}", given.name()))?;
+    let output = giving(def, taken).ok_or_else(|| format!("{name} gives no {}", taken.name()))?;
+    let (into, out) =
+        (Socket::new(node.clone(), input.name), Socket::new(node.clone(), output.name));
+    if input.arity != Arity::Many && document.links.contains_key(&into) {
+        return Err(format!("something else is wired to {into}"));
+    }
+    let edit = Edit::Several(vec![
+        Edit::Disconnect { to: to.clone(), at },
+        Edit::Connect { from: from.clone(), to: into, at: None },
+        Edit::Connect { from: out, to: to.clone(), at: Some(at) },
+    ]);
+    edit.apply(&mut document.clone()).map_err(|err| err.to_string())?;
+    Ok(edit)
+}
+
+/// Makes another kind of a node. Values keep their inputs where the new kind has one of that name
+/// that takes them; wires keep theirs by name, else go to the first free input, or come from the first
+/// output, of a type that fits. What fits nowhere goes.
+///
+/// # Errors
+/// When there is no such node or no such kind.
+pub fn change_kind(document: &Document, id: &NodeId, kind: &str) -> Result<Edit, String> {
+    let old = document.node(id.as_str()).ok_or_else(|| format!("there is no node {id}"))?;
+    let def =
+        coif_nodes::by_id(kind).ok_or_else(|| format!("there are no nodes of kind {kind:?}"))?;
+    let old_def = coif_nodes::by_id(&old.kind);
+    let mut node = Node {
+        label: old.label.clone(),
+        note: old.note.clone(),
+        bypass: old.bypass,
+        ..document.fresh_node(kind, id)
+    };
+    for (name, setting) in &old.inputs {
+        let Some((_, input)) = def.input(name) else { continue };
+        let value = match setting {
+            Setting::Known(value) => values::fit(input.ty, value.clone()),
+            Setting::Raw(text) => crate::file::proven_value(input.ty, text),
+        };
+        if let Ok(value) = value {
+            node.inputs.insert(input.name.to_owned(), Setting::Known(value));
+        }
+    }
+    let mut edits = vec![];
+    let number = |to: &Socket| old_def.and_then(|def| def.input(&to.name)).map_or(0, |(i, _)| i);
+    let mut wired: Vec<(&Socket, &Vec<Socket>)> = graph::inputs_of(document, id).collect();
+    wired.sort_by_key(|(to, _)| number(to));
+    edits.extend(wired.iter().map(|(to, _)| Edit::SetWires { to: (*to).clone(), from: vec![] }));
+    edits.push(Edit::ReplaceNode { id: id.clone(), node: node.into() });
+    for (to, wires) in placed(document, def, &wired) {
+        edits.extend(with_bends(&Socket::new(id.clone(), to.name), wires));
+    }
+    for (to, wires) in document.links.iter().filter(|(to, _)| to.node != *id) {
+        let taken = input_def(document, to).map(|input| input.ty);
+        let renamed = |wire: &Socket| {
+            if wire.node != *id {
+                return Some(wire.clone());
+            }
+            let fits = |output: &&OutputDef| taken.is_none_or(|taken| output.ty.fits(taken));
+            let same = def.output(&wire.name).map(|(_, output)| output).filter(fits);
+            let other = same.or_else(|| def.outputs.iter().find(fits))?;
+            Some(Socket::new(id.clone(), other.name))
+        };
+        let kept: Vec<Option<Socket>> = wires.iter().map(renamed).collect();
+        if kept.iter().zip(wires).all(|(kept, old)| kept.as_ref() == Some(old)) {
+            continue;
+        }
+        let kept = kept.into_iter().enumerate();
+        let kept = kept.filter_map(|(at, kept)| Some((kept?, document.bends_of(to, at))));
+        edits.extend(with_bends(to, kept.collect()));
+    }
+    Ok(Edit::Several(edits))
+}
+
+/// A wire of an input with its bends.
+type Bent<'a> = (Socket, &'a [super::Point]);
+
+/// Gives an input exactly these wires.
+fn with_bends(to: &Socket, wires: Vec<Bent>) -> Vec<Edit> {
+    let (from, bends): (Vec<Socket>, Vec<_>) = wires.into_iter().unzip();
+    let bends = bends.into_iter().enumerate().filter(|(_, bends)| !bends.is_empty());
+    let bends = bends.map(|(at, b)| Edit::SetBends { to: to.clone(), at, bends: b.to_vec() });
+    [Edit::SetWires { to: to.clone(), from }].into_iter().chain(bends).collect()
+}
+
+/// The inputs of a kind that wires of another go to, with these wires.
+fn placed<'a>(
+    document: &'a Document,
+    def: &'static NodeDef,
+    wired: &[(&'a Socket, &'a Vec<Socket>)],
+) -> Vec<(&'static InputDef, Vec<Bent<'a>>)> {
+    let takes = |input: &InputDef, from: &Socket| {
+        output_type(document, from).is_none_or(|ty| ty.fits(input.ty))
+    };
+    let mut found: BTreeMap<usize, Vec<Bent>> = BTreeMap::new();
+    let mut homeless = vec![];
+    for (to, wires) in wired {
+        let bent = |(at, from): (usize, &Socket)| (from.clone(), document.bends_of(to, at));
+        let wires: Vec<Bent> = wires.iter().enumerate().map(bent).collect();
+        match def.input(&to.name) {
+            Some((i, input)) if wires.iter().all(|(from, _)| takes(input, from)) => {
+                found.insert(i, wires);
+            }
+            _ => homeless.push(wires),
+        }
+    }
+    for wires in homeless {
+        let free = def.inputs.iter().enumerate().find(|(i, input)| {
+            !found.contains_key(i) && wires.iter().all(|(from, _)| takes(input, from))
+        });
+        if let Some((i, _)) = free {
+            found.insert(i, wires);
+        }
+    }
+    let one = |(i, mut wires): (usize, Vec<Bent<'a>>)| {
+        let input = &def.inputs[i];
+        if input.arity != Arity::Many {
+            wires.truncate(1);
+        }
+        (input, wires)
+    };
+    found.into_iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Point;
+    use super::*;
+    use expect_test::{Expect, expect};
+
+    fn id(text: &str) -> NodeId {
+        NodeId::new(text).unwrap()
+    }
+    fn ids(text: &str) -> BTreeSet<NodeId> {
+        text.split_whitespace().map(id).collect()
+    }
+    fn socket(text: &str) -> Socket {
+        text.parse().unwrap()
+    }
+    /// Rows, their braid and parting hairs, merged and handed out.
+    fn cornrows() -> Document {
+        let text = r#"(format: 1, display: "braid", nodes: {
+            "head": (kind: "head"), "rows": (kind: "stroke_input", inputs: {"seed": 5, "radius": 2}),
+            "braid": (kind: "lissajous_braid", label: "front", note: "n", inputs: {"strands": 4, "seed": 9}),
+            "hair": (kind: "cluster_to_strands"), "edges": (kind: "edge_partition"),
+            "all": (kind: "merge"), "out": (kind: "groom_output"), "new": (kind: "of_tomorrow"),
+            "thin": (kind: "resample"),
+        }, links: {
+            "rows.scalp": "head.scalp", "braid.source": "rows.curves", "braid.scalp": "head.scalp",
+            "hair.curves": "braid.curves", "hair.scalp": "head.scalp",
+            "edges.source": "rows.curves", "edges.scalp": "head.scalp", "edges.stitches": "braid.stitches",
+            "all.curves": ["hair.curves", "edges.curves"], "out.curves": "all.curves",
+        }, bends: {"hair.curves": [[(1, 2)]], "all.curves": [[], [(3, 4)]]})"#;
+        crate::file::read(text).unwrap().document
+    }
+    /// The wires after an edit that must go through and be taken back exactly.
+    fn wires(document: &Document, edit: &Edit) -> (Document, String) {
+        let mut after = document.clone();
+        let undo = edit.apply(&mut after).unwrap_or_else(|err| panic!("{edit:?}: {err}"));
+        let mut back = after.clone();
+        undo.apply(&mut back).unwrap();
+        assert_eq!(back, *document);
+        let changed = after.links.iter().filter(|(to, from)| document.links.get(to) != Some(from));
+        let gone = document.links.keys().filter(|to| !after.links.contains_key(to));
+        let said = changed.map(|(to, from)| format!("{to} <- {from:?}\n"));
+        let gone = gone.map(|to| format!("{to} <- nothing\n"));
+        let said = said.chain(gone).collect();
+        (after, said)
+    }
+    #[track_caller]
+    fn check(edit: &Edit, want: Expect) -> Document {
+        let (after, said) = wires(&cornrows(), edit);
+        want.assert_eq(&said);
+        after
+    }
+
+    #[test]
+    fn a_removed_node_is_bridged_where_types_fit() {
+        let after = check(
+            &remove_healed(&cornrows(), &ids("braid")),
+            expect![[r#"
+            hair.curves <- [rows.curves]
+            braid.scalp <- nothing
+            braid.source <- nothing
+            edges.stitches <- nothing
+        "#]],
+        );
+        assert_eq!(after.display, Some(id("rows")));
+        check(
+            &remove_healed(&cornrows(), &ids("braid hair")),
+            expect![[r#"
+            all.curves <- [rows.curves, edges.curves]
+            braid.scalp <- nothing
+            braid.source <- nothing
+            edges.stitches <- nothing
+            hair.curves <- nothing
+            hair.scalp <- nothing
+        "#]],
+        );
+        check(
+            &remove_healed(&cornrows(), &ids("head")),
+            expect![[r#"
+            braid.scalp <- nothing
+            edges.scalp <- nothing
+            hair.scalp <- nothing
+            rows.scalp <- nothing
+        "#]],
+        );
+        // Both ways to the same hair: it is not merged with itself.
+        check(
+            &remove_healed(&cornrows(), &ids("braid hair edges")),
+            expect![[r#"
+            all.curves <- [rows.curves]
+            braid.scalp <- nothing
+            braid.source <- nothing
+            edges.scalp <- nothing
+            edges.source <- nothing
+            edges.stitches <- nothing
+            hair.curves <- nothing
+            hair.scalp <- nothing
+        "#]],
+        );
+        check(
+            &remove_healed(&cornrows(), &ids("out thin nobody")),
+            expect![[r#"
+            out.curves <- nothing
+        "#]],
+        );
+    }
+
+    #[test]
+    fn a_disconnected_node_stays_and_is_bridged() {
+        let after = check(
+            &disconnect(&cornrows(), &ids("braid")),
+            expect![[r#"
+            hair.curves <- [rows.curves]
+            braid.scalp <- nothing
+            braid.source <- nothing
+            edges.stitches <- nothing
+        "#]],
+        );
+        assert_eq!((after.nodes.len(), after.display), (9, Some(id("braid"))));
+    }
+
+    #[test]
+    fn a_node_dropped_on_a_wire_stands_between_its_ends_or_says_why_not() {
+        let document = cornrows();
+        let on = |node: &str, to: &str, at| insert_on_wire(&document, &id(node), &socket(to), at);
+        check(
+            &on("thin", "all.curves", 1).unwrap(),
+            expect![[r#"
+            all.curves <- [hair.curves, thin.curves]
+            thin.curves <- [edges.curves]
+        "#]],
+        );
+        check(
+            &on("thin", "hair.curves", 0).unwrap(),
+            expect![[r#"
+            hair.curves <- [thin.curves]
+            thin.curves <- [braid.curves]
+        "#]],
+        );
+        let why = [
+            on("thin", "hair.scalp", 0),
+            on("head", "hair.curves", 0),
+            on("out", "hair.curves", 0),
+            on("all", "hair.curves", 0),
+            on("hair", "hair.curves", 0),
+            on("new", "hair.curves", 0),
+            on("gone", "hair.curves", 0),
+            on("thin", "all.curves", 2),
+        ];
+        expect![[r#"
+            Resample takes no scalp
+            Head takes no curves
+            something else is wired to out.curves
+            hair.curves: a wire from all.curves would run in a circle: hair feeds all; wire a node that does not hang from hair
+            Cluster to strands is an end of this wire
+            nobody knows what "of_tomorrow" takes
+            there is no node gone
+            all.curves has no wire 2"#]].assert_eq(&why.map(Result::unwrap_err).join("\n"));
+    }
+
+    #[test]
+    fn another_kind_keeps_what_fits() {
+        let document = cornrows();
+        let edit = change_kind(&document, &id("braid"), "shape_list_curl").unwrap();
+        let after = check(
+            &edit,
+            expect![[r#"
+            braid.curves <- [rows.curves]
+            edges.stitches <- [braid.curves]
+            braid.source <- nothing
+        "#]],
+        );
+        let node = after.node("braid").unwrap();
+        assert_eq!((node.label.as_deref(), &*node.note), (Some("front"), "n"));
+        assert_eq!(after.bends_of(&socket("hair.curves"), 0), [Point(1.0, 2.0)]);
+        let node = change_kind(&document, &id("rows"), "scatter_guides").unwrap();
+        let after = check(&node, expect![[r#""#]]);
+        let seed = Setting::Known(5i64.into());
+        assert_eq!(after.node("rows").unwrap().inputs["seed"], seed);
+        check(
+            &change_kind(&document, &id("all"), "resample").unwrap(),
+            expect![[r#"
+            all.curves <- [hair.curves]
+        "#]],
+        );
+        check(
+            &change_kind(&document, &id("braid"), "head").unwrap(),
+            expect![[r#"
+            braid.scalp <- nothing
+            braid.source <- nothing
+            edges.stitches <- nothing
+            hair.curves <- nothing
+        "#]],
+        );
+        assert!(change_kind(&document, &id("braid"), "of_tomorrow").is_err());
+        assert!(change_kind(&document, &id("gone"), "head").is_err());
+    }
+
+    #[test]
+    fn every_kind_becomes_every_other_and_all_can_be_taken_back() {
+        let document = cornrows();
+        for (name, to) in document.nodes.keys().flat_map(|n| coif_nodes::all().map(move |k| (n, k)))
+        {
+            let (after, _) = wires(&document, &change_kind(&document, name, to.id).unwrap());
+            let problems = graph::check(&after);
+            let bad = |fault| problems.iter().find(|problem| problem.fault == fault);
+            for fault in
+                [graph::Fault::WrongType, graph::Fault::TooManyWires, graph::Fault::UnknownInput]
+            {
+                assert_eq!(bad(fault), None, "{name} to {}", to.id);
+            }
+            for nodes in
+                [ids(name.as_str()), ids(&format!("{name} rows")), ids(&format!("{name} hair all"))]
+            {
+                let (after, _) = wires(&after, &remove_healed(&after, &nodes));
+                wires(&after, &disconnect(&after, &ids("edges")));
+                assert!(!graph::check(&after).iter().any(|p| p.fault == graph::Fault::WrongType));
+            }
+        }
+    }
+
+    #[test]
+    fn broken_documents_are_healed_without_end_or_panic() {
+        for seed in 0..100 {
+            let document = super::super::testing::Random::new(seed).document();
+            for nodes in [ids("a"), ids("a b"), ids("a b c d"), ids("e_1 far_away")] {
+                wires(&document, &remove_healed(&document, &nodes));
+                wires(&document, &disconnect(&document, &nodes));
+            }
+            for to in document.links.keys() {
+                if let Ok(edit) = insert_on_wire(&document, &id("a"), to, 0) {
+                    wires(&document, &edit);
+                }
+            }
+            if let Ok(edit) = change_kind(&document, &id("b"), "merge") {
+                wires(&document, &edit);
+            }
+        }
+    }
+
+    #[test]
+    fn a_loose_wire_says_what_an_edit_would_say() {
+        let mut random = super::super::testing::Random::new(3);
+        for _ in 0..400 {
+            let document = cornrows();
+            let sockets: Vec<Socket> = document
+                .nodes
+                .iter()
+                .filter_map(|(id, node)| Some((id, coif_nodes::by_id(&node.kind)?)))
+                .flat_map(|(id, def)| {
+                    let outputs = def.outputs.iter().map(|output| output.name);
+                    let names = def.inputs.iter().map(|input| input.name).chain(outputs);
+                    names.map(|name| Socket::new(id.clone(), name)).collect::<Vec<_>>()
+                })
+                .collect();
+            let (from, to) = (random.pick(&sockets), random.pick(&sockets));
+            let can = graph::wire_problem(&document, &from, &to).is_none();
+            let out = LooseWire::from_output(&document, from.clone()).reason(&to);
+            let back = LooseWire::from_input(&document, to.clone()).reason(&from);
+            assert_eq!(out, back);
+            assert_eq!(out.is_none(), can, "{from} {to}: {out:?}");
+        }
+        let document = cornrows();
+        let loose = LooseWire::from_output(&document, socket("all.curves"));
+        let why = ["rows.scalp", "braid.source", "all.curves", "thin.curves"];
+        let why = why.map(|to| format!("{:?}", loose.reason(&socket(to))));
+        expect![[r#"
+            Some("all.curves gives curves, scalp is taken")
+            Some("wires would run in a circle: front feeds Merge")
+            Some("a node cannot feed itself")
+            None"#]]
+        .assert_eq(&why.join("\n"));
+    }
+
+    #[test]
+    fn a_dropped_wire_finds_the_kinds_that_it_fits_and_they_can_be_wired() {
+        let document = cornrows();
+        for from in ["head.scalp", "braid.curves"] {
+            let kinds = kinds_taking(&document, &socket(from));
+            assert!(kinds.len() > 5);
+            for (def, input) in kinds {
+                let mut document = document.clone();
+                let node = document.fresh_node(def.id, &id("fresh")).into();
+                let add = Edit::AddNode { id: id("fresh"), node, at: None };
+                add.apply(&mut document).unwrap();
+                let to = Socket::new(id("fresh"), input.name);
+                Edit::Connect { from: socket(from), to, at: None }.apply(&mut document).unwrap();
+            }
+        }
+        let names = |to: &str| {
+            let kinds = kinds_giving(&document, &socket(to));
+            kinds.iter().map(|(def, out)| format!("{}.{}", def.id, out.name)).collect::<Vec<_>>()
+        };
+        assert_eq!(names("rows.scalp"), ["head.scalp"]);
+        assert!(names("hair.curves").contains(&"lissajous_braid.curves".to_owned()));
+        assert_eq!(kinds_taking(&document, &socket("new.out")).len(), 0);
+    }
+}

@@ -1,0 +1,84 @@
+//! Laying values along hair, which every node that colours or sizes it does.
+//!
+//! Guarantees: values are stored once for all, once a curve or once a point, as few times as the caller says they
+//! can be; nothing else of the tuft changes or is copied.
+
+use crate::data::attributes::{Declared, Domain, Item};
+use crate::data::curves::Tuft;
+use crate::define::NodeError;
+use crate::eval::Piece;
+use glam::Vec3;
+
+/// What values are stored for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Held {
+    /// One value for all curves.
+    All,
+    /// One value a curve.
+    Curve,
+    /// One value a point.
+    Point,
+}
+
+impl Held {
+    /// The fewest: `level` where no curve changes along itself, `alike` where none differs from another.
+    pub(super) fn fewest(level: bool, alike: bool) -> Self {
+        match (level, alike) {
+            (true, true) => Self::All,
+            (true, false) => Self::Curve,
+            (false, _) => Self::Point,
+        }
+    }
+}
+
+/// The tuft with values of `declared`. `own` is asked once a curve for what all its points share; `value` for each stored
+/// value, by curve, point of the tuft and fraction of the curve's length (0 where one value serves a curve).
+pub(super) fn lay<T: Item, C>(
+    piece: &mut Piece,
+    tuft: &Tuft,
+    declared: Declared<T>,
+    held: Held,
+    own: impl Fn(usize) -> C,
+    value: impl Fn(&C, usize, usize, f32) -> T,
+) -> Result<Tuft, NodeError> {
+    let mut out = tuft.edit();
+    if tuft.is_empty() {
+        return Ok(out.build());
+    }
+    let mut values = Vec::with_capacity(match held {
+        Held::All => 1,
+        Held::Curve => tuft.len(),
+        Held::Point => tuft.points().len(),
+    });
+    for i in 0..if held == Held::All { 1 } else { tuft.len() } {
+        piece.tick()?;
+        let own = own(i);
+        let first = tuft.offsets()[i] as usize;
+        if held == Held::Point {
+            // Values of all curves before and of this one so far: the number of the point.
+            fractions(tuft.curve(i), |u| values.push(value(&own, i, values.len(), u)));
+        } else {
+            values.push(value(&own, i, first, 0.0));
+        }
+    }
+    let domain = if held == Held::Point { Domain::Point } else { Domain::Curve };
+    out.set(declared, domain, values);
+    Ok(out.build())
+}
+
+/// Calls `put` with the fraction of the length at which each point of a curve lies, measured along straight lines
+/// from point to point.
+#[inline]
+fn fractions(points: &[Vec3], mut put: impl FnMut(f32)) {
+    let span = |pair: &[Vec3]| pair[0].distance(pair[1]);
+    let length: f32 = points.windows(2).map(span).sum();
+    let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
+    let mut at = 0.0;
+    if !points.is_empty() {
+        put(0.0);
+    }
+    for pair in points.windows(2) {
+        at += span(pair);
+        put((at * scale).min(1.0));
+    }
+}

@@ -1,0 +1,240 @@
+//! A screen that nobody sits at: an X server in memory, hands that press its keys and move its pointer, and what it shows.
+//!
+//! Everything has a time limit. A server, and a program started on it, end with the value that holds them.
+
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// An X server (`Xvfb`) with a display of its own.
+pub struct Screen {
+    server: Child,
+    display: String,
+}
+
+/// What a screen showed: three bytes a pixel.
+pub struct Shot {
+    /// Pixels.
+    pub width: usize,
+    /// Pixels.
+    pub height: usize,
+    /// Red, green, blue, row by row.
+    pub rgb: Vec<u8>,
+}
+
+/// The programs that this needs.
+const NEEDED: &[&str] = &["Xvfb", "xdotool", "import"];
+
+/// Whether a program can be started.
+pub fn has(program: &str) -> bool {
+    let found = |folder: std::path::PathBuf| folder.join(program).is_file();
+    std::env::var_os("PATH").is_some_and(|path| std::env::split_paths(&path).any(found))
+}
+
+impl Screen {
+    /// A screen of so many pixels; none where the machine has no such thing. The caller returns then, having named itself.
+    ///
+    /// # Panics
+    /// When the server does not come up.
+    pub fn start(test: &str, width: u32, height: u32) -> Option<Self> {
+        if !NEEDED.iter().all(|program| has(program)) {
+            println!("skipped: {test} needs {} (xvfb xdotool imagemagick)", NEEDED.join(", "));
+            return None;
+        }
+        // Displays are numbered by who asks first; our own process id keeps neighbours apart.
+        let mut number = 90 + std::process::id() % 400;
+        loop {
+            let display = format!(":{number}");
+            let mut server = Command::new("Xvfb")
+                .args([
+                    &display,
+                    "-screen",
+                    "0",
+                    &format!("{width}x{height}x24"),
+                    "-nolisten",
+                    "tcp",
+                ])
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn()
+                .expect("Xvfb starts");
+            let began = Instant::now();
+            while began.elapsed() < Duration::from_secs(10) {
+                if server.try_wait().expect("it can be asked").is_some() {
+                    break;
+                }
+                if Path::new(&format!("/tmp/.X11-unix/X{number}")).exists() {
+                    std::thread::sleep(Duration::from_millis(200));
+                    if server.try_wait().expect("it can be asked").is_none() {
+                        return Some(Self { server, display });
+                    }
+                    break;
+                }
+                std::thread::sleep(Duration::from_millis(50));
+            }
+            let _ = server.kill();
+            let _ = server.wait();
+            number += 1;
+            assert!(number < 600, "no display can be opened");
+        }
+    }
+
+    /// The display's name.
+    pub fn display(&self) -> &str {
+        &self.display
+    }
+
+    /// Has `xdotool` do something.
+    ///
+    /// # Panics
+    /// When it fails.
+    pub fn hand<S: AsRef<std::ffi::OsStr>>(&self, args: impl IntoIterator<Item = S>) -> String {
+        let done = Command::new("xdotool")
+            .args(args)
+            .env("DISPLAY", &self.display)
+            .output()
+            .expect("xdotool starts");
+        assert!(done.status.success(), "xdotool: {}", String::from_utf8_lossy(&done.stderr));
+        String::from_utf8_lossy(&done.stdout).trim().to_owned()
+    }
+
+    /// Waits for a window with this in its title and gives it the keyboard.
+    ///
+    /// # Panics
+    /// When none comes within half a minute.
+    pub fn focus(&self, title: &str) -> String {
+        let began = Instant::now();
+        loop {
+            let found = Command::new("xdotool")
+                .args(["search", "--onlyvisible", "--name", title])
+                .env("DISPLAY", &self.display)
+                .output()
+                .expect("xdotool starts");
+            let text = String::from_utf8_lossy(&found.stdout).trim().to_owned();
+            if let Some(window) = text.lines().last() {
+                self.hand(["windowfocus", "--sync", window]);
+                return window.to_owned();
+            }
+            assert!(began.elapsed() < Duration::from_secs(30), "a window {title:?} opens");
+            std::thread::sleep(Duration::from_millis(100));
+        }
+    }
+
+    /// Presses keys, as in "ctrl+s".
+    pub fn key(&self, keys: &str) {
+        self.hand(["key", "--clearmodifiers", keys]);
+        std::thread::sleep(Duration::from_millis(120));
+    }
+
+    /// Types text.
+    pub fn write(&self, text: &str) {
+        self.hand(["type", "--delay", "25", text]);
+        std::thread::sleep(Duration::from_millis(120));
+    }
+
+    /// Moves the pointer.
+    pub fn point(&self, x: i32, y: i32) {
+        self.hand(["mousemove", "--sync", &x.to_string(), &y.to_string()]);
+        std::thread::sleep(Duration::from_millis(40));
+    }
+
+    /// Clicks at a place.
+    pub fn click(&self, x: i32, y: i32) {
+        self.point(x, y);
+        self.hand(["click", "1"]);
+        std::thread::sleep(Duration::from_millis(120));
+    }
+
+    /// Drags along places with a button, in small steps as a hand does.
+    pub fn drag(&self, button: u32, places: &[(i32, i32)]) {
+        let Some((x, y)) = places.first() else { return };
+        self.point(*x, *y);
+        self.hand(["mousedown", &button.to_string()]);
+        std::thread::sleep(Duration::from_millis(60));
+        for pair in places.windows(2) {
+            for step in 1..=8 {
+                let part = |a: i32, b: i32| a + (b - a) * step / 8;
+                let (x, y) = (part(pair[0].0, pair[1].0), part(pair[0].1, pair[1].1));
+                self.hand(["mousemove", &x.to_string(), &y.to_string()]);
+                std::thread::sleep(Duration::from_millis(8));
+            }
+        }
+        std::thread::sleep(Duration::from_millis(60));
+        self.hand(["mouseup", &button.to_string()]);
+        std::thread::sleep(Duration::from_millis(120));
+    }
+
+    /// What the screen shows, also written to a file where a person wants to look at it.
+    ///
+    /// # Panics
+    /// When it cannot be taken.
+    pub fn shot(&self, file: &Path) -> Shot {
+        let taken = Command::new("import")
+            .args(["-window", "root", "-depth", "8"])
+            .arg(format!("png24:{}", file.display()))
+            .env("DISPLAY", &self.display)
+            .status()
+            .expect("import starts");
+        assert!(taken.success(), "the screen is taken");
+        Shot::read(file)
+    }
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+impl Shot {
+    /// A PNG of 8-bit RGB.
+    ///
+    /// # Panics
+    /// When it is none.
+    pub fn read(file: &Path) -> Self {
+        let open =
+            std::io::BufReader::new(std::fs::File::open(file).expect("the picture is there"));
+        let mut reader = png::Decoder::new(open).read_info().expect("a PNG");
+        let mut rgb = vec![0; reader.output_buffer_size().expect("it fits")];
+        let info = reader.next_frame(&mut rgb).expect("pixels");
+        assert_eq!((info.color_type, info.bit_depth), (png::ColorType::Rgb, png::BitDepth::Eight));
+        Self { width: info.width as usize, height: info.height as usize, rgb }
+    }
+
+    /// The pixel at a place.
+    pub fn at(&self, x: usize, y: usize) -> [u8; 3] {
+        let i = (y * self.width + x) * 3;
+        [self.rgb[i], self.rgb[i + 1], self.rgb[i + 2]]
+    }
+
+    /// How many different colours a rectangle has: few in a bare panel, many where hair is seen.
+    pub fn colours(&self, x: std::ops::Range<usize>, y: std::ops::Range<usize>) -> usize {
+        let all = y.flat_map(|y| x.clone().map(move |x| (x, y)));
+        all.map(|(x, y)| self.at(x, y)).collect::<std::collections::BTreeSet<_>>().len()
+    }
+}
+
+/// A program that ends with the value that holds it.
+pub struct Running(pub Child);
+
+impl Running {
+    /// Waits for its end; gives its exit code, none when it did not end in time.
+    pub fn end(&mut self, within: Duration) -> Option<i32> {
+        let began = Instant::now();
+        while began.elapsed() < within {
+            if let Ok(Some(status)) = self.0.try_wait() {
+                return status.code();
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        None
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
