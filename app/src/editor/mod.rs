@@ -10,9 +10,11 @@ pub mod actions;
 pub mod documents;
 pub mod evaluation;
 pub mod event;
+mod history;
 pub mod keys;
 pub mod lineage;
 mod menus;
+pub mod messages;
 pub mod notes;
 mod palette;
 pub mod rooms;
@@ -32,6 +34,7 @@ use egui_dock::{DockArea, DockState};
 use evaluation::{Evaluation, Finished, Request, Trace, first_output};
 use event::Event;
 use keys::Keys;
+use messages::Messages;
 use notes::Note;
 use palette::Palette;
 use rooms::Room;
@@ -50,6 +53,7 @@ pub struct Editor {
     pub state: State,
     /// Documents as files.
     pub documents: Documents,
+    messages: Messages,
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
@@ -94,6 +98,7 @@ impl Editor {
         Self {
             state,
             documents: Documents::new(ctx),
+            messages: Messages::default(),
             keys,
             palette: Palette::default(),
             key_sheet: false,
@@ -389,7 +394,6 @@ fn dock_style(ui: &egui::Ui) -> egui_dock::Style {
 /// Shows the rooms in their tabs.
 struct Tabs<'a> {
     editor: &'a mut Editor,
-    #[expect(dead_code, reason = "rooms say here what happened")]
     out: &'a mut Vec<Event>,
 }
 
@@ -406,6 +410,12 @@ impl egui_dock::TabViewer for Tabs<'_> {
         let over = ui.rect_contains_pointer(ui.max_rect());
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
+        }
+        let Tabs { editor, out } = self;
+        match room {
+            Room::Messages => editor.messages.ui(&editor.state, ui, out),
+            Room::History => history::ui(&editor.state, ui, out),
+            _ => {}
         }
     }
     fn scroll_bars(&self, _: &Room) -> [bool; 2] {

@@ -45,7 +45,8 @@ impl Gravity {
                 painter.line_segment([at(-1.0, 1.0), at(1.0, -1.0)], stroke);
             }
         }
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, self.name()));
+        response
+            .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, self.name()));
         response.on_hover_text(self.name());
     }
 }
@@ -94,6 +95,8 @@ impl Note {
 #[derive(Clone, Debug, Default)]
 pub struct Notes {
     said: Vec<Note>,
+    /// How many were ever said, and how often all were forgotten.
+    count: usize,
 }
 
 /// Older notes than so many are forgotten.
@@ -109,6 +112,11 @@ impl Notes {
             self.said.remove(0);
         }
         self.said.push(note);
+        self.count += 1;
+    }
+    /// Goes up with every change.
+    pub fn count(&self) -> usize {
+        self.count
     }
     /// Oldest first.
     pub fn all(&self) -> &[Note] {
@@ -117,5 +125,6 @@ impl Notes {
     /// Forgets all.
     pub fn clear(&mut self) {
         self.said.clear();
+        self.count += 1;
     }
 }

@@ -7,12 +7,7 @@ use crate::editor::state::{Select, State};
 use egui::{Panel, ProgressBar};
 
 /// The bars that are due.
-pub(super) fn show(
-    documents: &Documents,
-    state: &State,
-    ui: &mut egui::Ui,
-    out: &mut Vec<Event>,
-) {
+pub(super) fn show(documents: &Documents, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
     for (at, left) in documents.leftovers.iter().enumerate() {
         Panel::top(egui::Id::new(("left", at))).show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {

@@ -200,7 +200,10 @@ mod tests {
         }
         std::fs::create_dir(folder.path("Heads")).unwrap();
         let found = list(folder.root(), &["obj"]);
-        assert_eq!((found.folders, found.files), (vec!["Heads".to_owned()], vec!["a.obj".into(), "b.OBJ".into()]));
+        assert_eq!(
+            (found.folders, found.files),
+            (vec!["Heads".to_owned()], vec!["a.obj".into(), "b.OBJ".into()])
+        );
         assert!(list(&folder.path("none"), &["obj"]).fault.is_some());
     }
 }

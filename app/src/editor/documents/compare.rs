@@ -39,13 +39,7 @@ pub fn differences(mine: &Document, theirs: &Document) -> Vec<Difference> {
     all
 }
 
-fn of_node(
-    mine: &Document,
-    theirs: &Document,
-    id: &NodeId,
-    a: &Node,
-    b: &Node,
-) -> Option<String> {
+fn of_node(mine: &Document, theirs: &Document, id: &NodeId, a: &Node, b: &Node) -> Option<String> {
     let mut parts = vec![];
     for (differs, word) in [
         (a.kind != b.kind, "kind"),

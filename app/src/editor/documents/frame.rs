@@ -7,8 +7,6 @@ use super::watch::Change;
 use super::{Browser, Changed, Event, bars, browser, home, own_head, paths, welcome};
 use crate::editor::Editor;
 use crate::editor::notes::Note;
-use coif_graphs::document::Setting;
-use coif_nodes::define::Value;
 use egui::ViewportCommand;
 use std::path::{Path, PathBuf};
 
@@ -35,7 +33,8 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
         Some(Answer::NoDialog) => {
             editor.documents.no_dialogs = true;
             if let Some(asking) = &editor.documents.asking {
-                editor.documents.browser = Some(Browser::new(asking.question.clone(), editor.documents.wake.clone()));
+                editor.documents.browser =
+                    Some(Browser::new(asking.question.clone(), editor.documents.wake.clone()));
             }
         }
         None => {}
@@ -101,7 +100,8 @@ fn changed(editor: &mut Editor, change: &Change) {
     }
     // A file that a node names: evaluation reads it again by itself once it is asked.
     editor.state.revision += 1;
-    let text = if gone { "is not there any more" } else { "changed on the disk and was read again" };
+    let text =
+        if gone { "is not there any more" } else { "changed on the disk and was read again" };
     editor.state.notes.say(Note::done(format!("{shown} {text}")));
 }
 
@@ -174,15 +174,5 @@ fn save_by_itself(editor: &mut Editor, ctx: &egui::Context) {
         // Tried again after as long, when it fails.
         editor.documents.saved_at = editor.now;
         editor.save_to(&path);
-    }
-}
-
-/// Whether a node's input names a file that is not there.
-pub(crate) fn is_missing(editor: &Editor, input: Option<&Setting>) -> bool {
-    match input {
-        Some(Setting::Known(Value::Text(path))) if !path.is_empty() => {
-            editor.documents.watch.is_missing(&editor.state.file.folder.join(&**path))
-        }
-        _ => false,
     }
 }

@@ -58,9 +58,8 @@ impl Editor {
     /// Writes settings and layout.
     pub(super) fn store_settings(&mut self) {
         let Some(home) = &self.documents.home else { return };
-        let stored = kept::store(&home.settings(), &self.state.settings).and_then(|()| {
-            kept::store_text(&home.layout(), &rooms::write_layout(&self.dock))
-        });
+        let stored = kept::store(&home.settings(), &self.state.settings)
+            .and_then(|()| kept::store_text(&home.layout(), &rooms::write_layout(&self.dock)));
         if let Err(why) = stored {
             self.state.notes.say(Note::warning(why));
         }

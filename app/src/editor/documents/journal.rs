@@ -117,8 +117,7 @@ impl Journal {
         let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let (files, alive) = (0..1000)
             .find_map(|n| {
-                let session =
-                    format!("{:013}-{}-{n}", since.as_millis(), std::process::id());
+                let session = format!("{:013}-{}-{n}", since.as_millis(), std::process::id());
                 let files = Files { folder: folder.to_owned(), session };
                 match File::create_new(files.lock()) {
                     Err(err) if err.kind() == io::ErrorKind::AlreadyExists => None,
@@ -404,7 +403,9 @@ mod tests {
         drop(journal);
         std::fs::write(files.text(), "").unwrap();
         assert_eq!(seeds(&folder), [2]);
-        for rubbish in [&b""[..], b"\xff\xff\xff\n", b"// coif recovery {}\n((((", b"// coif recovery"] {
+        for rubbish in
+            [&b""[..], b"\xff\xff\xff\n", b"// coif recovery {}\n((((", b"// coif recovery"]
+        {
             std::fs::write(files.text(), rubbish).unwrap();
             std::fs::write(files.synced(), rubbish).unwrap();
             assert!(seeds(&folder).is_empty());

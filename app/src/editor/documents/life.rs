@@ -120,18 +120,16 @@ impl Editor {
     fn begin(&mut self, groom: Option<&'static str>) {
         let document = match groom {
             None => empty_head(),
-            Some(name) => {
-                match grooms::by_name(name).map(file::read) {
-                    Some(Ok(loaded)) => loaded.document,
-                    Some(Err(err)) => {
-                        return self.state.notes.say(Note::error(err.of_file(name)));
-                    }
-                    None => {
-                        let text = format!("there is no shipped groom {name:?}");
-                        return self.state.notes.say(Note::error(text));
-                    }
+            Some(name) => match grooms::by_name(name).map(file::read) {
+                Some(Ok(loaded)) => loaded.document,
+                Some(Err(err)) => {
+                    return self.state.notes.say(Note::error(err.of_file(name)));
                 }
-            }
+                None => {
+                    let text = format!("there is no shipped groom {name:?}");
+                    return self.state.notes.say(Note::error(text));
+                }
+            },
         };
         self.put(document, OpenFile::default(), History::new());
     }
@@ -304,9 +302,8 @@ impl Editor {
                 if shown.take().is_some() {
                     return;
                 }
-                let read = read_at_most(&path, MOST_BYTES).and_then(|bytes| {
-                    file::read_bytes(&bytes).map_err(|err| err.to_string())
-                });
+                let read = read_at_most(&path, MOST_BYTES)
+                    .and_then(|bytes| file::read_bytes(&bytes).map_err(|err| err.to_string()));
                 match read {
                     Ok(loaded) => {
                         *shown = Some(differences(&self.state.document, &loaded.document));
@@ -360,8 +357,7 @@ impl Editor {
             return;
         }
         if now.2 {
-            let about =
-                About { path: now.1.clone(), name: self.title(), at: journal::now() };
+            let about = About { path: now.1.clone(), name: self.title(), at: journal::now() };
             journal.keep(about, state.document.clone());
         } else {
             journal.clear();

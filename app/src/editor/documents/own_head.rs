@@ -108,10 +108,10 @@ impl Editor {
         let set = |input: &str| document.node(node.as_str())?.inputs.get(input);
         if matches!(set("region"), Some(Setting::Known(Value::Text(by))) if matches!(&**by, "mask" | "material"))
         {
-            edits.extend(["region", "region_name"].map(|input| Edit::UnsetInput {
-                node: node.clone(),
-                input: input.to_owned(),
-            }));
+            edits.extend(
+                ["region", "region_name"]
+                    .map(|input| Edit::UnsetInput { node: node.clone(), input: input.to_owned() }),
+            );
         }
         let name = Path::new(&path).file_name().unwrap_or_default().to_string_lossy();
         let before = self.state.changes;
@@ -244,13 +244,15 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
                 });
                 ui.end_row();
                 ui.label("No human head");
-                ui.checkbox(&mut placing.no_head, "keep the file's own axes")
-                    .on_hover_text("For animals and things: no sphere is fitted, and hair may grow everywhere");
+                ui.checkbox(&mut placing.no_head, "keep the file's own axes").on_hover_text(
+                    "For animals and things: no sphere is fitted, and hair may grow everywhere",
+                );
                 ui.end_row();
             });
             ui.separator();
             ui.horizontal(|ui| {
-                if ui.add(Button::new("Accept")).on_hover_text("The head stays as it is").clicked() {
+                if ui.add(Button::new("Accept")).on_hover_text("The head stays as it is").clicked()
+                {
                     choice = Some(HeadChoice::Accept);
                 }
                 if ui.button("Cancel").on_hover_text("The head from before comes back").clicked() {
@@ -264,7 +266,8 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
     out.extend(choice.map(|choice| Event::Documents(FileEvent::Head(choice))));
 }
 
-const FIND_SCALE: &str = "Takes the units that the file states, else those that make the cranium a person's";
+const FIND_SCALE: &str =
+    "Takes the units that the file states, else those that make the cranium a person's";
 const FIND_SPHERE: &str = "Takes the sphere that fits the cranium best";
 
 fn wrapped(degrees: f32) -> f32 {

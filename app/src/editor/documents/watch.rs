@@ -106,12 +106,6 @@ impl Watch {
         state.changes.retain(|change| change_of(change) != path);
     }
 
-    /// Whether the last look did not find a file.
-    pub(crate) fn is_missing(&self, path: &Path) -> bool {
-        let state = locked(&self.shared);
-        state.files.get(path).is_some_and(|known| known.seen == Some(Seen::Missing))
-    }
-
     /// What happened since this was asked last.
     pub(crate) fn changes(&self) -> Vec<Change> {
         std::mem::take(&mut locked(&self.shared).changes)
@@ -227,6 +221,12 @@ mod tests {
         };
         (Watch::every(Duration::from_millis(5), wake), woken)
     }
+    /// As everybody should: whole or not at all.
+    fn write(path: &Path, text: &str) {
+        let beside = path.with_extension("part");
+        std::fs::write(&beside, text).unwrap();
+        std::fs::rename(beside, path).unwrap();
+    }
     fn next(watch: &Watch) -> Vec<Change> {
         let mut all = vec![];
         until("a change is told", || {
@@ -244,23 +244,23 @@ mod tests {
     fn what_others_write_is_told_and_what_we_write_is_not() {
         let folder = Folder::new("watch");
         let path = folder.path("a.ron");
-        std::fs::write(&path, "one").unwrap();
+        write(&path, "one");
         let (watch, woken) = watch();
         watch.knows(&path, hash_of(b"one"));
         quiet(&watch);
-        std::fs::write(&path, "three").unwrap();
+        write(&path, "three");
         assert_eq!(next(&watch), [Change::Content(path.clone())]);
         assert_eq!(woken.load(Ordering::Relaxed), 1);
         quiet(&watch);
         watch.knows(&path, hash_of(b"ours"));
-        std::fs::write(&path, "ours").unwrap();
+        write(&path, "ours");
         quiet(&watch);
         // The same content again, as by a tool that only touches files.
-        std::fs::write(&path, "ours").unwrap();
+        write(&path, "ours");
         quiet(&watch);
         std::fs::remove_file(&path).unwrap();
         assert_eq!(next(&watch), [Change::Gone(path.clone())]);
-        std::fs::write(&path, "back").unwrap();
+        write(&path, "back");
         assert_eq!(next(&watch), [Change::Content(path)]);
     }
 
@@ -268,7 +268,7 @@ mod tests {
     fn a_file_changed_before_it_was_looked_at_is_told() {
         let folder = Folder::new("watch-first");
         let path = folder.path("a.ron");
-        std::fs::write(&path, "changed while it was opened").unwrap();
+        write(&path, "changed while it was opened");
         let (watch, _) = watch();
         watch.knows(&path, hash_of(b"as it was read"));
         assert_eq!(next(&watch), [Change::Content(path)]);
@@ -278,16 +278,16 @@ mod tests {
     fn meshes_are_known_by_their_first_look_until_nobody_names_them() {
         let folder = Folder::new("watch-mesh");
         let (a, b) = (folder.path("a.obj"), folder.path("b.obj"));
-        std::fs::write(&a, "v 0 0 0").unwrap();
+        write(&a, "v 0 0 0");
         let (watch, _) = watch();
         watch.files([a.as_path(), b.as_path()]);
         quiet(&watch);
-        std::fs::write(&a, "v 0 0 1 ").unwrap();
+        write(&a, "v 0 0 1 ");
         assert_eq!(next(&watch), [Change::Content(a.clone())]);
         watch.files([b.as_path()]);
-        std::fs::write(&a, "v 0 1").unwrap();
+        write(&a, "v 0 1");
         quiet(&watch);
-        std::fs::write(&b, "v 1 2 3").unwrap();
+        write(&b, "v 1 2 3");
         assert_eq!(next(&watch), [Change::Content(b)]);
     }
 }

@@ -1,9 +1,9 @@
 //! The welcome panel: shipped grooms with pictures, the empty head, one's own head, and what was open lately. It never blocks
 //! anything.
 
+use super::Event as FileEvent;
 use super::dialogs::Purpose;
 use super::recent::Recent;
-use super::Event as FileEvent;
 use crate::editor::event::Event;
 use crate::editor::settings::Settings;
 use crate::editor::state::State;
@@ -111,7 +111,8 @@ fn recent_files(recent: &Recent, ui: &mut egui::Ui, say: &mut dyn FnMut(FileEven
             if line.on_hover_text(&shown).on_disabled_hover_text(&shown).clicked() {
                 say(FileEvent::Open(path.clone()));
             }
-            if missing && ui.small_button("Forget").on_hover_text("Takes it off this list").clicked()
+            if missing
+                && ui.small_button("Forget").on_hover_text("Takes it off this list").clicked()
             {
                 say(FileEvent::Forget(path.clone()));
             }
