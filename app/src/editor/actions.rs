@@ -90,6 +90,15 @@ const ACTIONS: &[Action] = &[
         run: |editor| editor.apply(Event::Redo),
     },
     Action {
+        id: "edit.settings",
+        label: "Settings…",
+        tip: "Scale, contrast, evaluation, navigation, saving.",
+        words: "preferences options configure theme zoom autosave",
+        menu: "Edit",
+        when: always,
+        run: |editor| editor.settings_panel.is_open = !editor.settings_panel.is_open,
+    },
+    Action {
         id: "evaluate.stop",
         label: "Stop",
         tip: "Stops what is being evaluated; the last picture stays.",

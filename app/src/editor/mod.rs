@@ -55,6 +55,7 @@ pub struct Editor {
     /// Documents as files.
     pub documents: Documents,
     messages: Messages,
+    pub(crate) settings_panel: settings::Panel,
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
@@ -83,7 +84,7 @@ impl Editor {
     /// An editor on a document. The context is asked to repaint when something was evaluated.
     pub fn new(ctx: &egui::Context, document: Document, file: OpenFile) -> Self {
         let settings = Settings::default();
-        theme::apply(ctx, settings.pen_mode);
+        theme::apply(ctx, settings.pen_mode, settings.strong_contrast);
         let mut state = State::new(document, file, settings);
         let wake = {
             let ctx = ctx.clone();
@@ -100,6 +101,7 @@ impl Editor {
             state,
             documents: Documents::new(ctx),
             messages: Messages::default(),
+            settings_panel: settings::Panel::default(),
             keys,
             palette: Palette::default(),
             key_sheet: false,
@@ -163,6 +165,7 @@ impl Editor {
                 .show_inside(ui, &mut tabs);
         });
         self.dock = dock;
+        self.settings_panel.ui(&self.state.settings, &self.keys, &ctx, &mut events);
         if self.key_sheet {
             menus::key_sheet(self, &ctx);
         }

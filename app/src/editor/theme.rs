@@ -32,11 +32,11 @@ pub const WARNING: Color32 = Color32::from_rgb(240, 200, 90);
 /// Done; always with a dot.
 pub const DONE: Color32 = Color32::from_rgb(140, 200, 160);
 
-/// Gives a context the theme. `pen` makes targets 32 points high instead of 24.
-pub fn apply(ctx: &egui::Context, pen: bool) {
+/// Gives a context the theme. `pen` makes targets 32 points high instead of 24, `strong` text and lines brighter.
+pub fn apply(ctx: &egui::Context, pen: bool, strong: bool) {
     ctx.set_theme(egui::Theme::Dark);
     ctx.all_styles_mut(|style| {
-        style.visuals = visuals();
+        style.visuals = visuals(strong);
         let height = if pen { 32.0 } else { 24.0 };
         style.spacing.interact_size = Vec2::new(height * 1.5, height);
         style.spacing.item_spacing = Vec2::new(6.0, 4.0);
@@ -60,7 +60,9 @@ pub fn apply(ctx: &egui::Context, pen: bool) {
     });
 }
 
-fn visuals() -> Visuals {
+fn visuals(strong: bool) -> Visuals {
+    let (text, quiet, line) =
+        if strong { (Color32::WHITE, TEXT, QUIET) } else { (TEXT, QUIET, LINE) };
     let mut v = Visuals::dark();
     let radius = CornerRadius::same(3);
     v.panel_fill = PANEL;
@@ -68,7 +70,7 @@ fn visuals() -> Visuals {
     v.extreme_bg_color = SUNKEN;
     v.faint_bg_color = Color32::from_gray(40);
     v.code_bg_color = SUNKEN;
-    v.window_stroke = Stroke::new(1.0, LINE);
+    v.window_stroke = Stroke::new(1.0, line);
     v.window_corner_radius = CornerRadius::same(5);
     v.menu_corner_radius = CornerRadius::same(4);
     v.selection.bg_fill = SELECTED;
@@ -76,10 +78,10 @@ fn visuals() -> Visuals {
     v.hyperlink_color = ACCENT;
     v.error_fg_color = ERROR;
     v.warn_fg_color = WARNING;
-    v.weak_text_color = Some(QUIET);
+    v.weak_text_color = Some(quiet);
     v.widgets.noninteractive.bg_fill = PANEL;
-    v.widgets.noninteractive.bg_stroke = Stroke::new(1.0, LINE);
-    v.widgets.noninteractive.fg_stroke = Stroke::new(1.0, TEXT);
+    v.widgets.noninteractive.bg_stroke = Stroke::new(1.0, line);
+    v.widgets.noninteractive.fg_stroke = Stroke::new(1.0, text);
     let of =
         |fill: Color32, line: Color32, text: Color32, expansion: f32| egui::style::WidgetVisuals {
             bg_fill: fill,
@@ -89,10 +91,10 @@ fn visuals() -> Visuals {
             corner_radius: radius,
             expansion,
         };
-    v.widgets.inactive = of(RAISED, RAISED, TEXT, 0.0);
+    v.widgets.inactive = of(RAISED, if strong { line } else { RAISED }, text, 0.0);
     v.widgets.hovered = of(HOVERED, Color32::from_gray(96), Color32::WHITE, 0.0);
     v.widgets.active = of(SELECTED, ACCENT, Color32::WHITE, 0.0);
-    v.widgets.open = of(HOVERED, LINE, Color32::WHITE, 0.0);
+    v.widgets.open = of(HOVERED, line, Color32::WHITE, 0.0);
     v.popup_shadow.color = Color32::from_black_alpha(110);
     v.window_shadow.color = Color32::from_black_alpha(110);
     v

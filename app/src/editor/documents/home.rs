@@ -5,6 +5,7 @@ use super::kept;
 use super::places::Places;
 use super::recent::Recent;
 use crate::editor::notes::Note;
+use crate::editor::settings::Settings;
 use crate::editor::{Editor, rooms, theme};
 
 impl Editor {
@@ -12,8 +13,8 @@ impl Editor {
     /// not end by themselves.
     pub fn keep_in(&mut self, ctx: &egui::Context, home: Places) {
         let mut told = vec![];
-        let (settings, damage) = kept::load(&home.settings());
-        self.state.settings = settings;
+        let (settings, damage) = kept::load::<Settings>(&home.settings());
+        self.state.settings = settings.within_limits();
         told.extend(damage);
         let (layout, damage) = kept::load_with(&home.layout(), |text| {
             rooms::read_layout(text).ok_or_else(|| "is no layout".to_owned())
@@ -95,6 +96,6 @@ pub(super) fn heed_settings(editor: &mut Editor, ctx: &egui::Context) {
 
 fn show_settings(editor: &Editor, ctx: &egui::Context) {
     let settings = &editor.state.settings;
-    theme::apply(ctx, settings.pen_mode);
-    ctx.set_zoom_factor(settings.scale.clamp(0.75, 2.5));
+    theme::apply(ctx, settings.pen_mode, settings.strong_contrast);
+    ctx.set_zoom_factor(settings.scale);
 }
