@@ -431,11 +431,12 @@ impl egui_dock::TabViewer for Tabs<'_> {
     }
 }
 
-/// Opens the window on a groom and returns when it is closed.
+/// Opens the window on a groom and returns when it is closed. `greets`: with the welcome panel, unless somebody does not want
+/// it.
 ///
 /// # Errors
 /// When there is no display or nothing can draw on it.
-pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
+pub fn run(document: Document, file: OpenFile, greets: bool) -> Result<(), String> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("coif")
@@ -452,6 +453,9 @@ pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
         Box::new(move |cc| {
             let mut editor = Editor::new(&cc.egui_ctx, document, file);
             editor.keep_in(&cc.egui_ctx, Places::here());
+            if greets {
+                editor.greet();
+            }
             Ok(Box::new(Window { editor }))
         }),
     )

@@ -111,15 +111,18 @@ impl Panel {
     ) {
         let mut open = self.is_open;
         let mut new = now.clone();
-        egui::Window::new("Settings").id("settings".into()).open(&mut open).resizable(false).show(
-            ctx,
-            |ui| {
+        egui::Window::new("Settings")
+            .id("settings".into())
+            .open(&mut open)
+            .resizable(false)
+            .pivot(egui::Align2::CENTER_CENTER)
+            .default_pos(ctx.content_rect().center())
+            .show(ctx, |ui| {
                 Grid::new("settings").num_columns(2).spacing([16.0, 8.0]).show(ui, |ui| {
                     self.scale(&mut new, ui);
                     rows(&mut new, keys, ui, out);
                 });
-            },
-        );
+            });
         self.is_open = open;
         if new != *now {
             out.push(Event::Settings(Box::new(new.within_limits())));

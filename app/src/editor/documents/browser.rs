@@ -43,7 +43,10 @@ pub(crate) enum Outcome {
 impl Browser {
     /// A browser for a question.
     pub(crate) fn new(question: Question, wake: Arc<dyn Fn() + Send + Sync>) -> Self {
-        let folder = std::path::absolute(&question.folder).unwrap_or_default();
+        let folder = match question.folder.as_os_str().is_empty() {
+            true => std::env::home_dir().unwrap_or_default(),
+            false => std::path::absolute(&question.folder).unwrap_or_default(),
+        };
         let typed = if question.purpose.saves() { question.name.clone() } else { String::new() };
         let listing = Arc::default();
         let mut browser =
@@ -80,6 +83,8 @@ impl Browser {
             .open(&mut open)
             .collapsible(false)
             .default_size([460.0, 380.0])
+            .pivot(egui::Align2::CENTER_CENTER)
+            .default_pos(ctx.content_rect().center())
             .show(ctx, |ui| {
                 ui.horizontal(|ui| {
                     let up = self.folder.parent().map(Path::to_owned);

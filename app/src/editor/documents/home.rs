@@ -50,10 +50,15 @@ impl Editor {
             if let Err(why) = self.documents.recent.add(&path) {
                 self.state.notes.say(Note::warning(why));
             }
-        } else if self.state.settings.welcome {
-            self.apply_to_file(super::Event::Welcome(true));
         }
         show_settings(self, ctx);
+    }
+
+    /// Opens the welcome panel, unless somebody does not want it.
+    pub fn greet(&mut self) {
+        if self.state.settings.welcome {
+            self.apply_to_file(super::Event::Welcome(true));
+        }
     }
 
     /// Writes settings and layout.

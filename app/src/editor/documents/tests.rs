@@ -446,6 +446,7 @@ fn settings_and_layout_are_kept_and_damaged_ones_are_told() {
     let ctx = egui::Context::default();
     let (mut ui, _) = on_empty_head();
     ui.state_mut().keep_in(&ctx, home.clone());
+    ui.state_mut().greet();
     ui.step();
     assert!(ui.state().documents.shows_welcome(), "a first start");
     let mut settings = ui.state().state.settings.clone();
@@ -459,6 +460,7 @@ fn settings_and_layout_are_kept_and_damaged_ones_are_told() {
     let (mut ui, _) = on_empty_head();
     ui.state_mut().keep_in(&ctx, home.clone());
     assert_eq!(ui.state().state.settings, settings);
+    ui.state_mut().greet();
     assert!(!ui.state().documents.shows_welcome());
     drop(ui);
     std::fs::write(home.settings(), "(scale: oops").unwrap();
@@ -481,14 +483,12 @@ fn what_a_crash_left_is_offered_restored_kept_or_discarded() {
     let crash = |seed: u64| {
         let (mut ui, _) = on_empty_head();
         ui.state_mut().keep_in(&ctx, home.clone());
-        ui.state_mut().documents.welcome.is_open = false;
         edit(&mut ui, Edit::SetSeed(seed));
         until("it is safe", || ui.state().documents.is_safe());
     };
     crash(11);
     let (mut ui, _) = on_empty_head();
     ui.state_mut().keep_in(&ctx, home.clone());
-    ui.state_mut().documents.welcome.is_open = false;
     ui.step();
     press(&mut ui, "Restore");
     assert_eq!(ui.state().state.document.seed, 11);
@@ -500,7 +500,6 @@ fn what_a_crash_left_is_offered_restored_kept_or_discarded() {
     assert_eq!(seeds(), [11]);
     let (mut ui, _) = on_empty_head();
     ui.state_mut().keep_in(&ctx, home.clone());
-    ui.state_mut().documents.welcome.is_open = false;
     ui.step();
     press(&mut ui, "Keep for later");
     assert!(ui.query_by_label("Restore").is_none());
@@ -508,7 +507,6 @@ fn what_a_crash_left_is_offered_restored_kept_or_discarded() {
     drop(ui);
     let (mut ui, _) = on_empty_head();
     ui.state_mut().keep_in(&ctx, home.clone());
-    ui.state_mut().documents.welcome.is_open = false;
     ui.step();
     press(&mut ui, "Discard");
     assert!(seeds().is_empty());
@@ -532,7 +530,6 @@ fn child_that_is_killed() {
     let (mut ui, _) = on(document, OpenFile::default());
     let home = Places::under(Path::new(&folder));
     ui.state_mut().keep_in(&egui::Context::default(), home);
-    ui.state_mut().documents.welcome.is_open = false;
     // What runs tests has not ended its line.
     println!();
     for n in 1.. {

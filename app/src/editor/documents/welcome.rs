@@ -48,28 +48,33 @@ pub(super) fn window(
     let mut said = vec![];
     let mut say = |event: FileEvent| said.push(event);
     let (mut open, mut shows) = (true, state.settings.welcome);
+    // The menu and the bars under it stay in sight.
+    let room = (ctx.content_rect().height() - 220.0).max(200.0);
     egui::Window::new("Welcome")
         .id("welcome".into())
         .open(&mut open)
         .collapsible(false)
-        .default_size([560.0, 460.0])
-        .default_pos([60.0, 70.0])
+        .default_size([384.0, 560.0])
+        .default_pos([16.0, 64.0])
         .show(ctx, |ui| {
-            ScrollArea::vertical().show(ui, |ui| {
+            ScrollArea::vertical().max_height(room).show(ui, |ui| {
                 ui.heading("Begin with");
                 ui.horizontal_wrapped(|ui| {
                     let button = ui.button("Empty head").on_hover_text("A head without hair");
                     if button.clicked() {
                         say(FileEvent::New(None));
                     }
-                    let tip = "A mesh (.obj, .glb, .gltf) instead of the built-in head; it can also be dropped here";
-                    if ui.button("Drop your own head here…").on_hover_text(tip).clicked() {
+                    let tip = "A mesh (.obj, .glb, .gltf) instead of the built-in head";
+                    if ui.button("Your own head…").on_hover_text(tip).clicked() {
                         say(FileEvent::Ask(Purpose::Mesh));
                     }
                     if ui.button("Open a groom…").on_hover_text("A .ron file").clicked() {
                         say(FileEvent::Ask(Purpose::Open));
                     }
                 });
+                ui.label(
+                    RichText::new("A mesh or a groom can also be dropped on the window.").weak(),
+                );
                 recent_files(recent, ui, &mut say);
                 ui.add_space(8.0);
                 ui.heading("Grooms");
