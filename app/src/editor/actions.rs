@@ -33,11 +33,15 @@ pub fn always(_: &Editor) -> Result<(), &'static str> {
 pub const MENUS: &[&str] = &["File", "Edit", "Node", "View", "Pen", "Window", "Help"];
 
 /// The parts of the table, room by room.
-const PARTS: &[&[Action]] = &[super::documents::actions::ACTIONS, ACTIONS];
+const PARTS: &[&[&[Action]]] = &[
+    &[super::documents::actions::ACTIONS, ACTIONS],
+    crate::canvas::ACTIONS,
+    &[crate::viewport::actions::ACTIONS],
+];
 
 /// Every action, in the order of menus.
 pub fn all() -> impl Iterator<Item = &'static Action> {
-    PARTS.iter().copied().flatten()
+    PARTS.iter().copied().flatten().copied().flatten()
 }
 
 /// The action of an id.

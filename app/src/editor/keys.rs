@@ -123,9 +123,12 @@ impl Keys {
         lines.sort_by_key(|(context, _, keys)| {
             (std::cmp::Reverse(weight(keys.modifiers)), *context == Context::Anywhere)
         });
+        // Escape closes what is open first.
+        let closes = egui::Popup::is_any_open(ctx);
+        let escape = KeyboardShortcut::new(Modifiers::NONE, Key::Escape);
         let mut done = vec![];
         for (_, id, keys) in lines {
-            if typing && types_text(&keys) {
+            if (typing && types_text(&keys)) || (closes && keys == escape) {
                 continue;
             }
             if ctx.input_mut(|input| input.consume_shortcut(&keys))

@@ -307,7 +307,7 @@ mod tests {
     fn until(ui: &mut Harness<'static, Editor>, label: &str) {
         documents::testing::until(label, || {
             ui.step();
-            ui.query_by_label_contains(label).is_some()
+            ui.query_all_by_label_contains(label).next().is_some()
         });
     }
     fn set_mesh(path: &str) -> Edit {

@@ -19,10 +19,14 @@ pub mod notes;
 mod palette;
 pub mod rooms;
 pub mod settings;
+mod spreadsheet;
 pub mod state;
 pub mod theme;
 pub mod visibility;
 
+use crate::canvas::Canvas;
+use crate::inspector::Inspector;
+use crate::viewport::Viewport;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Socket};
@@ -40,6 +44,7 @@ use notes::Note;
 use palette::Palette;
 use rooms::Room;
 use settings::{Evaluate, Settings};
+use spreadsheet::Spreadsheet;
 use state::{OpenFile, State};
 use std::path::PathBuf;
 
@@ -59,6 +64,11 @@ pub struct Editor {
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
+    pub(crate) canvas: Canvas,
+    inspector: Inspector,
+    spreadsheet: Spreadsheet,
+    /// The groom on the screen.
+    pub viewport: Viewport,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -66,7 +76,7 @@ pub struct Editor {
     /// Evaluate whatever the mode is.
     forced: bool,
     /// Seconds since the window opened, and when the last nudge was.
-    now: f64,
+    pub(crate) now: f64,
     nudged: f64,
     last_final_ms: f64,
 }
@@ -84,7 +94,7 @@ impl Editor {
     /// An editor on a document. The context is asked to repaint when something was evaluated.
     pub fn new(ctx: &egui::Context, document: Document, file: OpenFile) -> Self {
         let settings = Settings::default();
-        theme::apply(ctx, settings.pen_mode, settings.strong_contrast);
+        theme::apply(ctx, settings.pen_mode);
         let mut state = State::new(document, file, settings);
         let wake = {
             let ctx = ctx.clone();
@@ -105,6 +115,10 @@ impl Editor {
             keys,
             palette: Palette::default(),
             key_sheet: false,
+            canvas: Canvas::default(),
+            inspector: Inspector::default(),
+            spreadsheet: Spreadsheet::default(),
+            viewport: Viewport::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -245,6 +259,13 @@ impl Editor {
                 self.changed(set.map_err(|err| err.to_string()), true);
             }
             Event::Pin(node) => state.pinned = node,
+            Event::Expose { socket, exposed: true } => {
+                state.exposed.insert(socket);
+            }
+            Event::Expose { socket, exposed: false } => {
+                state.exposed.remove(&socket);
+            }
+            Event::Visibility(visibility) => state.visibility = visibility,
             Event::Settings(settings) => state.settings = *settings,
             Event::Say(note) => state.notes.say(note),
             Event::Evaluate => self.forced = true,
@@ -325,7 +346,10 @@ impl Editor {
         Wanted {
             revision: state.revision,
             quality: if preview { Quality::Preview } else { Quality::Final },
-            also: also.filter_map(|id| first_output(&state.document, id)).collect(),
+            also: also
+                .filter_map(|id| first_output(&state.document, id))
+                .chain(self.viewport.wants(state))
+                .collect(),
             folder: state.file.folder.clone(),
         }
     }
@@ -419,10 +443,15 @@ impl egui_dock::TabViewer for Tabs<'_> {
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
         }
-        let Tabs { editor, out } = self;
+        let Editor { state, viewport, canvas, inspector, spreadsheet, messages, .. } =
+            &mut *self.editor;
         match room {
-            Room::Messages => editor.messages.ui(&editor.state, ui, out),
-            Room::History => history::ui(&editor.state, ui, out),
+            Room::Viewport => viewport.ui(state, ui, self.out),
+            Room::Canvas => canvas.ui(state, ui, self.out),
+            Room::Inspector => inspector.ui(state, ui, self.out),
+            Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),
+            Room::Messages => messages.ui(state, ui, self.out),
+            Room::History => history::ui(state, ui, self.out),
             _ => {}
         }
     }
@@ -452,6 +481,7 @@ pub fn run(document: Document, file: OpenFile, greets: bool) -> Result<(), Strin
         options,
         Box::new(move |cc| {
             let mut editor = Editor::new(&cc.egui_ctx, document, file);
+            editor.viewport.start(&cc.egui_ctx);
             editor.keep_in(&cc.egui_ctx, Places::here());
             if greets {
                 editor.greet();

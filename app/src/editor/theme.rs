@@ -32,11 +32,11 @@ pub const WARNING: Color32 = Color32::from_rgb(240, 200, 90);
 /// Done; always with a dot.
 pub const DONE: Color32 = Color32::from_rgb(140, 200, 160);
 
-/// Gives a context the theme. `pen` makes targets 32 points high instead of 24, `strong` text and lines brighter.
-pub fn apply(ctx: &egui::Context, pen: bool, strong: bool) {
+/// Gives a context the theme. `pen` makes targets 32 points high instead of 24.
+pub fn apply(ctx: &egui::Context, pen: bool) {
     ctx.set_theme(egui::Theme::Dark);
     ctx.all_styles_mut(|style| {
-        style.visuals = visuals(strong);
+        style.visuals = visuals();
         let height = if pen { 32.0 } else { 24.0 };
         style.spacing.interact_size = Vec2::new(height * 1.5, height);
         style.spacing.item_spacing = Vec2::new(6.0, 4.0);
@@ -60,9 +60,21 @@ pub fn apply(ctx: &egui::Context, pen: bool, strong: bool) {
     });
 }
 
-fn visuals(strong: bool) -> Visuals {
-    let (text, quiet, line) =
-        if strong { (Color32::WHITE, TEXT, QUIET) } else { (TEXT, QUIET, LINE) };
+/// Makes text and lines stand out more than [`apply`] does.
+pub fn strengthen(ctx: &egui::Context) {
+    ctx.all_styles_mut(|style| {
+        let v = &mut style.visuals;
+        v.weak_text_color = Some(TEXT);
+        v.window_stroke.color = QUIET;
+        let w = &mut v.widgets;
+        for widget in [&mut w.noninteractive, &mut w.inactive, &mut w.open] {
+            widget.bg_stroke.color = QUIET;
+            widget.fg_stroke.color = Color32::WHITE;
+        }
+    });
+}
+
+fn visuals() -> Visuals {
     let mut v = Visuals::dark();
     let radius = CornerRadius::same(3);
     v.panel_fill = PANEL;
@@ -70,7 +82,7 @@ fn visuals(strong: bool) -> Visuals {
     v.extreme_bg_color = SUNKEN;
     v.faint_bg_color = Color32::from_gray(40);
     v.code_bg_color = SUNKEN;
-    v.window_stroke = Stroke::new(1.0, line);
+    v.window_stroke = Stroke::new(1.0, LINE);
     v.window_corner_radius = CornerRadius::same(5);
     v.menu_corner_radius = CornerRadius::same(4);
     v.selection.bg_fill = SELECTED;
@@ -78,10 +90,10 @@ fn visuals(strong: bool) -> Visuals {
     v.hyperlink_color = ACCENT;
     v.error_fg_color = ERROR;
     v.warn_fg_color = WARNING;
-    v.weak_text_color = Some(quiet);
+    v.weak_text_color = Some(QUIET);
     v.widgets.noninteractive.bg_fill = PANEL;
-    v.widgets.noninteractive.bg_stroke = Stroke::new(1.0, line);
-    v.widgets.noninteractive.fg_stroke = Stroke::new(1.0, text);
+    v.widgets.noninteractive.bg_stroke = Stroke::new(1.0, LINE);
+    v.widgets.noninteractive.fg_stroke = Stroke::new(1.0, TEXT);
     let of =
         |fill: Color32, line: Color32, text: Color32, expansion: f32| egui::style::WidgetVisuals {
             bg_fill: fill,
@@ -91,10 +103,10 @@ fn visuals(strong: bool) -> Visuals {
             corner_radius: radius,
             expansion,
         };
-    v.widgets.inactive = of(RAISED, if strong { line } else { RAISED }, text, 0.0);
+    v.widgets.inactive = of(RAISED, RAISED, TEXT, 0.0);
     v.widgets.hovered = of(HOVERED, Color32::from_gray(96), Color32::WHITE, 0.0);
     v.widgets.active = of(SELECTED, ACCENT, Color32::WHITE, 0.0);
-    v.widgets.open = of(HOVERED, line, Color32::WHITE, 0.0);
+    v.widgets.open = of(HOVERED, LINE, Color32::WHITE, 0.0);
     v.popup_shadow.color = Color32::from_black_alpha(110);
     v.window_shadow.color = Color32::from_black_alpha(110);
     v

@@ -101,6 +101,9 @@ pub(super) fn heed_settings(editor: &mut Editor, ctx: &egui::Context) {
 
 fn show_settings(editor: &Editor, ctx: &egui::Context) {
     let settings = &editor.state.settings;
-    theme::apply(ctx, settings.pen_mode, settings.strong_contrast);
+    theme::apply(ctx, settings.pen_mode);
+    if settings.strong_contrast {
+        theme::strengthen(ctx);
+    }
     ctx.set_zoom_factor(settings.scale);
 }

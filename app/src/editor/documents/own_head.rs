@@ -59,6 +59,7 @@ impl Editor {
         self.documents.head =
             Some(OwnHead { node: node.clone(), path, placing: Placing::default(), done: before });
         if self.make(&Placing::default(), false) {
+            self.documents.welcome.is_open = false;
             self.apply(Event::Select(Select::Nodes(vec![node])));
         } else {
             self.documents.head = None;

@@ -342,6 +342,66 @@ fn few_guides(ui: &mut Ui) {
 }
 
 #[test]
+fn a_document_with_a_file_is_saved_by_itself_when_somebody_wants_that() {
+    let folder = Folder::new("life-itself");
+    let path = folder.path("a.ron");
+    let (mut ui, _) = on_empty_head();
+    does(&mut ui, FileEvent::SaveTo(path.clone()));
+    let long_ago = |ui: &mut Ui| {
+        ui.state_mut().documents.saved_at = -1e6;
+        ui.step();
+    };
+    edit(&mut ui, Edit::SetSeed(3));
+    long_ago(&mut ui);
+    assert_eq!(read(&path).seed, 0);
+    let mut settings = ui.state().state.settings.clone();
+    settings.save_minutes = 10;
+    ui.state_mut().apply(Event::Settings(Box::new(settings)));
+    ui.state_mut().apply(Event::Begin(String::new()));
+    long_ago(&mut ui);
+    assert_eq!(read(&path).seed, 0, "not within a gesture");
+    ui.state_mut().apply(Event::End);
+    long_ago(&mut ui);
+    assert_eq!(read(&path).seed, 3);
+    edit(&mut ui, Edit::SetSeed(4));
+    ui.step();
+    assert_eq!(read(&path).seed, 3, "not yet again");
+}
+
+#[test]
+fn hostile_meshes_are_told_by_the_node_and_can_be_taken_back() {
+    let bad = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/bad/made_here"));
+    let Ok(entries) = std::fs::read_dir(bad) else {
+        return println!("skipped: hostile meshes need ../shared");
+    };
+    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    paths.retain(|path| {
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        ["obj", "glb", "usdz"].contains(&&*ending)
+    });
+    paths.sort();
+    assert!(paths.len() >= 8);
+    let (mut ui, _) = on_empty_head();
+    let before = ui.state().state.document.clone();
+    let mut refused = 0;
+    for path in paths {
+        drop_on(&mut ui, &path);
+        until("it is evaluated", || {
+            ui.step();
+            let state = &ui.state().state;
+            ui.state().is_idle() && state.run.reports.revision == state.revision
+        });
+        let said = crate::editor::messages::all(&ui.state().state);
+        refused += usize::from(said.iter().any(|m| {
+            m.gravity == Gravity::Error && m.node.as_ref().is_some_and(|id| id.as_str() == "head")
+        }));
+        press(&mut ui, "Cancel");
+        assert_eq!(ui.state().state.document, before, "{}", path.display());
+    }
+    assert!(refused >= 6, "{refused}");
+}
+
+#[test]
 fn what_the_window_exports_is_what_the_command_line_writes() {
     use clap::Parser;
     #[derive(Parser)]
