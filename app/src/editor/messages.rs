@@ -322,7 +322,7 @@ mod tests {
     fn a_missing_file_is_told_with_what_to_do_and_done() {
         let mut ui = on("braids", vec![display_head(), set_mesh("/no/such.obj")]);
         until(&mut ui, "mesh: /no/such.obj: no such file");
-        ui.get_by_label("Go to").click();
+        ui.get_all_by_label("Go to").next().unwrap().click();
         ui.step();
         assert_eq!(ui.state().state.selection.active, NodeId::new("head").ok());
         ui.state_mut().apply(Event::Show(Room::Messages));

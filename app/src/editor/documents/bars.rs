@@ -84,6 +84,21 @@ pub(super) fn show(documents: &Documents, state: &State, ui: &mut egui::Ui, out:
     }
 }
 
+/// What a file that hangs over the window would do.
+pub(super) fn hovering(ctx: &egui::Context) {
+    let hovers = ctx.input(|input| !input.raw.hovered_files.is_empty());
+    if hovers {
+        egui::Area::new("hovering".into())
+            .order(egui::Order::Tooltip)
+            .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
+            .show(ctx, |ui| {
+                egui::Frame::popup(ui.style()).show(ui, |ui| {
+                    ui.heading("Drop a groom to open it, or a mesh to grow hair on it");
+                });
+            });
+    }
+}
+
 /// The question about unsaved changes.
 pub(super) fn unsaved(
     documents: &Documents,

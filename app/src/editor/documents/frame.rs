@@ -113,6 +113,7 @@ pub(crate) fn panels(editor: &mut Editor, ui: &mut egui::Ui) {
     bars::unsaved(&editor.documents, &editor.title(), &ctx, &mut out);
     let documents = &mut editor.documents;
     welcome::window(&mut documents.welcome, &documents.recent, &editor.state, &ctx, &mut out);
+    bars::hovering(&ctx);
     if let Some(head) = &editor.documents.head {
         own_head::window(head, &editor.state, &ctx, &mut out);
     }
