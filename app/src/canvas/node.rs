@@ -97,8 +97,16 @@ pub(super) fn show(ui: &mut Ui, face: &Face, detail: Detail, mood: Mood) -> Touc
 }
 
 /// Tells screen readers what a node is.
-pub(super) fn describe(ctx: &egui::Context, id: egui::Id, face: &Face, selected: bool) {
-    ctx.accesskit_node_builder(id, |node| {
+pub(super) fn describe(ctx: &egui::Context, response: &Response, face: &Face, selected: bool) {
+    ctx.accesskit_node_builder(response.id, |node| {
+        // The crate makes its widget before its size is known.
+        let (min, max) = (response.rect.min, response.rect.max);
+        node.set_bounds(egui::accesskit::Rect {
+            x0: min.x.into(),
+            y0: min.y.into(),
+            x1: max.x.into(),
+            y1: max.y.into(),
+        });
         node.set_role(Role::Group);
         node.set_label(format!("{}: node", face.label));
         let kind = face.kind.as_deref().unwrap_or(&face.label);

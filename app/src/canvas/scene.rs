@@ -152,7 +152,6 @@ impl Scene<'_> {
         let near = detail == Detail::Full;
         let (inputs, outputs) = if near { (face.inputs.len(), face.outputs.len()) } else { (0, 0) };
         let mood = self.mood(ui, face);
-        let graph = nodes.graph_id;
         let shown = egui_graph::node::Node::from_id(face.key)
             .inputs(inputs)
             .outputs(outputs)
@@ -178,7 +177,7 @@ impl Scene<'_> {
             });
         let response: egui::Response = (*shown).clone();
         found.corners.insert(face.id.clone(), response.rect.min);
-        node::describe(ui.ctx(), egui_graph::node::egui_id(graph, face.key), face, mood.selected);
+        node::describe(ui.ctx(), &response, face, mood.selected);
         if let Some(touched) = shown.into_inner().inner {
             self.flags(face, &touched);
             for (end, socket) in touched.ends {

@@ -170,9 +170,8 @@ fn a_loose_node_dropped_on_a_wire_is_inserted() {
     let mut w = window(document);
     let from = place(&w, "Resample: node") - vec2(0.0, 22.0);
     let node = place(&w, "Resample: node");
-    let wire = place(&w, "hair in the braids: curves output").lerp(place(&w, "black hair: node"), 0.2);
-    let (a, b) = (place(&w, "hair in the braids: curves output"), wire.x);
-    let to = from + (pos2(b, a.y) - node);
+    let wire = place(&w, "hair in the braids: curves output") + vec2(24.0, 0.0);
+    let to = from + (wire - node);
     hold(&mut w, &[from, to], Modifiers::ALT);
     assert!(w.state().canvas.memory.drop_on.is_some(), "the wire is marked");
     release(&mut w, to, Modifiers::ALT);
@@ -201,7 +200,7 @@ fn a_double_click_bends_a_wire_a_drag_moves_the_bend_and_delete_removes_it() {
     let points = run.points(4.0);
     let on_it = w.state().canvas.to_screen(points[points.len() * 2 / 3]);
     click(&mut w, on_it, 2);
-    assert_eq!(bends(&w).len(), 1);
+    assert_eq!(bends(&w).len(), 1, "{on_it:?} {:?}", w.state().canvas.memory.wires);
     let dot = w.state().canvas.to_screen(arrange::pos(bends(&w)[0]));
     drag(&mut w, &[dot, dot + vec2(-60.0, 90.0)], Modifiers::NONE);
     let now = w.state().canvas.to_screen(arrange::pos(bends(&w)[0]));
