@@ -9,7 +9,7 @@ use super::lineage::{Ancestor, lineage};
 use coif_graphs::document::graph::{self, downstream, upstream};
 use coif_graphs::document::{Document, Node, NodeId, Setting, Socket};
 use coif_graphs::schedule::files::DiskFiles;
-use coif_graphs::schedule::request::{BadRequest, plan};
+use coif_graphs::schedule::request::{BadRequest, plan, plan_possible};
 use coif_graphs::schedule::result::{NodeReport, Outcome};
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress, Quiet};
 use coif_nodes::data::curves::Curves;
@@ -114,8 +114,8 @@ pub struct RunStatus {
     pub pieces: (usize, usize),
     /// What the nodes said last.
     pub reports: Arc<Reports>,
-    /// Strands, points, and bytes kept for reuse.
-    pub cached_bytes: usize,
+    /// Bytes kept for reuse, and the most that may be.
+    pub cache: (usize, usize),
 }
 
 /// What is handed over.
@@ -295,6 +295,7 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
         let mut desk = shared.desk();
         desk.running = None;
         desk.status.since = None;
+        desk.status.cache = evaluator.cache_bytes();
         if !cancel.is_cancelled() {
             desk.stopped_last = false;
             let shown = shown.map(|mut shown| {
@@ -359,23 +360,20 @@ fn evaluate(
     reports.revision = request.revision;
     reports.refused.clear();
     reports.nodes.retain(|id, _| document.nodes.contains_key(id));
-    // What is wanted besides may be broken; what is displayed is told.
     let mut targets: Vec<Socket> = sockets.clone();
     for socket in request.also.iter().chain(&heads) {
         if !targets.contains(socket) {
             targets.push(socket.clone());
         }
     }
-    let planned = plan(document, &targets, request.quality, files).or_else(|bad| {
-        reports.refused.push(bad);
-        targets.clone_from(&sockets);
-        plan(document, &targets, request.quality, files).or_else(|_| {
-            // The head alone is better than nothing.
-            targets.clone_from(&heads);
-            plan(document, &targets, request.quality, files)
-        })
-    });
-    let planned = planned.ok()?;
+    let (planned, refused) = plan_possible(document, &targets, request.quality, files);
+    let mut possible = refused.iter().map(Option::is_none);
+    targets.retain(|_| possible.next().unwrap_or(false));
+    for bad in refused.into_iter().flatten() {
+        if !reports.refused.contains(&bad) {
+            reports.refused.push(bad);
+        }
+    }
     let told = Told { shared };
     let Outcome { targets: values, nodes, cancelled } =
         evaluator.run(&planned, OnFailure::PassThrough, cancel, &told);

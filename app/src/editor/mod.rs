@@ -23,6 +23,7 @@ pub mod visibility;
 use crate::canvas::Canvas;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Socket};
+use coif_graphs::schedule::cache::usual_budget;
 use coif_graphs::{file, grooms};
 use coif_nodes::eval::Quality;
 use egui_dock::{DockArea, DockState};
@@ -80,7 +81,7 @@ impl Editor {
             let ctx = ctx.clone();
             move || ctx.request_repaint()
         };
-        let evaluation = Evaluation::start(1 << 30, wake)
+        let evaluation = Evaluation::start(usual_budget(), wake)
             .inspect_err(|why| state.notes.say(Note::error(format!("nothing is evaluated: {why}"))))
             .ok();
         let keys = Keys::shipped().unwrap_or_else(|why| {
@@ -346,6 +347,10 @@ fn means_something(edit: &Edit) -> bool {
         | Edit::SetNote(_)
         | Edit::SetLabel { .. }
         | Edit::SetNodeNote { .. }
+        | Edit::SetFrame { .. }
+        | Edit::SetBends { .. }
+        | Edit::SetCollapsed { .. }
+        | Edit::SetView { .. }
         | Edit::SetComment { .. } => false,
         Edit::Several(edits) => edits.iter().any(means_something),
         _ => true,
