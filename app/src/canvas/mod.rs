@@ -525,7 +525,7 @@ impl Canvas {
             self.memory.finder = Some(Finder::new(Task::Insert(wire, at), screen));
         }
         if let Some(mut finder) = self.memory.finder.take() {
-            match finder.show(ui, area, &state.document, faces, &self.memory.recent) {
+            match finder.show(ui, &state.document, faces, &self.memory.recent) {
                 Outcome::Open => self.memory.finder = Some(finder),
                 Outcome::Done(Some(pick)) => self.picked(state, faces, &finder.task, pick, out),
                 Outcome::Done(None) => {}
