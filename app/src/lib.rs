@@ -8,6 +8,12 @@ pub mod canvas;
 mod cli;
 #[cfg(feature = "editor")]
 pub mod editor;
+#[cfg(feature = "render")]
+mod feeders;
+#[cfg(feature = "editor")]
+mod inspector;
+#[cfg(feature = "render")]
+pub mod scene;
 #[cfg(feature = "editor")]
 pub mod viewport;
 

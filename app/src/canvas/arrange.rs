@@ -21,6 +21,14 @@ pub(super) fn point(pos: Pos2) -> Point {
     Point(pos.x.round(), pos.y.round())
 }
 
+/// How far from the middle things are drawn. Files may say more.
+const FARTHEST: f32 = 1e6;
+
+/// A place as it is drawn: no farther away than makes sense.
+pub(super) fn sound(at: Pos2) -> Pos2 {
+    at.clamp(pos2(-FARTHEST, -FARTHEST), pos2(FARTHEST, FARTHEST))
+}
+
 /// The corner of every node: the document's, else one beside what feeds it.
 pub(super) fn corners(
     document: &Document,
@@ -29,7 +37,7 @@ pub(super) fn corners(
     let finite = |point: &Point| point.0.is_finite() && point.1.is_finite();
     let placed = document.layout.iter().filter(|(id, at)| faces.contains_key(*id) && finite(at));
     let mut corners: BTreeMap<NodeId, Pos2> =
-        placed.map(|(id, at)| (id.clone(), pos(*at))).collect();
+        placed.map(|(id, at)| (id.clone(), sound(pos(*at)))).collect();
     let missing: BTreeSet<NodeId> =
         faces.keys().filter(|id| !corners.contains_key(*id)).cloned().collect();
     if corners.is_empty() {
@@ -90,10 +98,7 @@ pub(super) fn laid_out(
         from.iter().enumerate().filter_map(|(at, from)| {
             let (a, b) = (faces.get(&from.node)?, faces.get(&to.node)?);
             let both = nodes.contains(&from.node) && nodes.contains(&to.node);
-            both.then_some((
-                (a.key, a.output(&from.name)?),
-                (b.key, b.plug_of(&to.name, at)?),
-            ))
+            both.then_some(((a.key, a.output(&from.name)?), (b.key, b.plug_of(&to.name, at)?)))
         })
     });
     let params = LayoutParams::new(egui::Direction::LeftToRight)
@@ -102,9 +107,7 @@ pub(super) fn laid_out(
         .component_gap(GAP.x)
         .straighten_edges(true);
     let found = egui_graph::layout(boxes, wires, params);
-    among()
-        .filter_map(|face| Some((face.id.clone(), found.get(&face.key)?.round())))
-        .collect()
+    among().filter_map(|face| Some((face.id.clone(), found.get(&face.key)?.round()))).collect()
 }
 
 /// The edit that lays nodes out in place.

@@ -1,12 +1,12 @@
 //! What the actions of the canvas do: each reads the state and gives what happened.
 
+use super::Canvas;
 use super::arrange::{self, GAP, Line};
 use super::edits::{self, Link};
 use super::faces::{FOOTER, Faces, HEADER, ROW, WIDTH, comes_by_wire};
 use super::finder::{Finder, Task};
 use super::naming::{Named, Naming};
 use super::wires::{Wire, of_output};
-use super::Canvas;
 use crate::editor::evaluation::first_output;
 use crate::editor::event::Event;
 use crate::editor::notes::Note;
@@ -29,9 +29,9 @@ fn edited(edit: Edit) -> Vec<Event> {
 
 /// Whether a node could be put on a wire: it hangs from heads at most, and feeds nobody.
 pub(super) fn is_loose(document: &Document, id: &NodeId) -> bool {
-    let heads_only = graph::inputs_of(document, id).flat_map(|(_, from)| from).all(|from| {
-        wiring::output_type(document, from) == Some(Type::Scalp)
-    });
+    let heads_only = graph::inputs_of(document, id)
+        .flat_map(|(_, from)| from)
+        .all(|from| wiring::output_type(document, from) == Some(Type::Scalp));
     heads_only && !document.links.values().flatten().any(|from| from.node == *id)
 }
 
@@ -219,7 +219,11 @@ impl Canvas {
     pub(super) fn display(&mut self, state: &State) -> Vec<Event> {
         let shown = state.document.display.as_ref();
         self.memory.solo = None;
-        state.active().map(|id| Event::Display((shown != Some(id)).then(|| id.clone()))).into_iter().collect()
+        state
+            .active()
+            .map(|id| Event::Display((shown != Some(id)).then(|| id.clone())))
+            .into_iter()
+            .collect()
     }
 
     pub(super) fn pin(&mut self, state: &State) -> Vec<Event> {
@@ -316,7 +320,9 @@ impl Canvas {
                 } else {
                     None
                 };
-                along.filter(|id| faces.all.contains_key(id)).or_else(|| arrange::neighbour(&faces, id, way))
+                along
+                    .filter(|id| faces.all.contains_key(id))
+                    .or_else(|| arrange::neighbour(&faces, id, way))
             }
         };
         let Some(id) = next else { return vec![] };
@@ -331,7 +337,8 @@ impl Canvas {
     pub(super) fn next_wire(&mut self, state: &State) -> Vec<Event> {
         let document = &state.document;
         let last = self.memory.wires.first().cloned();
-        let node = state.active().cloned().or_else(|| last.as_ref().map(|wire| wire.to.node.clone()));
+        let node =
+            state.active().cloned().or_else(|| last.as_ref().map(|wire| wire.to.node.clone()));
         let Some(id) = node else { return vec![] };
         let faces = self.cache.of(state);
         let Some(face) = faces.all.get(&id) else { return vec![] };
@@ -352,7 +359,9 @@ impl Canvas {
         let wires = &self.memory.wires;
         let (Some(wire), 1) = (wires.first().cloned(), wires.len()) else { return vec![] };
         let count = state.document.wires(&wire.to.node, &wire.to.name).len();
-        let Some(at) = wire.at.checked_add_signed(by).filter(|at| *at < count) else { return vec![] };
+        let Some(at) = wire.at.checked_add_signed(by).filter(|at| *at < count) else {
+            return vec![];
+        };
         self.memory.wires = [Wire { to: wire.to.clone(), at }].into();
         edited(Edit::Reorder { to: wire.to, from: wire.at, at })
     }

@@ -80,11 +80,15 @@ pub(super) fn cut(wires: impl IntoIterator<Item = Wire>) -> Edit {
 
 /// Adds a node of a kind, wired as asked where that fits. A head that the kind needs is wired too,
 /// when it is clear which. Gives the node's id.
-pub(super) fn add(document: &Document, def: &NodeDef, at: Pos2, link: Option<&Link>) -> (Edit, NodeId) {
+pub(super) fn add(
+    document: &Document,
+    def: &NodeDef,
+    at: Pos2,
+    link: Option<&Link>,
+) -> (Edit, NodeId) {
     let id = document.free_id(def.id);
     let node = document.fresh_node(def.id, &id);
-    let mut edits =
-        vec![Edit::AddNode { id: id.clone(), node: node.into(), at: Some(point(at)) }];
+    let mut edits = vec![Edit::AddNode { id: id.clone(), node: node.into(), at: Some(point(at)) }];
     let known = coif_nodes::by_id(def.id);
     let mut wired: Option<&str> = None;
     match (link, known) {
@@ -218,7 +222,8 @@ pub(super) fn frame(document: &Document, round: Rect) -> (Edit, String) {
 
 /// The box of a frame.
 pub(super) fn frame_rect(frame: &Frame) -> Rect {
-    Rect::from_min_size(arrange::pos(frame.at), vec2(frame.size.0, frame.size.1))
+    let far = arrange::pos(frame.at) + vec2(frame.size.0, frame.size.1);
+    Rect::from_min_max(arrange::sound(arrange::pos(frame.at)), arrange::sound(far))
 }
 
 /// The nodes that lie in a frame whole.
@@ -280,7 +285,11 @@ mod tests {
         let next = plug(&document, &to.to_string(), None);
         let after = apply(&document, &connect(&document, &colour, &next, None).unwrap());
         assert_eq!(after.links[&to][3], colour);
-        let moved = rewire(&document, &[Wire { to: to.clone(), at: 0 }, Wire { to: to.clone(), at: 1 }], &colour);
+        let moved = rewire(
+            &document,
+            &[Wire { to: to.clone(), at: 0 }, Wire { to: to.clone(), at: 1 }],
+            &colour,
+        );
         let after = apply(&document, &moved.unwrap());
         assert_eq!(after.links[&to], [colour.clone(), colour, from[2].clone()]);
     }

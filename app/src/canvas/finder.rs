@@ -88,8 +88,7 @@ impl Finder {
     ) -> Outcome {
         let ctx = ui.ctx();
         let key = |m: Modifiers, key: Key| ctx.input_mut(|i| i.consume_key(m, key));
-        let (up, down) =
-            (key(Modifiers::NONE, Key::ArrowUp), key(Modifiers::NONE, Key::ArrowDown));
+        let (up, down) = (key(Modifiers::NONE, Key::ArrowUp), key(Modifiers::NONE, Key::ArrowDown));
         let escape = key(Modifiers::NONE, Key::Escape);
         let alone = key(Modifiers::SHIFT, Key::Enter);
         let enter = key(Modifiers::NONE, Key::Enter) || alone;
@@ -203,7 +202,8 @@ impl Finder {
                 found.into_iter().take(MOST).map(|(_, line)| line).collect()
             }
             Task::Add { link, .. } => {
-                let fits = |def: &&'static NodeDef| link.as_ref().is_none_or(|l| takes(document, l, def));
+                let fits =
+                    |def: &&'static NodeDef| link.as_ref().is_none_or(|l| takes(document, l, def));
                 let dropped = matches!(self.task, Task::Add { dropped: true, .. });
                 let near = link.as_ref().map(|link| match link {
                     Link::From(socket) | Link::To(socket, _) => &socket.node,
@@ -274,8 +274,9 @@ fn kind_line(def: &'static NodeDef) -> Line {
 /// Whether a kind can be wired so.
 fn takes(document: &Document, link: &Link, def: &'static NodeDef) -> bool {
     match link {
-        Link::From(from) => wiring::output_type(document, from)
-            .is_none_or(|ty| wiring::taking(def, ty).is_some()),
+        Link::From(from) => {
+            wiring::output_type(document, from).is_none_or(|ty| wiring::taking(def, ty).is_some())
+        }
         Link::To(to, _) => wiring::input_def(document, to)
             .is_none_or(|input| wiring::giving(def, input.ty).is_some()),
     }
@@ -287,7 +288,8 @@ fn followers<'a>(document: &'a Document, near: Option<&NodeId>) -> BTreeMap<&'a 
     let Some(near) = near.and_then(|id| kind(id)) else { return BTreeMap::new() };
     let mut after: BTreeMap<&str, usize> = BTreeMap::new();
     for (to, from) in &document.links {
-        if let (true, Some(kind)) = (from.iter().any(|f| kind(&f.node) == Some(near)), kind(&to.node))
+        if let (true, Some(kind)) =
+            (from.iter().any(|f| kind(&f.node) == Some(near)), kind(&to.node))
         {
             *after.entry(kind).or_default() += 1;
         }

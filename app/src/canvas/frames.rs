@@ -105,16 +105,34 @@ pub(super) fn map(
             egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "Map of the canvas")
         });
         let p = ui.painter().with_clip_rect(rect);
-        p.rect(rect, 4.0, theme::GROUND.gamma_multiply(0.92), Stroke::new(1.0, theme::LINE), StrokeKind::Inside);
+        p.rect(
+            rect,
+            4.0,
+            theme::GROUND.gamma_multiply(0.92),
+            Stroke::new(1.0, theme::LINE),
+            StrokeKind::Inside,
+        );
         let inner = rect.shrink(5.0);
         let scale = (inner.size() / all.size()).min_elem();
         let shift = inner.center() - scale * all.center().to_vec2();
-        let onto = |r: Rect| Rect::from_min_max(shift + scale * r.min.to_vec2(), shift + scale * r.max.to_vec2());
+        let onto = |r: Rect| {
+            Rect::from_min_max(shift + scale * r.min.to_vec2(), shift + scale * r.max.to_vec2())
+        };
         for (rect, stage, displayed) in &boxes {
-            let colour = if *displayed { theme::ACCENT } else { look::stage_colour(*stage).gamma_multiply(0.7) };
+            let colour = if *displayed {
+                theme::ACCENT
+            } else {
+                look::stage_colour(*stage).gamma_multiply(0.7)
+            };
             p.rect_filled(onto(*rect).expand(0.5), 1.0, colour);
         }
-        p.rect(onto(seen), 2.0, Color32::from_white_alpha(14), Stroke::new(1.0, theme::TEXT), StrokeKind::Inside);
+        p.rect(
+            onto(seen),
+            2.0,
+            Color32::from_white_alpha(14),
+            Stroke::new(1.0, theme::TEXT),
+            StrokeKind::Inside,
+        );
         let pressed = response.dragged() || response.clicked();
         let pointer = response.interact_pointer_pos().filter(|_| pressed)?;
         Some(((pointer - shift) / scale).to_pos2())

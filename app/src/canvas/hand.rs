@@ -178,9 +178,7 @@ impl Loose {
             return Ok(None);
         };
         match &self.fixed {
-            Fixed::Output(from) => {
-                Ok(edits::connect(document, from, plug, self.lifted.as_ref()))
-            }
+            Fixed::Output(from) => Ok(edits::connect(document, from, plug, self.lifted.as_ref())),
             Fixed::Input(to) => Ok(edits::connect(document, &plug.socket, to, None)),
             Fixed::Bundle(from, _) if *from == plug.socket => Ok(None),
             Fixed::Bundle(_, wires) => edits::rewire(document, wires, &plug.socket).map(Some),
@@ -198,7 +196,13 @@ pub(super) fn plug(face: &Face, end: End) -> Option<&Plug> {
 
 /// What is picked up at an end of a node: a wired input's wire at its far end, else a new one. With
 /// `all`, every wire of an output, or a new wire from a wired input.
-pub(super) fn pick_up(document: &Document, face: &Face, end: End, all: bool, held: bool) -> Option<Loose> {
+pub(super) fn pick_up(
+    document: &Document,
+    face: &Face,
+    end: End,
+    all: bool,
+    held: bool,
+) -> Option<Loose> {
     let plug = plug(face, end)?;
     let new = |fixed| Loose { fixed, lifted: None, held };
     match end {
@@ -254,12 +258,14 @@ mod tests {
     #[test]
     fn the_hand_aims_at_the_nearest_end_and_says_why_not() {
         let document = document("cornrows");
-        let loose = Loose { fixed: Fixed::Output(socket("braid.curves")), lifted: None, held: true };
+        let loose =
+            Loose { fixed: Fixed::Output(socket("braid.curves")), lifted: None, held: true };
         let (faces, number) = input(&document, "fill.curves");
         let at = faces.all["fill"].input_at(Pos2::ZERO, number).to_vec2();
         let hit = aim(&document, &loose, "fill", at + vec2(-9.0, 3.0)).unwrap();
         assert_eq!((hit.node, hit.end, hit.refused), (id("fill"), End::In(number), None));
-        let scalp = faces.all["fill"].inputs.iter().position(|p| &*p.socket.name == "scalp").unwrap();
+        let scalp =
+            faces.all["fill"].inputs.iter().position(|p| &*p.socket.name == "scalp").unwrap();
         let at = faces.all["fill"].input_at(Pos2::ZERO, scalp).to_vec2();
         let wrong = aim(&document, &loose, "fill", at).unwrap();
         assert!(wrong.refused.is_some_and(|why| why.contains("scalp")));

@@ -87,12 +87,9 @@ pub(super) fn socket(p: &Painter, at: Pos2, ty: Option<Type>, wired: bool, brigh
     let line = Stroke::new(1.6, if bright { Color32::WHITE } else { colour });
     let polygon = |points| Shape::convex_polygon(points, fill, line);
     p.add(match ty {
-        Some(Type::Curves) => Shape::Circle(egui::epaint::CircleShape {
-            center: at,
-            radius: r,
-            fill,
-            stroke: line,
-        }),
+        Some(Type::Curves) => {
+            Shape::Circle(egui::epaint::CircleShape { center: at, radius: r, fill, stroke: line })
+        }
         Some(Type::Scalp) => polygon(regular(at, r * 1.25, 4, 0.125)),
         Some(Type::Strokes) => polygon(regular(at, r * 1.25, 4, 0.0)),
         Some(Type::Field | Type::Ramp) => polygon(regular(at, r * 1.2, 3, 0.0)),
@@ -100,7 +97,12 @@ pub(super) fn socket(p: &Painter, at: Pos2, ty: Option<Type>, wired: bool, brigh
         Some(Type::Vec3 | Type::Colour | Type::Shapes) => polygon(regular(at, r * 1.1, 6, 0.0)),
         Some(Type::Text | Type::Choice(_) | Type::File) => {
             let rect = Rect::from_center_size(at, vec2(r * 1.2, r * 2.2));
-            polygon(vec![rect.left_top(), rect.right_top(), rect.right_bottom(), rect.left_bottom()])
+            polygon(vec![
+                rect.left_top(),
+                rect.right_top(),
+                rect.right_bottom(),
+                rect.left_bottom(),
+            ])
         }
         None => {
             cross(p, at, r * 0.8, Stroke::new(2.0, colour));
@@ -272,7 +274,15 @@ pub(super) fn stage(p: &Painter, at: Pos2, stage: usize) {
         }
         // Out.
         8 => {
-            p.line(vec![at + vec2(0.0, -5.0), at + vec2(-5.5, -5.0), at + vec2(-5.5, 5.0), at + vec2(0.0, 5.0)], line);
+            p.line(
+                vec![
+                    at + vec2(0.0, -5.0),
+                    at + vec2(-5.5, -5.0),
+                    at + vec2(-5.5, 5.0),
+                    at + vec2(0.0, 5.0),
+                ],
+                line,
+            );
             p.line_segment([at + vec2(-2.0, 0.0), at + vec2(6.0, 0.0)], line);
             p.line(vec![at + vec2(3.0, -3.0), at + vec2(6.0, 0.0), at + vec2(3.0, 3.0)], line);
         }

@@ -70,7 +70,8 @@ impl Naming {
         let note = matches!(self.what, Named::Note(_));
         let key = |m: Modifiers, key: Key| ctx.input_mut(|i| i.consume_key(m, key));
         let escape = key(Modifiers::NONE, Key::Escape);
-        let enter = key(Modifiers::COMMAND, Key::Enter) || (!note && key(Modifiers::NONE, Key::Enter));
+        let enter =
+            key(Modifiers::COMMAND, Key::Enter) || (!note && key(Modifiers::NONE, Key::Enter));
         let (label, hint) = match &self.what {
             Named::Node(_) => ("Name of the node", "Name"),
             Named::Note(_) => ("Note of the node", "Note; Ctrl+Enter keeps it"),
@@ -88,7 +89,8 @@ impl Naming {
                 } else {
                     TextEdit::singleline(&mut self.text)
                 };
-                let field = field.id(Id::new("canvas naming field")).hint_text(hint).desired_width(200.0);
+                let field =
+                    field.id(Id::new("canvas naming field")).hint_text(hint).desired_width(200.0);
                 egui::Frame::popup(ui.style()).inner_margin(4).show(ui, |ui| {
                     let response = ui.add(field);
                     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(label));
@@ -99,8 +101,8 @@ impl Naming {
                 });
             });
         let pressed = ctx.input(|i| i.pointer.any_pressed()) && self.shown;
-        let outside = pressed
-            && ctx.pointer_latest_pos().is_some_and(|p| !area.response.rect.contains(p));
+        let outside =
+            pressed && ctx.pointer_latest_pos().is_some_and(|p| !area.response.rect.contains(p));
         self.shown = true;
         if enter || outside {
             self.keep(out);

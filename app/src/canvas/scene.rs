@@ -5,17 +5,19 @@ use super::Memory;
 use super::edits;
 use super::faces::{Face, Faces};
 use super::frames;
-use super::hand::{Hand, Loose, Fixed, pick_up};
+use super::hand::{Fixed, Hand, Loose, pick_up};
 use super::look;
 use super::node::{self, Detail, End, Mood};
 use super::wires::{self, Run, Wire};
 use crate::editor::event::Event;
 use crate::editor::state::{Select, State};
 use crate::editor::theme;
-use coif_graphs::document::edit::Edit;
 use coif_graphs::document::NodeId;
+use coif_graphs::document::edit::Edit;
 use coif_nodes::define::Type;
-use egui::{Color32, LayerId, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2};
+use egui::{
+    Color32, LayerId, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2,
+};
 use std::collections::BTreeMap;
 
 /// One frame of the scene.
@@ -103,7 +105,8 @@ impl Scene<'_> {
                 for (number, (label, colour)) in look::FRAMES.iter().enumerate() {
                     let text = egui::RichText::new(format!("\u{25A0} {label}"));
                     if ui.button(text.color(colour.lerp_to_gamma(Color32::WHITE, 0.35))).clicked() {
-                        let frame = coif_graphs::document::Frame { colour: number as u8, ..frame.clone() };
+                        let frame =
+                            coif_graphs::document::Frame { colour: number as u8, ..frame.clone() };
                         let edit = Edit::SetFrame { name: name.clone(), frame: Some(frame) };
                         self.out.push(Event::Edit(edit));
                         ui.close();
@@ -123,13 +126,12 @@ impl Scene<'_> {
         }
     }
 
-    fn mood(&self, ui: &Ui, face: &Face) -> Mood {
+    fn mood(&self, face: &Face) -> Mood {
         let selection = &self.state.selection;
         let run = &self.state.run;
         let runs = run.since.is_some() && run.node == face.id.as_str();
         let share = run.pieces.0 as f32 / run.pieces.1.max(1) as f32;
         let aim = self.memory.aim.as_ref().filter(|aim| aim.node == face.id);
-        let _ = ui;
         Mood {
             selected: selection.nodes.contains(&face.id),
             active: selection.active.as_ref() == Some(&face.id),
@@ -137,6 +139,7 @@ impl Scene<'_> {
             running: runs.then_some(share),
             aimed: aim.filter(|aim| aim.refused.is_none()).map(|aim| aim.end),
             wiring: matches!(self.memory.hand, Hand::Wire(_)),
+            pen: self.state.settings.pen_mode,
         }
     }
 
@@ -151,7 +154,7 @@ impl Scene<'_> {
         // From far away no socket can be hit: the crate need not know them.
         let near = detail == Detail::Full;
         let (inputs, outputs) = if near { (face.inputs.len(), face.outputs.len()) } else { (0, 0) };
-        let mood = self.mood(ui, face);
+        let mood = self.mood(face);
         let shown = egui_graph::node::Node::from_id(face.key)
             .inputs(inputs)
             .outputs(outputs)
@@ -224,9 +227,8 @@ impl Scene<'_> {
                 }
             }
         }
-        let wire = super::hand::plug(face, end).and_then(|plug| {
-            Some(Wire { to: plug.socket.clone(), at: plug.wire? })
-        });
+        let wire = super::hand::plug(face, end)
+            .and_then(|plug| Some(Wire { to: plug.socket.clone(), at: plug.wire? }));
         if let Some(wire) = wire {
             response.context_menu(|ui| {
                 if ui.button("Disconnect").clicked() {
@@ -242,14 +244,22 @@ impl Scene<'_> {
         let selection = &self.state.selection;
         let ctrl = ui.input(|i| i.modifiers.command);
         let only = || Event::Select(Select::Nodes(vec![face.id.clone()]));
-        if response.clicked() && !ctrl && selection.nodes.len() > 1 && selection.nodes.contains(&face.id) {
+        if response.clicked()
+            && !ctrl
+            && selection.nodes.len() > 1
+            && selection.nodes.contains(&face.id)
+        {
             self.out.push(only());
         }
         if response.is_pointer_button_down_on() && ui.input(|i| i.pointer.primary_pressed()) {
             self.memory.select_frame(None);
             self.memory.wires.clear();
             let shift = ui.input(|i| i.modifiers.shift);
-            if !ctrl && !shift && selection.nodes.contains(&face.id) && selection.active.as_ref() != Some(&face.id) {
+            if !ctrl
+                && !shift
+                && selection.nodes.contains(&face.id)
+                && selection.active.as_ref() != Some(&face.id)
+            {
                 let others = selection.nodes.iter().filter(|id| **id != face.id).cloned();
                 let nodes = others.chain([face.id.clone()]).collect();
                 self.out.push(Event::Select(Select::Nodes(nodes)));
@@ -377,8 +387,17 @@ impl Scene<'_> {
                     let label = format!("{} {}: bend {}", run.wire.to, run.wire.at + 1, number + 1);
                     egui::WidgetInfo::labeled(egui::WidgetType::Button, true, label)
                 });
-                let colour = if self.memory.bend == this { theme::ACCENT } else { look::type_colour(run.ty) };
-                ui.painter().circle(*at, if bright { 6.0 } else { 4.5 }, theme::SUNKEN, Stroke::new(2.0, colour));
+                let colour = if self.memory.bend == this {
+                    theme::ACCENT
+                } else {
+                    look::type_colour(run.ty)
+                };
+                ui.painter().circle(
+                    *at,
+                    if bright { 6.0 } else { 4.5 },
+                    theme::SUNKEN,
+                    Stroke::new(2.0, colour),
+                );
                 if response.clicked() || response.drag_started() {
                     self.memory.wires.clear();
                     self.memory.select_frame(None);
@@ -451,7 +470,9 @@ impl Scene<'_> {
             Fixed::Bundle(_, wires) => {
                 for wire in wires {
                     let run = found.runs.iter().find(|run| run.wire == *wire);
-                    if let Some((run, end)) = run.and_then(|run| Some((run, *run.points(9.0).last()?))) {
+                    if let Some((run, end)) =
+                        run.and_then(|run| Some((run, *run.points(9.0).last()?)))
+                    {
                         ends.push((free, end, run.ty));
                     }
                 }
@@ -459,7 +480,8 @@ impl Scene<'_> {
         }
         for (from, to, ty) in ends {
             let colour = if refused { theme::ERROR } else { look::type_colour(ty) };
-            let points = wires::path(from, &[], to).flatten(6.0).collect::<Vec<_>>();
+            let apart = ((to - from).abs().max_elem() / 200.0).max(6.0);
+            let points: Vec<Pos2> = wires::path(from, &[], to).flatten(apart).collect();
             let stroke = Stroke::new(2.4, colour);
             if refused {
                 p.extend(Shape::dashed_line(&points, stroke, 6.0, 5.0));
@@ -494,7 +516,8 @@ fn draw(p: &Painter, run: &Run, scale: f32, tone: Tone) {
         Some(Type::Scalp) => 1.4,
         _ => 1.6,
     };
-    let stroke = Stroke::new((width + wide) / scale.clamp(0.35, 1.0), colour.gamma_multiply(tone.strength));
+    let stroke =
+        Stroke::new((width + wide) / scale.clamp(0.35, 1.0), colour.gamma_multiply(tone.strength));
     if matches!(run.ty, Some(Type::Curves | Type::Scalp)) && run.ty.is_some() {
         p.add(Shape::line(points, stroke));
     } else {
@@ -510,7 +533,8 @@ fn dots(ui: &Ui, scale: f32) {
     }
     let seen = ui.clip_rect();
     let size = Vec2::splat(1.4 / scale);
-    let (columns, rows) = ((seen.width() / step) as i32 + 2, (seen.height() / step) as i32 + 2);
+    let count = |length: f32| (length / step) as u32 + 2;
+    let (columns, rows) = (count(seen.width().min(9e6)), count(seen.height().min(9e6)));
     if columns.saturating_mul(rows) > 20_000 {
         return;
     }

@@ -349,7 +349,9 @@ mod tests {
 
     #[test]
     fn any_script_can_be_searched() {
-        let entry = Entry { label: "косы спереди", words: "辫子 τάσι", ..Entry::default() };
+        let entry = Entry {
+            label: "косы спереди", words: "辫子 τάσι", ..Entry::default()
+        };
         for typed in ["Косы", "спер", "辫子", "ΤΆΣΙ"] {
             assert!(score(typed, &entry).is_some(), "{typed}");
         }

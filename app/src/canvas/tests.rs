@@ -66,7 +66,8 @@ fn a_wrong_wire_is_refused_while_dragging_with_the_reason() {
 #[test]
 fn the_end_of_a_wire_is_lifted_and_put_elsewhere_or_let_go() {
     let mut w = window(document("cornrows"));
-    let (from, to) = (place(&w, "hair in the braids: curves input"), place(&w, "parting hairs: adjacent input"));
+    let (from, to) =
+        (place(&w, "hair in the braids: curves input"), place(&w, "parting hairs: adjacent input"));
     drag(&mut w, &[from, to], Modifiers::NONE);
     assert_eq!(wired(&w, "fill.curves"), Vec::<String>::new());
     assert_eq!(wired(&w, "partings.adjacent"), ["braid.curves"]);
@@ -220,7 +221,8 @@ fn a_double_click_bends_a_wire_a_drag_moves_the_bend_and_delete_removes_it() {
 fn wires_of_one_input_are_reordered_by_hand_and_by_key() {
     let mut w = window(document("braids"));
     let merge = "merge.curves";
-    let node = w.state().state.document.nodes.iter().find(|(_, n)| n.kind == "merge").unwrap().0.clone();
+    let node =
+        w.state().state.document.nodes.iter().find(|(_, n)| n.kind == "merge").unwrap().0.clone();
     let merge = merge.replace("merge", node.as_str());
     let before = wired(&w, &merge);
     assert!(before.len() > 2);
@@ -549,7 +551,8 @@ fn pictures() {
     }
     let mut w = window(document("cornrows"));
     w.state_mut().apply(Event::Select(Select::Nodes(vec![id("rows")])));
-    let (from, to) = (place(&w, "rows: curves output"), place(&w, "hair in the braids: scalp input"));
+    let (from, to) =
+        (place(&w, "rows: curves output"), place(&w, "hair in the braids: scalp input"));
     hold(&mut w, &[from, to], Modifiers::NONE);
     w.render().unwrap().save("/tmp/r/canvas_1.png").unwrap();
     for kind in std::env::var("CANVAS_PICTURES").unwrap().split(',') {

@@ -1,8 +1,8 @@
 //! What of the canvas is in sight: zoom, pan, fitting.
 
+use super::Canvas;
 use super::faces::Faces;
 use super::hand::Hand;
-use super::Canvas;
 use coif_graphs::document::NodeId;
 use egui::{MouseWheelUnit, Pos2, Rangef, Rect, Sense, Ui, Vec2, vec2};
 use std::collections::BTreeSet;

@@ -1,7 +1,7 @@
 //! Wires on the canvas: which there are, the way they run, and which of them something touches.
 //! Pure.
 
-use super::arrange::pos;
+use super::arrange::{pos, sound};
 use super::faces::Faces;
 use coif_graphs::document::{Document, NodeId, Socket};
 use coif_nodes::define::Type;
@@ -66,16 +66,20 @@ impl Run {
         Self { wire, from, ty, bends, path, bounds }
     }
 
-    /// Points along it, about so far apart.
+    /// Points along it, about so far apart; farther where it is very long.
     pub(super) fn points(&self, apart: f32) -> Vec<Pos2> {
-        self.path.flatten(apart).collect()
+        self.path.flatten(self.apart(apart)).collect()
+    }
+
+    fn apart(&self, wanted: f32) -> f32 {
+        wanted.max(self.bounds.size().max_elem() / 400.0)
     }
 
     /// How far a place is from it, and before which bend a new one would go.
     pub(super) fn distance(&self, to: Pos2) -> (f32, usize) {
         let mut best = (f32::INFINITY, 0);
         for (bend, piece) in self.path.segments().iter().enumerate() {
-            let points: Vec<Pos2> = piece.flatten(6.0).collect();
+            let points: Vec<Pos2> = piece.flatten(self.apart(6.0)).collect();
             for pair in points.windows(2) {
                 let d = distance_to_line(to, pair[0], pair[1]);
                 if d < best.0 {
@@ -88,7 +92,8 @@ impl Run {
 
     /// Whether it crosses a line of straight pieces.
     pub(super) fn crosses(&self, line: &[Pos2]) -> bool {
-        let Some(reach) = line.iter().copied().map(|p| Rect::from_min_max(p, p)).reduce(Rect::union)
+        let Some(reach) =
+            line.iter().copied().map(|p| Rect::from_min_max(p, p)).reduce(Rect::union)
         else {
             return false;
         };
@@ -101,7 +106,7 @@ impl Run {
 
     /// Whether it runs through a box.
     pub(super) fn touches(&self, rect: Rect) -> bool {
-        self.bounds.intersects(rect) && self.path.intersects_rect(6.0, rect)
+        self.bounds.intersects(rect) && self.path.intersects_rect(self.apart(6.0), rect)
     }
 }
 
@@ -128,7 +133,7 @@ pub(super) fn runs(
             let wire = Wire { to: to.clone(), at };
             let bends = match bent {
                 Some((moved, bends)) if *moved == wire => bends.to_vec(),
-                _ => document.bends_of(to, at).iter().map(|p| pos(*p)).collect(),
+                _ => document.bends_of(to, at).iter().map(|p| sound(pos(*p))).collect(),
             };
             let ends = (other.output_at(start, out), face.input_at(end, plug));
             runs.push(Run::new(wire, from.clone(), other.outputs[out].ty, ends, bends));
@@ -206,7 +211,9 @@ impl Shake {
             return false;
         }
         match self.turn {
-            Some((_, _, since)) if now - since > 0.4 => *self = Self { last: Some(to), ..Self::default() },
+            Some((_, _, since)) if now - since > 0.4 => {
+                *self = Self { last: Some(to), ..Self::default() }
+            }
             Some((_, before, _)) if before == way => {}
             Some((at, _, _)) if (last.x - at.x).abs() < 15.0 => self.turn = Some((at, way, now)),
             Some(_) => {
@@ -286,7 +293,8 @@ mod tests {
         let run = runs.iter().find(|run| run.wire.to.node == id("braids_out")).unwrap();
         let at = middle(run);
         let line = [at - vec2(0.0, 15.0), at + vec2(0.0, 15.0)];
-        let cut: Vec<&Socket> = runs.iter().filter(|r| r.crosses(&line)).map(|r| &r.wire.to).collect();
+        let cut: Vec<&Socket> =
+            runs.iter().filter(|r| r.crosses(&line)).map(|r| &r.wire.to).collect();
         assert_eq!(cut, [&run.wire.to]);
         assert!(!run.crosses(&[]) && !run.crosses(&line[..1]));
         assert!(run.touches(Rect::from_center_size(at, vec2(8.0, 8.0))));
@@ -309,7 +317,8 @@ mod tests {
                 shake.moved(pos2(*x, 5.0), now)
             })
         };
-        let to_and_fro: Vec<f32> = (0..40).map(|i| [0.0, 20.0, 40.0, 60.0, 40.0, 20.0][i % 6]).collect();
+        let to_and_fro: Vec<f32> =
+            (0..40).map(|i| [0.0, 20.0, 40.0, 60.0, 40.0, 20.0][i % 6]).collect();
         assert!(shaken(&to_and_fro, 0.02));
         assert!(!shaken(&to_and_fro, 0.3), "slowly");
         let trembling: Vec<f32> = (0..40).map(|i| [0.0, 5.0][i % 2]).collect();

@@ -33,7 +33,8 @@ pub fn always(_: &Editor) -> Result<(), &'static str> {
 pub const MENUS: &[&str] = &["File", "Edit", "Node", "View", "Pen", "Window", "Help"];
 
 /// The parts of the table, room by room.
-const PARTS: &[&[&[Action]]] = &[&[ACTIONS], crate::canvas::ACTIONS];
+const PARTS: &[&[&[Action]]] =
+    &[&[ACTIONS], crate::canvas::ACTIONS, &[crate::viewport::actions::ACTIONS]];
 
 /// Every action, in the order of menus.
 pub fn all() -> impl Iterator<Item = &'static Action> {

@@ -4,8 +4,9 @@ use super::notes::Note;
 use super::rooms::Room;
 use super::settings::Settings;
 use super::state::Select;
-use coif_graphs::document::NodeId;
+use super::visibility::Visibility;
 use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{NodeId, Socket};
 
 /// Something that happened.
 #[derive(Clone, Debug)]
@@ -36,6 +37,15 @@ pub enum Event {
     Display(Option<NodeId>),
     /// The pen works on another node.
     Pin(Option<NodeId>),
+    /// The canvas shows an input without a wire as a socket, or no longer.
+    Expose {
+        /// Which input.
+        socket: Socket,
+        /// Whether it is shown.
+        exposed: bool,
+    },
+    /// Other hair is hidden, alone or locked.
+    Visibility(Visibility),
     /// Preferences change.
     Settings(Box<Settings>),
     /// Something is said.

@@ -16,11 +16,14 @@ pub mod notes;
 mod palette;
 pub mod rooms;
 pub mod settings;
+mod spreadsheet;
 pub mod state;
 pub mod theme;
 pub mod visibility;
 
 use crate::canvas::Canvas;
+use crate::inspector::Inspector;
+use crate::viewport::Viewport;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::cache::usual_budget;
@@ -34,6 +37,7 @@ use notes::Note;
 use palette::Palette;
 use rooms::Room;
 use settings::{Evaluate, Settings};
+use spreadsheet::Spreadsheet;
 use state::{OpenFile, State};
 use std::path::PathBuf;
 
@@ -50,6 +54,10 @@ pub struct Editor {
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
     pub(crate) canvas: Canvas,
+    inspector: Inspector,
+    spreadsheet: Spreadsheet,
+    /// The groom on the screen.
+    pub viewport: Viewport,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -57,7 +65,7 @@ pub struct Editor {
     /// Evaluate whatever the mode is.
     forced: bool,
     /// Seconds since the window opened, and when the last nudge was.
-    now: f64,
+    pub(crate) now: f64,
     nudged: f64,
     last_final_ms: f64,
 }
@@ -94,6 +102,9 @@ impl Editor {
             palette: Palette::default(),
             key_sheet: false,
             canvas: Canvas::default(),
+            inspector: Inspector::default(),
+            spreadsheet: Spreadsheet::default(),
+            viewport: Viewport::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -230,6 +241,13 @@ impl Editor {
                 self.changed(set.map_err(|err| err.to_string()), true);
             }
             Event::Pin(node) => state.pinned = node,
+            Event::Expose { socket, exposed: true } => {
+                state.exposed.insert(socket);
+            }
+            Event::Expose { socket, exposed: false } => {
+                state.exposed.remove(&socket);
+            }
+            Event::Visibility(visibility) => state.visibility = visibility,
             Event::Settings(settings) => state.settings = *settings,
             Event::Say(note) => state.notes.say(note),
             Event::Evaluate => self.forced = true,
@@ -294,7 +312,10 @@ impl Editor {
         Wanted {
             revision: state.revision,
             quality: if preview { Quality::Preview } else { Quality::Final },
-            also: also.filter_map(|id| first_output(&state.document, id)).collect(),
+            also: also
+                .filter_map(|id| first_output(&state.document, id))
+                .chain(self.viewport.wants(state))
+                .collect(),
             folder: state.file.folder.clone(),
         }
     }
@@ -388,9 +409,13 @@ impl egui_dock::TabViewer for Tabs<'_> {
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
         }
-        let Editor { state, canvas, .. } = &mut *self.editor;
-        if *room == Room::Canvas {
-            canvas.ui(state, ui, self.out);
+        let Editor { state, viewport, canvas, inspector, spreadsheet, .. } = &mut *self.editor;
+        match room {
+            Room::Viewport => viewport.ui(state, ui, self.out),
+            Room::Canvas => canvas.ui(state, ui, self.out),
+            Room::Inspector => inspector.ui(state, ui, self.out),
+            Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),
+            _ => {}
         }
     }
     fn scroll_bars(&self, _: &Room) -> [bool; 2] {
@@ -417,7 +442,9 @@ pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
         "coif",
         options,
         Box::new(move |cc| {
-            Ok(Box::new(Window { editor: Editor::new(&cc.egui_ctx, document, file) }))
+            let mut editor = Editor::new(&cc.egui_ctx, document, file);
+            editor.viewport.start(&cc.egui_ctx);
+            Ok(Box::new(Window { editor }))
         }),
     )
     .map_err(|err| err.to_string())

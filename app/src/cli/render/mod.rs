@@ -3,7 +3,6 @@
 //! What is wrong with the words is said before anything runs. The device and its shaders are made on a thread
 //! while the graph is evaluated. Files appear only when every picture is complete.
 
-mod feeders;
 mod options;
 mod place;
 
@@ -12,22 +11,22 @@ use super::files::{Pending, read_at_most};
 use super::groom::{Evaluated, GroomArgs, QualityArg, Stop, carry_out};
 use super::progress::Bar;
 use super::report::{Picture as About, Report, rounded};
+use crate::feeders::feeders;
+use crate::scene::{self, Dressed, Show};
 use clap::Args;
 use coif_graphs::document::Socket;
 use coif_graphs::schedule::result::document_hash;
 use coif_graphs::schedule::run::CancelToken;
-use coif_nodes::data::attributes::{Domain, ID, WIDTH};
-use coif_nodes::data::curves::{Curves, Tuft};
+use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::{HeadFrame, Scalp};
 use coif_nodes::define::Value;
 use coif_shaders::display::Transform;
 use coif_shaders::hdri::Hdri;
 use coif_shaders::light::Rig;
 use coif_shaders::picture::Samples;
-use coif_shaders::surface::{RootGrid, SPREAD, Solid, Tone, ground, head_solid, tubes};
+use coif_shaders::surface::{RootGrid, Solid, Tone};
 use coif_shaders::view::{Paint, Shading, View};
 use coif_shaders::{Gpu, Look, Model, Precision, Renderer, chart};
-use glam::Vec3;
 use options::{Format, within};
 use place::Place;
 use std::cell::Cell;
@@ -112,9 +111,6 @@ pub(crate) struct RenderArgs {
 const MOST_FRAMES: u32 = 9999;
 const MOST_SAMPLES: u32 = 65536;
 
-/// How thick guides are drawn, cm: thin against a lock, thick against a pixel.
-const GUIDE_WIDTH: f32 = 0.06;
-
 /// What the words ask for.
 struct Asked {
     size: [u32; 2],
@@ -130,16 +126,6 @@ struct Asked {
     tone: Tone,
 }
 
-/// What is drawn.
-enum Show {
-    /// The outputs, in the colours of a view.
-    Hair(View),
-    /// The curves that the outputs' hair follows, as lines.
-    Guides,
-    /// The same as tubes.
-    Clusters,
-}
-
 impl RenderArgs {
     /// What lights the picture, in words.
     fn lit_by(&self) -> String {
@@ -151,13 +137,8 @@ impl RenderArgs {
 
     /// Refuses words that mean nothing, in one line each.
     fn understood(&self) -> Result<Asked, Stop> {
-        let show = match &*self.view {
-            "guides" => Show::Guides,
-            "clusters" => Show::Clusters,
-            other => Show::Hair(
-                other.parse().map_err(|reason| Stop::refused(format!("--view {reason}")))?,
-            ),
-        };
+        let show = self.view.parse();
+        let show: Show = show.map_err(|reason| Stop::refused(format!("--view {reason}")))?;
         let models = Model::ALL.map(Model::name);
         let displays = Transform::ALL.map(|t| t.name().to_lowercase().replace('.', ""));
         let displays = displays.each_ref().map(String::as_str);
@@ -244,10 +225,9 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     let place = Place::of(&args.camera, &opened)?;
     let followed = match asked.show {
         Show::Hair(_) => vec![],
-        Show::Guides | Show::Clusters => feeders::feeders(
-            &opened.document,
-            opened.outputs.iter().map(|output| &output.socket.node),
-        ),
+        Show::Guides | Show::Clusters => {
+            feeders(&opened.document, opened.outputs.iter().map(|output| &output.socket.node))
+        }
     };
     let more: Vec<Socket> = followed.iter().chain(place.socket()).cloned().collect();
     if followed.is_empty() && !matches!(asked.show, Show::Hair(_)) {
@@ -389,59 +369,27 @@ impl Scene {
         let hair = together(
             groups.into_iter().filter(|group| only_guides || !group.guides).map(|g| g.curves),
         );
-        let followed = || {
-            together(more.iter().filter_map(|value| match value {
-                Value::Curves(curves) => Some(curves.clone()),
-                _ => None,
-            }))
-        };
+        let followed = together(more.into_iter().filter_map(|value| match value {
+            Value::Curves(curves) => Some(curves),
+            _ => None,
+        }));
         let scalp = scalps.first().cloned();
-        let mut solids = vec![];
-        if !args.no_head {
-            solids.extend(scalps.iter().map(|scalp| head_solid(scalp, asked.tone)));
-            solids.extend(ground(&solids));
-        }
-        let of_view = |view: &View, curves: &Curves| {
-            view.paint(curves, scalp.as_deref())
-                .map_err(|reason| Stop::failed(format!("--view {}: {reason}", args.view)))
+        let mut solids = match args.no_head {
+            true => vec![],
+            false => scene::heads(&scalps, asked.tone),
         };
-        let by_id = View::Attribute(ID.name.to_owned());
-        let mut count = 0;
-        let (drawn, paint, roots) = match &asked.show {
-            Show::Hair(view) => {
-                let roots = RootGrid::of(&hair, SPREAD);
-                (hair.clone(), of_view(view, &hair)?, roots)
-            }
-            Show::Guides => {
-                let guides = thick(&followed());
-                count = guides.curve_count();
-                let paint = of_view(&by_id, &guides)?;
-                (guides, paint, None)
-            }
-            Show::Clusters => {
-                let clusters = followed();
-                count = clusters.curve_count();
-                solids.push(tubes(&clusters));
-                (Curves::default(), Paint::plain(Vec3::ONE), None)
-            }
-        };
+        let Dressed { drawn, paint, tubes, roots } =
+            Dressed::of(&asked.show, &hair, &followed, scalp.as_deref())
+                .map_err(|reason| Stop::failed(format!("--view {}: {reason}", args.view)))?;
+        solids.extend(tubes);
         let frame = scalp.as_ref().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
-        Ok(Self { frame, scalp, hair, followed: count, drawn, paint, solids, roots })
+        let followed = followed.curve_count();
+        Ok(Self { frame, scalp, hair, followed, drawn, paint, solids, roots })
     }
 }
 
 fn together(all: impl Iterator<Item = Curves>) -> Curves {
     Curves::new(all.flat_map(|curves| curves.tufts().to_vec()).collect())
-}
-
-/// The same curves, thick enough to be seen one by one.
-fn thick(curves: &Curves) -> Curves {
-    let thick = |tuft: &Arc<Tuft>| {
-        let mut edited = tuft.edit();
-        edited.set(WIDTH, Domain::Curve, vec![GUIDE_WIDTH]);
-        Arc::new(edited.build())
-    };
-    Curves::new(curves.tufts().iter().map(thick).collect())
 }
 
 /// A renderer in the making.

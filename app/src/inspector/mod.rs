@@ -1,0 +1,367 @@
+//! The inspector: what the selected nodes are set to, made from their declarations.
+//!
+//! Guarantees: every input of every kind of node has a widget; what this version does not know is shown as the text that is
+//! kept; a drag is one undo step, so is a typed value, and several nodes of one kind are edited in one step. It reads the
+//! state and says events; a document with odd values is shown, not corrected.
+
+pub(crate) mod field;
+pub(crate) mod number;
+pub(crate) mod ramp;
+mod row;
+pub(crate) mod shapes;
+pub(crate) mod slider;
+pub(crate) mod stops;
+pub(crate) mod target;
+#[cfg(test)]
+mod tests;
+pub(crate) mod text;
+mod value;
+
+use crate::editor::evaluation::Shown;
+use crate::editor::event::Event;
+use crate::editor::state::{Select, State};
+use crate::editor::theme;
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::graph::{self, Problem, Severity};
+use coif_graphs::document::{Node, NodeId, Setting};
+use coif_graphs::file::write_value;
+use coif_nodes::data::attributes::{Column, DECLARED};
+use coif_nodes::define::{InputDef, NodeDef, NodeError, Type};
+use egui::{Color32, RichText, ScrollArea, TextEdit, Ui};
+use field::Known;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Weak};
+use target::{Gesture, Target};
+use text::{icon_button, set_name, text_field};
+
+/// With fewer inputs a filter is more than there is to filter.
+const FILTERED_FROM: usize = 6;
+
+/// What the inspector remembers between frames.
+#[derive(Default)]
+pub(crate) struct Inspector {
+    gesture: Gesture,
+    filter: String,
+    /// The node that is shown, and what was said about its inputs.
+    node: Option<NodeId>,
+    said: BTreeMap<&'static str, String>,
+    /// What is wrong with the document, as of a number of changes.
+    problems: Option<(u64, Vec<Problem>)>,
+    /// Names to choose from, as of an evaluation.
+    known: Known,
+    known_of: Weak<Shown>,
+}
+
+impl Inspector {
+    /// Shows what is selected and says what is done to it.
+    pub(crate) fn ui(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
+        self.gesture.look(state);
+        self.learn(state);
+        if self.node.as_ref() != state.active() {
+            self.node = state.active().cloned();
+            self.said.clear();
+            self.filter.clear();
+        }
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 3.0;
+            match state.active().and_then(|id| Some((id, state.document.node(id.as_str())?))) {
+                Some((id, node)) => self.node(state, ui, id, node, out),
+                None => document(state, ui, out),
+            }
+            ui.add_space(8.0);
+        });
+        self.gesture.settle(ui, out);
+    }
+
+    /// Looks up, where something changed, what is wrong and which names there are.
+    fn learn(&mut self, state: &State) {
+        if self.problems.as_ref().is_none_or(|(changes, _)| *changes != state.changes) {
+            self.problems = Some((state.changes, graph::check(&state.document)));
+        }
+        let shown = state.shown.as_ref().map_or_else(Weak::new, Arc::downgrade);
+        if !self.known_of.ptr_eq(&shown) || self.known.attributes.is_empty() {
+            self.known = state.shown.as_deref().map_or_else(|| names(None), |it| names(Some(it)));
+            self.known_of = shown;
+        }
+    }
+
+    fn node(&mut self, state: &State, ui: &mut Ui, id: &NodeId, node: &Node, out: &mut Vec<Event>) {
+        let def = coif_nodes::by_id(&node.kind);
+        let nodes = alike(state, id, &node.kind);
+        header(state, ui, (id, node), def, &nodes, out);
+        self.messages(state, ui, id, out);
+        ui.separator();
+        let Some(def) = def else {
+            ui.label(format!("This version has no node {:?}.", node.kind));
+            ui.weak("It is kept as it is, with its wires, and passes nothing on.");
+            kept(ui, id, node, node.inputs.keys(), out);
+            return;
+        };
+        if def.inputs.len() >= FILTERED_FROM {
+            let filter = TextEdit::singleline(&mut self.filter)
+                .hint_text("Filter inputs")
+                .vertical_align(egui::Align::Center)
+                .min_size(ui.spacing().interact_size)
+                .desired_width(f32::INFINITY);
+            let filter = ui.add(filter);
+            set_name(ui, &filter, "Filter inputs");
+        }
+        let Self { gesture, said, known, filter, .. } = self;
+        let mut target = Target { state, nodes: &nodes, out, gesture, said };
+        let wired = |input: &&&InputDef| matches!(input.ty, Type::Curves | Type::Scalp);
+        let asked = |input: &&'static InputDef| matches(input, filter);
+        let width = ui.available_width();
+        let inputs: Vec<&'static InputDef> = def.inputs.iter().filter(asked).collect();
+        for input in inputs.iter().filter(wired) {
+            ui.push_id(input.name, |ui| row::show(ui, &mut target, input, known, width));
+        }
+        if inputs.iter().any(|input| wired(&input)) && inputs.iter().any(|input| !wired(&input)) {
+            ui.separator();
+        }
+        for input in inputs.iter().filter(|input| !wired(input)) {
+            ui.push_id(input.name, |ui| row::show(ui, &mut target, input, known, width));
+        }
+        if inputs.is_empty() && !def.inputs.is_empty() {
+            ui.weak(format!("No input is called {filter:?}."));
+        }
+        let unknown = node.inputs.keys().filter(|name| def.input(name).is_none());
+        kept(ui, id, node, unknown, out);
+    }
+
+    /// What is wrong with the node, worst first, each with its remedy.
+    fn messages(&self, state: &State, ui: &mut Ui, id: &NodeId, out: &mut Vec<Event>) {
+        let problems = self.problems.as_ref().map_or(&[][..], |(_, problems)| problems);
+        let mut failed = false;
+        for problem in problems.iter().filter(|problem| problem.node == *id) {
+            failed |= problem.severity == Severity::Error;
+            let socket = problem.socket.as_deref().map_or(String::new(), text::spoken);
+            let head = if socket.is_empty() { String::new() } else { format!("{socket}: ") };
+            let text = format!("{head}{}; {}.", problem.text, problem.remedy);
+            message(
+                ui,
+                problem.severity == Severity::Error,
+                problem.severity == Severity::Warning,
+                text,
+            );
+        }
+        let reports = &state.run.reports;
+        let report = reports.nodes.get(id);
+        if let Some(error) = report.and_then(|report| report.error.as_ref())
+            && *error != NodeError::Cancelled
+            && !failed
+        {
+            failed = true;
+            message(ui, true, false, format!("{error}."));
+        }
+        for said in report.into_iter().flat_map(|report| &report.messages) {
+            ui.horizontal_wrapped(|ui| {
+                message(ui, false, said.warning, said.to_string());
+                if !said.curves.is_empty() && ui.link("select").clicked() {
+                    let curves: BTreeSet<u64> = said.curves.iter().copied().collect();
+                    out.push(Event::Select(Select::Curves(curves)));
+                }
+            });
+        }
+        let failures = reports.failures();
+        if failed || failures.is_empty() {
+            return;
+        }
+        let upstream = graph::upstream(&state.document, [id]);
+        let above = failures.iter().find_map(|(name, _)| upstream.get(*name));
+        if let Some(above) = above.filter(|above| *above != id) {
+            ui.horizontal_wrapped(|ui| {
+                ui.colored_label(theme::ERROR, "◇ upstream:");
+                if ui.link(state.document.name_of(above)).clicked() {
+                    out.push(Event::Select(Select::Nodes(vec![above.clone()])));
+                }
+            });
+        }
+    }
+}
+
+/// One message: a cross, a triangle or a dot before it.
+fn message(ui: &mut Ui, error: bool, warning: bool, text: String) {
+    let (sign, colour): (&str, Color32) = match (error, warning) {
+        (true, _) => ("✖", theme::ERROR),
+        (_, true) => ("⚠", theme::WARNING),
+        _ => ("•", theme::QUIET),
+    };
+    ui.label(RichText::new(format!("{sign} {text}")).color(colour));
+}
+
+/// The selected nodes of a kind, the active one first.
+fn alike(state: &State, active: &NodeId, kind: &str) -> Vec<NodeId> {
+    let same = |id: &&NodeId| {
+        *id != active && state.document.node(id.as_str()).is_some_and(|node| node.kind == kind)
+    };
+    let others = state.selection.nodes.iter().filter(same);
+    std::iter::once(active).chain(others).cloned().collect()
+}
+
+/// Whether an input is one that the filter asks for: every word of it somewhere in what the input is called.
+fn matches(input: &InputDef, filter: &str) -> bool {
+    let all = format!("{} {} {}", text::spoken(input.name), input.name, input.words).to_lowercase();
+    filter.to_lowercase().split_whitespace().all(|word| all.contains(word))
+}
+
+/// Names of attributes and masks that fields can ask for.
+fn names(shown: Option<&Shown>) -> Known {
+    let number = |ty: &str| ty == "f32" || ty == "i32";
+    let declared = DECLARED.iter().filter(|(_, ty, _)| number(ty)).map(|(name, ..)| *name);
+    let mut attributes: BTreeSet<String> = declared.map(str::to_owned).collect();
+    let mut masks = BTreeSet::new();
+    if let Some(shown) = shown {
+        for attribute in shown.curves.tufts().iter().flat_map(|tuft| tuft.attributes()) {
+            let number = matches!(attribute.values, Column::F32(_) | Column::I32(_));
+            if number && !attributes.contains(attribute.name.as_ref()) {
+                attributes.insert(attribute.name.to_string());
+            }
+        }
+        masks.extend(shown.scalps.iter().flat_map(|scalp| scalp.mask_names()));
+    }
+    Known { attributes: attributes.into_iter().collect(), masks: masks.into_iter().collect() }
+}
+
+/// Name, kind, bypass and note.
+fn header(
+    state: &State,
+    ui: &mut Ui,
+    (id, node): (&NodeId, &Node),
+    def: Option<&'static NodeDef>,
+    nodes: &[NodeId],
+    out: &mut Vec<Event>,
+) {
+    let once = |edits: Vec<Edit>, out: &mut Vec<Event>| {
+        out.extend(match edits.len() {
+            0 => None,
+            1 => edits.into_iter().next().map(Event::Edit),
+            _ => Some(Event::Edit(Edit::Several(edits))),
+        });
+    };
+    let kind = def.map_or(node.kind.as_str(), |def| def.label);
+    let button = ui.spacing().interact_size.y;
+    ui.horizontal(|ui| {
+        let label = node.label.as_deref().unwrap_or_default();
+        let width = ui.available_width() - button - 8.0;
+        let hint = state.document.name_of(id);
+        if let Some(label) = text_field(ui, "Node name", label, hint, (width, 1)) {
+            let label = Some(label.trim().to_owned()).filter(|label| !label.is_empty());
+            out.push(Event::Edit(Edit::SetLabel { id: id.clone(), label }));
+        }
+        let menu = ui.menu_button("…", |ui| {
+            let Some(def) = def else { return };
+            let all: Vec<&InputDef> = def.inputs.iter().collect();
+            let mut edits = vec![];
+            for node in nodes {
+                let Some(held) = state.document.node(node.as_str()) else { continue };
+                for input in all.iter().filter(|input| {
+                    held.inputs.contains_key(input.name) && input.ty != Type::Strokes
+                }) {
+                    let (node, input) = (node.clone(), input.name.to_owned());
+                    edits.push(Edit::UnsetInput { node, input });
+                }
+            }
+            let can = !edits.is_empty();
+            let reset = ui.add_enabled(can, egui::Button::new("Reset all inputs"));
+            let reset =
+                reset.on_hover_text("Every input but strokes gets its default; wires stay.");
+            if reset.on_disabled_hover_text("All are at their defaults.").clicked() {
+                once(edits, out);
+                ui.close();
+            }
+        });
+        set_name(ui, &menu.response, "More about the node");
+    });
+    ui.horizontal(|ui| {
+        let kind = ui.add(egui::Label::new(RichText::new(kind).color(theme::ACCENT)));
+        if let Some(def) = def {
+            kind.on_hover_ui(|ui| {
+                ui.set_max_width(420.0);
+                ui.strong(def.label);
+                ui.label(def.doc());
+            });
+        }
+        ui.weak(id.as_str());
+        let mut bypass = node.bypass;
+        let right = egui::Layout::right_to_left(egui::Align::Center);
+        ui.with_layout(right, |ui| {
+            let check = ui.checkbox(&mut bypass, "Bypass");
+            let check =
+                check.on_hover_text("Passes its input through as if the node were not there.");
+            if check.changed() {
+                let edit = |id: &NodeId| Edit::SetBypass { id: id.clone(), bypass };
+                once(nodes.iter().map(edit).collect(), out);
+            }
+        });
+    });
+    let selected = state.selection.nodes.len();
+    if selected > 1 {
+        let same = nodes.len();
+        ui.weak(match same == selected {
+            true => format!("{same} nodes of this kind are edited at once."),
+            false => {
+                format!("{same} of {selected} selected nodes are of this kind and edited at once.")
+            }
+        });
+    }
+    let width = ui.available_width();
+    let lines = if node.note.is_empty() { 1 } else { 2 };
+    if let Some(note) = text_field(ui, "Note", &node.note, "Note", (width, lines)) {
+        out.push(Event::Edit(Edit::SetNodeNote { id: id.clone(), note }));
+    }
+}
+
+/// Inputs that this version does not know, as the text that is kept.
+fn kept<'a>(
+    ui: &mut Ui,
+    id: &NodeId,
+    node: &Node,
+    names: impl Iterator<Item = &'a String>,
+    out: &mut Vec<Event>,
+) {
+    let mut first = true;
+    for name in names {
+        if std::mem::take(&mut first) {
+            ui.add_space(6.0);
+            ui.weak("Kept, though this version does not know it:");
+        }
+        let text = match node.inputs.get(name) {
+            Some(Setting::Raw(text)) => text.to_string(),
+            Some(Setting::Known(value)) => write_value(value),
+            None => continue,
+        };
+        ui.horizontal_wrapped(|ui| {
+            if icon_button(ui, "✖", &format!("Remove {name}")).clicked() {
+                let (node, input) = (id.clone(), name.clone());
+                out.push(Event::Edit(Edit::UnsetInput { node, input }));
+            }
+            ui.label(name.as_str());
+            ui.monospace(text.chars().take(400).collect::<String>());
+        });
+    }
+}
+
+/// The document itself, when no node is selected.
+fn document(state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
+    let width = ui.available_width();
+    let document = &state.document;
+    ui.label(RichText::new("Groom").color(theme::ACCENT));
+    if let Some(title) = text_field(ui, "Title", &document.title, "Title", (width, 1)) {
+        out.push(Event::Edit(Edit::SetTitle(title)));
+    }
+    if let Some(note) = text_field(ui, "Note", &document.note, "Note", (width, 3)) {
+        out.push(Event::Edit(Edit::SetNote(note)));
+    }
+    let seed = document.seed.to_string();
+    ui.horizontal(|ui| {
+        ui.label("Seed").on_hover_text("All randomness of the groom hangs from it.");
+        let width = ui.available_width();
+        if let Some(seed) = text_field(ui, "Seed", &seed, "a whole number", (width, 1))
+            && let Ok(seed) = seed.trim().parse()
+        {
+            out.push(Event::Edit(Edit::SetSeed(seed)));
+        }
+    });
+    ui.separator();
+    ui.weak("Select a node to see what it is set to.");
+}

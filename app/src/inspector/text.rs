@@ -1,0 +1,69 @@
+//! Small things that every widget of the inspector needs: names for people, text fields, icon buttons.
+
+use egui::{Response, TextEdit, Ui, Vec2};
+
+/// A name of a declaration as people read it: `stitch_spacing` is "Stitch spacing".
+pub(crate) fn spoken(name: &str) -> String {
+    let words = name.replace('_', " ");
+    let mut letters = words.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Gives a widget the name by which screen readers and tests know it.
+pub(crate) fn set_name(ui: &Ui, response: &Response, name: &str) {
+    ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
+}
+
+/// A square button with a sign on it, whose tooltip is its name.
+pub(crate) fn icon_button(ui: &mut Ui, sign: &str, name: &str) -> Response {
+    let size = ui.spacing().interact_size.y;
+    let response = ui.add_sized(
+        Vec2::splat(size),
+        egui::Button::new(sign).frame_when_inactive(false).min_size(Vec2::splat(size)),
+    );
+    set_name(ui, &response, name);
+    response.on_hover_text(name)
+}
+
+/// Text that is taken when the field is left or, where it is one line, Enter is pressed; Escape leaves it as it was.
+pub(crate) fn text_field(
+    ui: &mut Ui,
+    name: &str,
+    text: &str,
+    hint: &str,
+    (width, lines): (f32, usize),
+) -> Option<String> {
+    let id = ui.next_auto_id().with(name);
+    let mut typed = ui.data(|data| data.get_temp(id)).unwrap_or_else(|| text.to_owned());
+    let edit = if lines > 1 {
+        TextEdit::multiline(&mut typed).desired_rows(lines)
+    } else {
+        let height = ui.spacing().interact_size.y;
+        TextEdit::singleline(&mut typed).min_size(Vec2::new(0.0, height))
+    };
+    let width = width.max(20.0);
+    let edit = edit.id(id).hint_text(hint).vertical_align(egui::Align::Center);
+    let response = ui.add(edit.desired_width(width));
+    set_name(ui, &response, name);
+    if response.lost_focus() {
+        ui.data_mut(|data| data.remove::<String>(id));
+        let left = ui.input(|input| input.key_pressed(egui::Key::Escape));
+        return (!left && typed != text).then_some(typed);
+    }
+    if response.has_focus() {
+        ui.data_mut(|data| data.insert_temp(id, typed));
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_spoken_in_sentence_case() {
+        assert_eq!(spoken("stitch_spacing"), "Stitch spacing");
+        assert_eq!(spoken("b_to_c"), "B to c");
+        assert_eq!(spoken(""), "");
+    }
+}
