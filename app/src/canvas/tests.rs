@@ -5,7 +5,7 @@ use super::*;
 use crate::editor::Editor;
 use crate::editor::state::OpenFile;
 use coif_graphs::document::Socket;
-use egui::{Key, Modifiers};
+use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable as _;
 
 const SHIFT: Modifiers = Modifiers::SHIFT;
