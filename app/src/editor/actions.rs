@@ -121,6 +121,15 @@ const ACTIONS: &[Action] = &[
         run: |editor| editor.apply(Event::Evaluate),
     },
     Action {
+        id: "help.tour",
+        label: "Tour",
+        tip: "Five minutes on this groom: every step is done by you.",
+        words: "tutorial learn first begin",
+        menu: "Help",
+        when: |editor| super::tour::possible(&editor.state),
+        run: |editor| editor.tour.begin(),
+    },
+    Action {
         id: "window.palette",
         label: "Find an action…",
         tip: "Everything that can be done, by name.",

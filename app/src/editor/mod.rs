@@ -16,12 +16,14 @@ pub mod lineage;
 mod menus;
 pub mod messages;
 pub mod notes;
+mod outliner;
 mod palette;
 pub mod rooms;
 pub mod settings;
 mod spreadsheet;
 pub mod state;
 pub mod theme;
+mod tour;
 pub mod visibility;
 
 use crate::canvas::Canvas;
@@ -41,12 +43,14 @@ use event::Event;
 use keys::Keys;
 use messages::Messages;
 use notes::Note;
+use outliner::Outliner;
 use palette::Palette;
 use rooms::Room;
 use settings::{Evaluate, Settings};
 use spreadsheet::Spreadsheet;
 use state::{OpenFile, State};
 use std::path::PathBuf;
+use tour::Tour;
 
 /// Nudges of one value within so many seconds are one undo step.
 const NUDGE_SECONDS: f64 = 0.7;
@@ -64,11 +68,13 @@ pub struct Editor {
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
+    pub(crate) tour: Tour,
     pub(crate) canvas: Canvas,
     inspector: Inspector,
     spreadsheet: Spreadsheet,
     /// The groom on the screen.
     pub viewport: Viewport,
+    outliner: Outliner,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -115,10 +121,12 @@ impl Editor {
             keys,
             palette: Palette::default(),
             key_sheet: false,
+            tour: Tour::default(),
             canvas: Canvas::default(),
             inspector: Inspector::default(),
             spreadsheet: Spreadsheet::default(),
             viewport: Viewport::default(),
+            outliner: Outliner::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -141,6 +149,11 @@ impl Editor {
     pub fn is_idle(&self) -> bool {
         self.evaluation.as_ref().is_none_or(Evaluation::is_idle)
             && self.asked.as_ref().is_some_and(|asked| *asked == self.wanted())
+    }
+
+    /// The step of the tour that is to be done, from 0, and how many there are; none off the tour.
+    pub fn tour_step(&self) -> Option<(usize, usize)> {
+        self.tour.progress()
     }
 
     /// One frame.
@@ -183,6 +196,7 @@ impl Editor {
         if self.key_sheet {
             menus::key_sheet(self, &ctx);
         }
+        tour::ui(self, &ctx);
         for event in events {
             self.apply(event);
         }
@@ -443,16 +457,16 @@ impl egui_dock::TabViewer for Tabs<'_> {
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
         }
-        let Editor { state, viewport, canvas, inspector, spreadsheet, messages, .. } =
+        let Editor { state, viewport, canvas, inspector, spreadsheet, outliner, messages, .. } =
             &mut *self.editor;
         match room {
             Room::Viewport => viewport.ui(state, ui, self.out),
             Room::Canvas => canvas.ui(state, ui, self.out),
             Room::Inspector => inspector.ui(state, ui, self.out),
+            Room::Outliner => outliner.ui(state, ui, self.out),
             Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),
             Room::Messages => messages.ui(state, ui, self.out),
             Room::History => history::ui(state, ui, self.out),
-            _ => {}
         }
     }
     fn scroll_bars(&self, _: &Room) -> [bool; 2] {

@@ -504,14 +504,17 @@ impl Viewport {
         if !self.framed {
             return;
         }
+        let show = self.options.shown();
+        let followed = self.followed(state, shown);
         let moving = state.gesture || self.drag.is_some() || self.moves_until.is_some();
         let wanted = Wanted {
             revision: shown.revision,
             hair: shown.curves.clone(),
-            followed: self.followed(state, shown),
+            // Lines over the picture are none of the picture.
+            followed: if matches!(show, Show::Hair(_)) { Curves::default() } else { followed },
             scalps: shown.scalps.clone(),
             visibility: state.visibility.clone(),
-            show: self.options.shown(),
+            show,
             head: self.options.head,
             tone: self.options.tone(),
             rig: self.options.rig(),

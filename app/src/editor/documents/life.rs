@@ -114,6 +114,7 @@ impl Editor {
         self.replace(document, file, history);
         self.documents.changed = None;
         self.documents.head = None;
+        self.documents.frames = Some(self.state.revision);
         self.documents.welcome.is_open = false;
     }
 

@@ -174,6 +174,8 @@ pub struct Documents {
     changed: Option<Changed>,
     export: Option<Export>,
     head: Option<OwnHead>,
+    /// Everything is brought into view once this state of the document is shown.
+    frames: Option<u64>,
     welcome: Welcome,
     title: String,
     /// The settings that the window has, and that are kept.
@@ -207,6 +209,7 @@ impl Documents {
             changed: None,
             export: None,
             head: None,
+            frames: None,
             welcome: Welcome::default(),
             title: String::new(),
             settings: None,

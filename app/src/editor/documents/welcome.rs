@@ -47,6 +47,7 @@ pub(super) fn window(
     }
     let mut said = vec![];
     let mut say = |event: FileEvent| said.push(event);
+    let mut tour = false;
     let (mut open, mut shows) = (true, state.settings.welcome);
     // The menu and the bars under it stay in sight.
     let room = (ctx.content_rect().height() - 220.0).max(200.0);
@@ -90,7 +91,13 @@ pub(super) fn window(
             ui.separator();
             ui.checkbox(&mut shows, "Show this at every start");
         });
+    if tour {
+        said.push(FileEvent::New(Some("cornrows")));
+    }
     out.extend(said.into_iter().map(Event::Documents));
+    if tour {
+        out.push(Event::Act("help.tour"));
+    }
     if shows != state.settings.welcome {
         let settings = Settings { welcome: shows, ..state.settings.clone() };
         out.push(Event::Settings(Box::new(settings)));
