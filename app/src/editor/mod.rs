@@ -28,6 +28,7 @@ pub mod visibility;
 
 use crate::canvas::Canvas;
 use crate::inspector::Inspector;
+use crate::pen::Pen;
 use crate::viewport::Viewport;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::history::History;
@@ -75,6 +76,8 @@ pub struct Editor {
     /// The groom on the screen.
     pub viewport: Viewport,
     outliner: Outliner,
+    /// The pen room: tools, and what they hold.
+    pub pen: Pen,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -127,6 +130,7 @@ impl Editor {
             spreadsheet: Spreadsheet::default(),
             viewport: Viewport::default(),
             outliner: Outliner::default(),
+            pen: Pen::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -457,10 +461,17 @@ impl egui_dock::TabViewer for Tabs<'_> {
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
         }
-        let Editor { state, viewport, canvas, inspector, spreadsheet, outliner, messages, .. } =
-            &mut *self.editor;
+        let Editor {
+            state, viewport, pen, canvas, inspector, spreadsheet, outliner, messages, ..
+        } = &mut *self.editor;
         match room {
-            Room::Viewport => viewport.ui(state, ui, self.out),
+            Room::Viewport => {
+                pen.bar(state, ui, self.out);
+                viewport.pen = pen.holds(ui.ctx());
+                viewport.ui(state, ui, self.out);
+                pen.ui(state, &viewport.projection(), ui, viewport.is_hovered(), self.out);
+                pen.settings_window(state, ui.ctx(), self.out);
+            }
             Room::Canvas => canvas.ui(state, ui, self.out),
             Room::Inspector => inspector.ui(state, ui, self.out),
             Room::Outliner => outliner.ui(state, ui, self.out),
@@ -496,6 +507,7 @@ pub fn run(document: Document, file: OpenFile, greets: bool) -> Result<(), Strin
         Box::new(move |cc| {
             let mut editor = Editor::new(&cc.egui_ctx, document, file);
             editor.viewport.start(&cc.egui_ctx);
+            editor.pen.devices.connect(cc, &cc.egui_ctx);
             editor.keep_in(&cc.egui_ctx, Places::here());
             if greets {
                 editor.greet();

@@ -27,6 +27,8 @@ pub struct Settings {
     pub samples: u32,
     /// Larger targets, for pens: 32 points instead of 24.
     pub pen_mode: bool,
+    /// How pens feel, and what the pen's tools do.
+    pub pen: crate::pen::settings::Settings,
     /// Whether text and lines stand out more than the theme makes them.
     pub strong_contrast: bool,
     /// A document that has a file is saved by itself after so many minutes with changes; 0: never.
@@ -45,6 +47,7 @@ impl Default for Settings {
             trackball: false,
             samples: 32,
             pen_mode: false,
+            pen: Default::default(),
             strong_contrast: false,
             save_minutes: 0,
             welcome: true,

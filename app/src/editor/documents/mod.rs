@@ -68,6 +68,8 @@ pub enum Event {
     Head(HeadChoice),
     /// Hair is written to a file.
     Export(PathBuf),
+    /// A picture of what the viewport looks at is written to a file, of so many pixels.
+    Picture(PathBuf, [u32; 2]),
     /// The export that goes on stops.
     StopExport,
     /// The window is to be closed.

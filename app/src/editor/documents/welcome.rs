@@ -72,6 +72,8 @@ pub(super) fn window(
                     if ui.button("Open a groom…").on_hover_text("A .ron file").clicked() {
                         say(FileEvent::Ask(Purpose::Open));
                     }
+                    let tip = "Five minutes on the cornrows: look round, draw, braid, part, save";
+                    tour = ui.button("Take the tour").on_hover_text(tip).clicked();
                 });
                 ui.label(
                     RichText::new("A mesh or a groom can also be dropped on the window.").weak(),
