@@ -3,11 +3,19 @@
 //! The program's `main` only hands over to [`main`]. What is public here is public for the tests of the whole
 //! program; nobody else links to it.
 
+#[cfg(feature = "editor")]
+pub mod canvas;
 mod cli;
 #[cfg(feature = "editor")]
 pub mod editor;
+#[cfg(feature = "render")]
+mod feeders;
 #[cfg(feature = "editor")]
 mod inspector;
+#[cfg(feature = "editor")]
+pub mod pen;
+#[cfg(feature = "render")]
+pub mod scene;
 #[cfg(feature = "editor")]
 pub mod viewport;
 

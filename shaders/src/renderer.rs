@@ -109,7 +109,7 @@ impl Effort {
     fn voxels(self) -> f32 {
         match self {
             Self::Still => 96.0,
-            Self::Moving => 36.0,
+            Self::Moving => 28.0,
         }
     }
     /// Texels across an opacity map.
@@ -117,6 +117,20 @@ impl Effort {
         match self {
             Self::Still => OPACITY_MAP,
             Self::Moving => OPACITY_MAP / 2,
+        }
+    }
+    /// Texels that the walks of one opacity map may visit in all.
+    fn visits(self) -> f64 {
+        match self {
+            Self::Still => OPACITY_VISITS,
+            Self::Moving => OPACITY_VISITS / 4.0,
+        }
+    }
+    /// Points of hair that shadows are made from at most.
+    fn shadowing(self) -> f32 {
+        match self {
+            Self::Still => f32::INFINITY,
+            Self::Moving => 60_000.0,
         }
     }
     /// Places of an opacity map that one look reads.
@@ -576,9 +590,9 @@ impl Renderer {
         !self.work.is_empty() && self.work.iter().filter(untouched).count() < self.drawn.len()
     }
 
-    /// The curve and point of the tuft that the middle of a pixel shows in the last sample, if it shows hair. A sample that
-    /// is being made is finished first.
-    pub fn pick(&mut self, x: u32, y: u32) -> Option<(Arc<Tuft>, usize, usize)> {
+    /// The curve, and the point of the tuft, that the middle of a pixel shows in the last sample, or the nearest pixel within
+    /// `reach` of it that shows hair. A sample that is being made is finished first.
+    pub fn pick(&mut self, x: u32, y: u32, reach: u32) -> Option<(Arc<Tuft>, usize, usize)> {
         if x >= self.width || y >= self.height || self.samples == 0 {
             return None;
         }
@@ -586,9 +600,24 @@ impl Renderer {
             self.slice();
         }
         let words = if self.gpu.wide { 2 } else { 1 };
-        let at = u64::from(y * self.width + x) * 4 * words;
-        let bytes = read(&self.gpu, &self.targets.shown, at, 4);
-        self.strands.named(u32::from_le_bytes(bytes.get(..4)?.try_into().ok()?))
+        let (low, high) = (
+            [x.saturating_sub(reach), y.saturating_sub(reach)],
+            [(x + reach).min(self.width - 1), (y + reach).min(self.height - 1)],
+        );
+        let index = |x: u32, y: u32| u64::from(y) * u64::from(self.width) + u64::from(x);
+        let first = index(low[0], low[1]);
+        let count = index(high[0], high[1]) - first + 1;
+        let bytes = read(&self.gpu, &self.targets.shown, first * 4 * words, count * 4 * words);
+        let id = |x: u32, y: u32| -> Option<u32> {
+            let at = ((index(x, y) - first) * 4 * words) as usize;
+            let word = u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?);
+            (word != 0).then_some(word)
+        };
+        let around = (low[1]..=high[1]).flat_map(|v| (low[0]..=high[0]).map(move |u| (u, v)));
+        let far = |u: u32, v: u32| u.abs_diff(x).pow(2) + v.abs_diff(y).pow(2);
+        let found = around.filter_map(|(u, v)| Some((far(u, v), id(u, v)?)));
+        let (_, nearest) = found.filter(|(far, _)| *far <= reach * reach).min()?;
+        self.strands.named(nearest)
     }
 
     /// The picture as far as it is: black and clear before the first sample is whole. A sample that is being shaded is
@@ -848,9 +877,10 @@ impl Renderer {
             self.frame.grid_size = [size[0], size[1], size[2], u32::from(hair.is_some())];
             // Opacity maps are thinned so that their walks stay within a budget.
             let texel = f64::from(self.frame.lights[0].extent[0]) / f64::from(opacity_map);
-            let over = (self.strands.length() / texel / OPACITY_VISITS).max(1e-9);
+            let over = (self.strands.length() / texel / self.effort.visits()).max(1e-9);
             self.opacity_stride = over.clamp(1.0, 2.0) as u32;
             let share = (f64::from(self.opacity_stride) / over).clamp(0.125, 1.0) as f32;
+            let share = share.min(self.effort.shadowing() / self.strands.points().max(1) as f32);
             self.shadowing = self.strands.blocks(&self.gpu, share);
             let shell = solid_voxels(&self.solid_meshes, low, cell, size);
             self.grid = Grid::new(&self.gpu, &self.layouts, size, &shell);

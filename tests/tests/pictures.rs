@@ -432,7 +432,8 @@ fn dark_hair_can_be_judged_on_any_skin() {
         let (left, top, columns, rows) = (100, 50, 120, 80);
         let shown: Vec<Option<Vec3>> = (0..rows * columns)
             .map(|i| {
-                let (tuft, curve, point) = renderer.pick(left + i % columns, top + i / columns)?;
+                let (tuft, curve, point) =
+                    renderer.pick(left + i % columns, top + i / columns, 0)?;
                 let braid = tuft.view(BRAID).at(curve, point) != 0;
                 Some(if braid { tuft.points()[point] } else { Vec3::NAN })
             })

@@ -33,11 +33,15 @@ pub fn always(_: &Editor) -> Result<(), &'static str> {
 pub const MENUS: &[&str] = &["File", "Edit", "Node", "View", "Pen", "Window", "Help"];
 
 /// The parts of the table, room by room.
-const PARTS: &[&[Action]] = &[ACTIONS];
+const PARTS: &[&[&[Action]]] = &[
+    &[ACTIONS],
+    crate::canvas::ACTIONS,
+    &[crate::viewport::actions::ACTIONS, crate::pen::actions::ACTIONS],
+];
 
 /// Every action, in the order of menus.
 pub fn all() -> impl Iterator<Item = &'static Action> {
-    PARTS.iter().copied().flatten()
+    PARTS.iter().copied().flatten().copied().flatten()
 }
 
 /// The action of an id.
@@ -106,6 +110,15 @@ const ACTIONS: &[Action] = &[
         menu: "View",
         when: always,
         run: |editor| editor.apply(Event::Evaluate),
+    },
+    Action {
+        id: "help.tour",
+        label: "Tour",
+        tip: "Five minutes on this groom: every step is done by you.",
+        words: "tutorial learn first begin",
+        menu: "Help",
+        when: |editor| super::tour::possible(&editor.state),
+        run: |editor| editor.tour.begin(),
     },
     Action {
         id: "window.palette",

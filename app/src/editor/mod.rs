@@ -20,9 +20,13 @@ pub mod settings;
 mod spreadsheet;
 pub mod state;
 pub mod theme;
+mod tour;
 pub mod visibility;
 
+use crate::canvas::Canvas;
 use crate::inspector::Inspector;
+use crate::pen::Pen;
+use crate::viewport::Viewport;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::cache::usual_budget;
@@ -40,6 +44,7 @@ use settings::{Evaluate, Settings};
 use spreadsheet::Spreadsheet;
 use state::{OpenFile, State};
 use std::path::PathBuf;
+use tour::Tour;
 
 /// Nudges of one value within so many seconds are one undo step.
 const NUDGE_SECONDS: f64 = 0.7;
@@ -53,9 +58,15 @@ pub struct Editor {
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
+    pub(crate) tour: Tour,
+    pub(crate) canvas: Canvas,
     inspector: Inspector,
     spreadsheet: Spreadsheet,
+    /// The groom on the screen.
+    pub viewport: Viewport,
     outliner: Outliner,
+    /// The pen room: tools, and what they hold.
+    pub pen: Pen,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -63,7 +74,7 @@ pub struct Editor {
     /// Evaluate whatever the mode is.
     forced: bool,
     /// Seconds since the window opened, and when the last nudge was.
-    now: f64,
+    pub(crate) now: f64,
     nudged: f64,
     last_final_ms: f64,
 }
@@ -99,9 +110,13 @@ impl Editor {
             keys,
             palette: Palette::default(),
             key_sheet: false,
+            tour: Tour::default(),
+            canvas: Canvas::default(),
             inspector: Inspector::default(),
             spreadsheet: Spreadsheet::default(),
+            viewport: Viewport::default(),
             outliner: Outliner::default(),
+            pen: Pen::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -124,6 +139,11 @@ impl Editor {
     pub fn is_idle(&self) -> bool {
         self.evaluation.as_ref().is_none_or(Evaluation::is_idle)
             && self.asked.as_ref().is_some_and(|asked| *asked == self.wanted())
+    }
+
+    /// The step of the tour that is to be done, from 0, and how many there are; none off the tour.
+    pub fn tour_step(&self) -> Option<(usize, usize)> {
+        self.tour.progress()
     }
 
     /// One frame.
@@ -163,6 +183,7 @@ impl Editor {
         if self.key_sheet {
             menus::key_sheet(self, &ctx);
         }
+        tour::ui(self, &ctx);
         for event in events {
             self.apply(event);
         }
@@ -309,7 +330,10 @@ impl Editor {
         Wanted {
             revision: state.revision,
             quality: if preview { Quality::Preview } else { Quality::Final },
-            also: also.filter_map(|id| first_output(&state.document, id)).collect(),
+            also: also
+                .filter_map(|id| first_output(&state.document, id))
+                .chain(self.viewport.wants(state))
+                .collect(),
             folder: state.file.folder.clone(),
         }
     }
@@ -403,8 +427,17 @@ impl egui_dock::TabViewer for Tabs<'_> {
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
         }
-        let Editor { state, inspector, spreadsheet, outliner, .. } = &mut *self.editor;
+        let Editor { state, viewport, pen, canvas, inspector, spreadsheet, outliner, .. } =
+            &mut *self.editor;
         match room {
+            Room::Viewport => {
+                pen.bar(state, ui, self.out);
+                viewport.pen = pen.holds(ui.ctx());
+                viewport.ui(state, ui, self.out);
+                pen.ui(state, &viewport.projection(), ui, viewport.is_hovered(), self.out);
+                pen.settings_window(state, ui.ctx(), self.out);
+            }
+            Room::Canvas => canvas.ui(state, ui, self.out),
             Room::Inspector => inspector.ui(state, ui, self.out),
             Room::Outliner => outliner.ui(state, ui, self.out),
             Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),
@@ -435,7 +468,10 @@ pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
         "coif",
         options,
         Box::new(move |cc| {
-            Ok(Box::new(Window { editor: Editor::new(&cc.egui_ctx, document, file) }))
+            let mut editor = Editor::new(&cc.egui_ctx, document, file);
+            editor.viewport.start(&cc.egui_ctx);
+            editor.pen.devices.connect(cc, &cc.egui_ctx);
+            Ok(Box::new(Window { editor }))
         }),
     )
     .map_err(|err| err.to_string())

@@ -22,6 +22,8 @@ pub struct Settings {
     pub samples: u32,
     /// Larger targets, for pens: 32 points instead of 24.
     pub pen_mode: bool,
+    /// How pens feel, and what the pen's tools do.
+    pub pen: crate::pen::settings::Settings,
 }
 
 impl Default for Settings {
@@ -34,6 +36,7 @@ impl Default for Settings {
             trackball: false,
             samples: 32,
             pen_mode: false,
+            pen: Default::default(),
         }
     }
 }

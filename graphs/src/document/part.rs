@@ -14,6 +14,9 @@ use crate::file;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+/// The letters of a taken id that stand before the number of a copy.
+const LONGEST_STEM: usize = 40;
+
 /// Nodes as text, with the wires that end at them. Nodes that are not there are left out.
 pub fn copy(document: &Document, nodes: &BTreeSet<NodeId>) -> String {
     let there: BTreeSet<NodeId> =
@@ -114,7 +117,7 @@ fn fresh_ids(document: &Document, part: &Document) -> BTreeMap<NodeId, NodeId> {
         let id = if scratch.nodes.contains_key(old) {
             let stem = old.as_str().trim_end_matches(|c: char| c.is_ascii_digit());
             let stem = stem.trim_end_matches('_');
-            let stem = if stem.is_empty() { old.as_str() } else { stem };
+            let stem = stem.get(..LONGEST_STEM).unwrap_or(stem);
             // Remembered, so that a thousand nodes of one stem do not count from 2 each.
             let number = numbers.entry(stem.to_owned()).or_insert(1);
             loop {

@@ -81,11 +81,8 @@ fn drop_unneeded(plan: &mut Plan) {
         }
     }
     let mut numbers = vec![0; plan.steps.len()];
-    let mut count = 0;
-    for (number, _) in numbers.iter_mut().zip(&needed).filter(|(_, needed)| **needed) {
-        *number = count;
-        count += 1;
-    }
+    let kept = numbers.iter_mut().zip(&needed).filter(|(_, needed)| **needed);
+    kept.enumerate().for_each(|(new, (number, _))| *number = new);
     let steps = std::mem::take(&mut plan.steps).into_iter().zip(needed);
     plan.steps = steps.filter(|(_, needed)| *needed).map(|(step, _)| step).collect();
     for source in plan.steps.iter_mut().flat_map(|step| &mut step.inputs).flatten() {

@@ -28,7 +28,7 @@ node! {
     /// Each hair is a blend of the guides nearest to its root, turned with the scalp from theirs to its own.
     /// Combing a guide makes only the hair around it again; raising the density only adds hair.
     "interpolate", version 1, label "Interpolate",
-        words "hair generate fill grow children between guides density populate", thins;
+        words "hair generate grow fill children between guides from curves density populate xgen description primitives fur", thins;
     inputs {
         /// Guides to follow.
         guides: Curves;

@@ -29,7 +29,7 @@ node! {
     /// replaces it. What was used is told in the node's messages. Hairs of one parent share a curl as far as
     /// `definition` says.
     "shape_list_curl", version 1, label "Shape-list curl",
-        words "curl wave coil kink ringlet helix spiral perm texture type cross-section uniformity";
+        words "curl curly wave wavy coil coily kink kinky ringlets helix spiral perm texture type 2a 2b 2c 3a 3b 3c 4a 4b 4c zigzag guide process cross-section uniformity";
     inputs {
         /// Curves to wind, one curl along each.
         curves: Curves;

@@ -24,7 +24,7 @@ node! {
     /// A start for combing, clusters for filling, or with Interpolate a whole short head of hair. Raising the count
     /// only adds guides between those there are. Where the scalp region is soft, guides are fewer.
     "scatter_guides", version 1, label "Scatter guides",
-        words "guides generate plant grow distribute populate roots crown whorl flow short hair";
+        words "guides guide init plant distribute populate roots crown whorl cowlick flow short hair generate grow";
     inputs {
         /// The head.
         scalp: Arc<Scalp>;

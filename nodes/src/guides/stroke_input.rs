@@ -24,7 +24,7 @@ node! {
     ///
     /// Draw them on the head in the viewport. A stroke is pulled on to the scalp, or kept as drawn in space with its
     /// root on the scalp.
-    "stroke_input", version 1, label "Stroke input", words "draw pen sketch curve guide row parting line tablet";
+    "stroke_input", version 1, label "Stroke input", words "draw pen pencil sketch stylus curve guide row parting line tablet";
     inputs {
         /// The strokes, root first. Drawn in the viewport; stored in the head's own frame.
         strokes: Arc<Strokes> = Strokes::default(), words("drawn pen");

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 node! {
     /// Mark curves as a result of the graph: a group of that name in exported files.
-    "groom_output", version 1, label "Groom output", words "export result group write save usd alembic unreal";
+    "groom_output", version 1, label "Groom output", words "export result group write save usd alembic abc unreal cache final";
     inputs {
         /// Curves to hand out.
         curves: Curves;

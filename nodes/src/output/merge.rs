@@ -15,7 +15,7 @@ node! {
     ///
     /// Where the same curve id comes in twice, as from two copies of one branch, later curves get new ids, for ids
     /// must differ for colours, picking and export.
-    "merge", version 1, label "Merge", words "join combine add together append";
+    "merge", version 1, label "Merge", words "join combine add together append union";
     inputs {
         /// Curves to put together.
         curves | in: Vec<Curves>;

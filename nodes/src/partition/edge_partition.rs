@@ -33,7 +33,7 @@ node! {
     /// Wire the rows that braids are laid along. For each row the nearest rows on its left and right are found; half-way
     /// to them is the parting, where the hairs are rooted, and from there they are combed over the scalp along and into the
     /// braid, evenly or gathered at each stitch.
-    "edge_partition", version 1, label "Edge partition", words "parting hairs cornrow canerow braid edge partition section segments pulled comb part line", thins;
+    "edge_partition", version 1, label "Edge partition", words "parting part side middle hairs section cornrow canerow braid edge guide partition segments pulled comb line", thins;
     inputs {
         /// The rows, root first: the same curves that the braids are laid along.
         source: Curves, words("rows braids guides");

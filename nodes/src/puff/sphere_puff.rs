@@ -31,7 +31,7 @@ node! {
     /// `guides` are rows and columns of curves that end on the sphere; `curves` is the hair between them. Wire a
     /// Shape-list curl after it, with its length at `fibre` or `span`, to curl the puff without losing its outline.
     "sphere_puff", version 1, label "Sphere puff",
-        words "puff afro ball bun pom sphere silhouette bunches", thins;
+        words "puff afro bun buns space pom ball bunches sphere silhouette", thins;
     inputs {
         /// Head that the puff grows on.
         scalp: Arc<Scalp>;

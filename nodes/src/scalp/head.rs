@@ -25,7 +25,7 @@ node! {
     /// A sphere is fitted to the cranium; its centre, its radius and the direction of the face make the head frame, in
     /// which strokes and partings are stored, so that a groom finds its place on another head. Units, axes,
     /// size and the region where hair grows are found by themselves, and every one can be set by hand.
-    "head", version 1, label "Head", words "mesh scalp skull bust model import obj gltf glb surface emitter character";
+    "head", version 1, label "Head", words "skull bust mesh scalp model import obj gltf glb surface emitter character skin";
     inputs {
         /// The head to use while no mesh file is given.
         builtin: Builtin = Builtin::Adult, words("default bust");

@@ -22,7 +22,7 @@ node! {
     ///
     /// Lines drawn coarsely lie on the surface everywhere, not only at their points: points are added until they do.
     /// Each curve gets its root and the scalp's normal at every point, which braids and partings use.
-    "scalp_projection", version 1, label "Scalp projection", words "project snap stick shrinkwrap surface attach bind root";
+    "scalp_projection", version 1, label "Scalp projection", words "project snap stick shrinkwrap attach bind root hair curves to surface ray";
     inputs {
         /// Curves to pull to the scalp.
         curves: Curves;

@@ -23,7 +23,7 @@ node! {
     /// Melanin 0.97 is black, 0.87 brown, 0.3 blond, 0.02 white. Wire another one behind it with a mask for highlights or
     /// dipped tips.
     "hair_colour", version 1, label "Hair colour",
-        words "color melanin eumelanin pheomelanin pigment natural ombre balayage grey gray white highlights dye tint bleach black brown blond red";
+        words "color melanin ombre balayage grey gray white highlights dye tint bleach natural eumelanin pheomelanin pigment black brown blond blonde red ginger";
     inputs {
         /// Hair to colour.
         curves: Curves;

@@ -11,7 +11,7 @@ node! {
     ///
     /// The curve through the new points follows the old one; roots and tips stay exactly where they are.
     /// Attributes of points are interpolated, those of curves are kept.
-    "resample", version 1, label "Resample", words "points cvs segments subdivide resolution rebuild";
+    "resample", version 1, label "Resample", words "points cvs segments subdivide resolution rebuild smooth simplify";
     inputs {
         /// Curves to resample.
         curves: Curves;

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 node! {
     /// Colour hair, from root to tip and a little differently from hair to hair.
-    "set_colour", version 1, label "Set colour", words "color dye melanin ombre highlights tint";
+    "set_colour", version 1, label "Set colour", words "color flat rgb paint dye highlights tint ombre";
     inputs {
         /// Hair to colour.
         curves: Curves;

@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 node! {
     /// Move, turn and scale curves as a whole.
-    "transform", version 1, label "Transform", words "move translate rotate scale place mirror position";
+    "transform", version 1, label "Transform", words "move translate rotate scale mirror place position xform flip";
     inputs {
         /// Curves to move.
         curves: Curves;

@@ -178,7 +178,7 @@ fn coverage(picture: &Picture) -> f64 {
 fn picks(renderer: &mut Renderer) -> Vec<Option<(Arc<Tuft>, usize, usize)>> {
     let (width, height) = renderer.size();
     let pixels = (0..height).step_by(3).flat_map(|y| (0..width).step_by(3).map(move |x| (x, y)));
-    pixels.map(|(x, y)| renderer.pick(x, y)).collect()
+    pixels.map(|(x, y)| renderer.pick(x, y, 0)).collect()
 }
 
 #[test]
@@ -373,7 +373,7 @@ fn a_pixel_names_the_hair_that_it_shows() {
     let mut named = 0;
     for y in (0..SIZE[1]).step_by(2) {
         for x in (0..SIZE[0]).step_by(2) {
-            let Some((tuft, i, point)) = renderer.pick(x, y) else { continue };
+            let Some((tuft, i, point)) = renderer.pick(x, y, 0) else { continue };
             named += 1;
             assert!(picture.linear[(y * SIZE[0] + x) as usize][3] == 1.0);
             assert!(tuft.range(i).contains(&point) && tuft.range(i).contains(&(point + 1)));
@@ -385,7 +385,7 @@ fn a_pixel_names_the_hair_that_it_shows() {
         }
     }
     assert!(named > 100, "{named}");
-    assert!(renderer.pick(SIZE[0], 0).is_none() && renderer.pick(0, SIZE[1]).is_none());
+    assert!(renderer.pick(SIZE[0], 0, 0).is_none() && renderer.pick(0, SIZE[1], 0).is_none());
 }
 
 // --- slices -------------------------------------------------------------------------------------
@@ -448,8 +448,8 @@ fn a_picture_is_a_sum_of_whole_samples_whenever_it_is_asked_for() {
         let picture = renderer.picture();
         let samples = renderer.progress().samples;
         check_same(&picture, &wholes[samples as usize], &format!("after {slices} slices"));
-        let seen = renderer.pick(40, 30).map(|(t, i, j)| (t.key(), i, j));
-        let again = renderer.pick(40, 30).map(|(t, i, j)| (t.key(), i, j));
+        let seen = renderer.pick(40, 30, 0).map(|(t, i, j)| (t.key(), i, j));
+        let again = renderer.pick(40, 30, 0).map(|(t, i, j)| (t.key(), i, j));
         assert_eq!(seen, again);
     }
 }
@@ -744,5 +744,5 @@ fn a_lost_device_ends_drawing_and_says_so() {
     assert!(matches!(renderer.lost(), Some(RenderError::Lost(_))));
     assert!(!renderer.render(4, &|_| false));
     check_sound(&renderer.picture(), (8, 8));
-    assert!(renderer.pick(1, 1).is_none());
+    assert!(renderer.pick(1, 1, 0).is_none());
 }

@@ -3,33 +3,31 @@
 //! What is wrong with the words is said before anything runs. The device and its shaders are made on a thread
 //! while the graph is evaluated. Files appear only when every picture is complete.
 
-mod feeders;
 mod options;
-mod place;
 
 use super::Exit;
 use super::files::{Pending, read_at_most};
-use super::groom::{Evaluated, GroomArgs, QualityArg, Stop, carry_out};
+use super::groom::{Evaluated, GroomArgs, Opened, QualityArg, Stop, carry_out};
 use super::progress::Bar;
 use super::report::{Picture as About, Report, rounded};
+use crate::feeders::feeders;
+use crate::scene::{self, Dressed, Show};
 use clap::Args;
-use coif_graphs::document::Socket;
+use coif_graphs::document::{NodeId, Socket};
 use coif_graphs::schedule::result::document_hash;
 use coif_graphs::schedule::run::CancelToken;
-use coif_nodes::data::attributes::{Domain, ID, WIDTH};
-use coif_nodes::data::curves::{Curves, Tuft};
+use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::{HeadFrame, Scalp};
-use coif_nodes::define::Value;
+use coif_nodes::define::{Type, Value};
+use coif_shaders::camera::{self, Camera, Subject, Viewpoint};
 use coif_shaders::display::Transform;
 use coif_shaders::hdri::Hdri;
 use coif_shaders::light::Rig;
 use coif_shaders::picture::Samples;
-use coif_shaders::surface::{RootGrid, SPREAD, Solid, Tone, ground, head_solid, tubes};
+use coif_shaders::surface::{RootGrid, Solid, Tone};
 use coif_shaders::view::{Paint, Shading, View};
 use coif_shaders::{Gpu, Look, Model, Precision, Renderer, chart};
-use glam::Vec3;
 use options::{Format, within};
-use place::Place;
 use std::cell::Cell;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -51,13 +49,13 @@ pub(crate) struct RenderArgs {
         allow_hyphen_values = true
     )]
     size: String,
-    /// front, left, right, back, top, three-quarter, crown, nape, hairline, temple-left, temple-right, a view that was saved
-    /// in the graph, or close:NODE to fill the picture with what NODE gives
-    #[arg(long, value_name = "NAME|SAVED|close:NODE", default_value = "three-quarter")]
+    /// front, left, right, back, top, three-quarter, crown, nape, hairline, temple-left, temple-right, or close:NODE to fill
+    /// the picture with what NODE gives
+    #[arg(long, value_name = "NAME|close:NODE", default_value = "three-quarter")]
     camera: String,
-    /// Focal length over a film 24 mm high: 85, or a saved view's own
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    focal: Option<f32>,
+    /// Focal length over a film 24 mm high
+    #[arg(long, value_name = "MM", default_value_t = camera::PORTRAIT_FOCAL, allow_negative_numbers = true)]
+    focal: f32,
     /// This many pictures around the head; %04d in the file's name becomes their number, from 1
     #[arg(long, value_name = "N")]
     turntable: Option<u32>,
@@ -112,32 +110,18 @@ pub(crate) struct RenderArgs {
 const MOST_FRAMES: u32 = 9999;
 const MOST_SAMPLES: u32 = 65536;
 
-/// How thick guides are drawn, cm: thin against a lock, thick against a pixel.
-const GUIDE_WIDTH: f32 = 0.06;
-
 /// What the words ask for.
 struct Asked {
     size: [u32; 2],
     formats: Vec<Format>,
     frames: u32,
     samples: u32,
-    /// None where nobody asked for one.
-    focal_mm: Option<f32>,
+    focal_mm: f32,
     show: Show,
     rig: Rig,
     transform: Transform,
     look: Look,
     tone: Tone,
-}
-
-/// What is drawn.
-enum Show {
-    /// The outputs, in the colours of a view.
-    Hair(View),
-    /// The curves that the outputs' hair follows, as lines.
-    Guides,
-    /// The same as tubes.
-    Clusters,
 }
 
 impl RenderArgs {
@@ -151,13 +135,8 @@ impl RenderArgs {
 
     /// Refuses words that mean nothing, in one line each.
     fn understood(&self) -> Result<Asked, Stop> {
-        let show = match &*self.view {
-            "guides" => Show::Guides,
-            "clusters" => Show::Clusters,
-            other => Show::Hair(
-                other.parse().map_err(|reason| Stop::refused(format!("--view {reason}")))?,
-            ),
-        };
+        let show = self.view.parse();
+        let show: Show = show.map_err(|reason| Stop::refused(format!("--view {reason}")))?;
         let models = Model::ALL.map(Model::name);
         let displays = Transform::ALL.map(|t| t.name().to_lowercase().replace('.', ""));
         let displays = displays.each_ref().map(String::as_str);
@@ -177,10 +156,7 @@ impl RenderArgs {
                 None => 1,
             },
             samples: options::counted("--samples", self.samples, MOST_SAMPLES)?,
-            focal_mm: self
-                .focal
-                .map(|focal| within("--focal", focal, (1.0, 10_000.0), " mm"))
-                .transpose()?,
+            focal_mm: within("--focal", self.focal, (1.0, 10_000.0), " mm")?,
             show,
             rig: self.rig()?,
             transform: options::named("--display", &self.display, &displays, display)?,
@@ -244,12 +220,11 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     let place = Place::of(&args.camera, &opened)?;
     let followed = match asked.show {
         Show::Hair(_) => vec![],
-        Show::Guides | Show::Clusters => feeders::feeders(
-            &opened.document,
-            opened.outputs.iter().map(|output| &output.socket.node),
-        ),
+        Show::Guides | Show::Clusters => {
+            feeders(&opened.document, opened.outputs.iter().map(|output| &output.socket.node))
+        }
     };
-    let more: Vec<Socket> = followed.iter().chain(place.socket()).cloned().collect();
+    let more: Vec<Socket> = followed.iter().chain(&place.socket).cloned().collect();
     if followed.is_empty() && !matches!(asked.show, Show::Hair(_)) {
         return Err(Stop::refused(format!(
             "--view {}: no node on the way to the outputs makes hair that follows curves",
@@ -291,7 +266,7 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
         ("graph".to_owned(), document_hash(&opened.document)),
         ("hair".to_owned(), hashes(report)),
         ("view".to_owned(), args.view.clone()),
-        ("camera".to_owned(), place.in_words(&asked)),
+        ("camera".to_owned(), format!("{}, {} mm", place.name, asked.focal_mm)),
         ("light".to_owned(), args.lit_by()),
         ("samples".to_owned(), asked.samples.to_string()),
         ("adapter".to_owned(), adapter.clone()),
@@ -367,6 +342,73 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     Ok(())
 }
 
+/// Where the picture is seen from.
+struct Place {
+    /// As it is called.
+    name: String,
+    /// A view of a head; none when `socket` gives the points to look at.
+    view: Option<Viewpoint>,
+    socket: Option<Socket>,
+}
+
+impl Place {
+    /// What a name means in a graph.
+    fn of(text: &str, opened: &Opened) -> Result<Self, Stop> {
+        let fault = |reason: String| Stop::refused(format!("--camera {text}: {reason}"));
+        let name = text.to_owned();
+        let Some(node) = text.strip_prefix("close:") else {
+            let view = Viewpoint::named(text).ok_or_else(|| {
+                let known = Viewpoint::NAMES.join(", ");
+                fault(format!(
+                    "is not one of {known}, close:NODE, and the graph has no saved cameras"
+                ))
+            })?;
+            return Ok(Self { name, view: Some(view), socket: None });
+        };
+        let id = NodeId::new(node).map_err(|err| fault(err.to_string()))?;
+        let found = opened.document.nodes.get(&id);
+        let found = found.ok_or_else(|| fault(format!("there is no node {node:?}")))?;
+        let def = coif_nodes::by_id(&found.kind)
+            .ok_or_else(|| fault(format!("its kind {:?} is not known", found.kind)))?;
+        let output = def.outputs.iter().find(|output| output.ty == Type::Curves);
+        let output = output.ok_or_else(|| {
+            fault(format!("a {} gives no curves that the picture could be filled with", def.id))
+        })?;
+        Ok(Self { name, view: None, socket: Some(Socket::new(id, output.name)) })
+    }
+}
+
+impl Place {
+    /// The camera there; `closest` is what `socket` gave.
+    fn camera(
+        &self,
+        asked: &Asked,
+        scene: &Scene,
+        closest: Option<&Value>,
+    ) -> Result<Camera, Stop> {
+        let points = match closest {
+            Some(Value::Curves(curves)) => {
+                curves.tufts().iter().flat_map(|tuft| tuft.points()).copied().collect()
+            }
+            _ => vec![],
+        };
+        let view = match &self.view {
+            Some(view) => view.clone(),
+            None if points.is_empty() => {
+                return Err(Stop::failed(format!("--camera {}: it gives no curves", self.name)));
+            }
+            None => Viewpoint::Close(points),
+        };
+        let subject = Subject {
+            frame: scene.frame,
+            surface: scene.scalp.as_deref().map(Scalp::surface),
+            hair: &scene.hair,
+        };
+        let [width, height] = asked.size.map(|side| side as f32);
+        Ok(camera::frame(&view, &subject, asked.focal_mm, width / height))
+    }
+}
+
 /// What stands before the camera.
 struct Scene {
     frame: HeadFrame,
@@ -389,59 +431,27 @@ impl Scene {
         let hair = together(
             groups.into_iter().filter(|group| only_guides || !group.guides).map(|g| g.curves),
         );
-        let followed = || {
-            together(more.iter().filter_map(|value| match value {
-                Value::Curves(curves) => Some(curves.clone()),
-                _ => None,
-            }))
-        };
+        let followed = together(more.into_iter().filter_map(|value| match value {
+            Value::Curves(curves) => Some(curves),
+            _ => None,
+        }));
         let scalp = scalps.first().cloned();
-        let mut solids = vec![];
-        if !args.no_head {
-            solids.extend(scalps.iter().map(|scalp| head_solid(scalp, asked.tone)));
-            solids.extend(ground(&solids));
-        }
-        let of_view = |view: &View, curves: &Curves| {
-            view.paint(curves, scalp.as_deref())
-                .map_err(|reason| Stop::failed(format!("--view {}: {reason}", args.view)))
+        let mut solids = match args.no_head {
+            true => vec![],
+            false => scene::heads(&scalps, asked.tone),
         };
-        let by_id = View::Attribute(ID.name.to_owned());
-        let mut count = 0;
-        let (drawn, paint, roots) = match &asked.show {
-            Show::Hair(view) => {
-                let roots = RootGrid::of(&hair, SPREAD);
-                (hair.clone(), of_view(view, &hair)?, roots)
-            }
-            Show::Guides => {
-                let guides = thick(&followed());
-                count = guides.curve_count();
-                let paint = of_view(&by_id, &guides)?;
-                (guides, paint, None)
-            }
-            Show::Clusters => {
-                let clusters = followed();
-                count = clusters.curve_count();
-                solids.push(tubes(&clusters));
-                (Curves::default(), Paint::plain(Vec3::ONE), None)
-            }
-        };
+        let Dressed { drawn, paint, tubes, roots } =
+            Dressed::of(&asked.show, &hair, &followed, scalp.as_deref())
+                .map_err(|reason| Stop::failed(format!("--view {}: {reason}", args.view)))?;
+        solids.extend(tubes);
         let frame = scalp.as_ref().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
-        Ok(Self { frame, scalp, hair, followed: count, drawn, paint, solids, roots })
+        let followed = followed.curve_count();
+        Ok(Self { frame, scalp, hair, followed, drawn, paint, solids, roots })
     }
 }
 
 fn together(all: impl Iterator<Item = Curves>) -> Curves {
     Curves::new(all.flat_map(|curves| curves.tufts().to_vec()).collect())
-}
-
-/// The same curves, thick enough to be seen one by one.
-fn thick(curves: &Curves) -> Curves {
-    let thick = |tuft: &Arc<Tuft>| {
-        let mut edited = tuft.edit();
-        edited.set(WIDTH, Domain::Curve, vec![GUIDE_WIDTH]);
-        Arc::new(edited.build())
-    };
-    Curves::new(curves.tufts().iter().map(thick).collect())
 }
 
 /// A renderer in the making.

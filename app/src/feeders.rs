@@ -9,7 +9,7 @@ use coif_graphs::document::{Document, NodeId, Socket};
 use coif_nodes::define::{InputDef, Type};
 
 /// Outputs whose curves are followed by the hair of `targets`: each once, in the order of the nodes' ids.
-pub(super) fn feeders<'a>(
+pub(crate) fn feeders<'a>(
     document: &Document,
     targets: impl IntoIterator<Item = &'a NodeId>,
 ) -> Vec<Socket> {

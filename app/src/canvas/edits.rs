@@ -1,0 +1,347 @@
+//! What hands do on the canvas, as edits of the document. Pure; each is one undo step.
+
+use super::arrange::{self, point};
+use super::faces::{Faces, Plug};
+use super::wires::{Wire, last_first};
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{Document, Frame, NodeId, Point, Socket, graph, part, wiring};
+use coif_nodes::define::{Arity, NodeDef, Type};
+use egui::{Pos2, Rect, Vec2, vec2};
+use std::collections::BTreeSet;
+
+/// What a node that is added is wired to.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Link {
+    /// It takes from this output.
+    From(Socket),
+    /// It feeds this input, before the wire of that number.
+    To(Socket, Option<usize>),
+}
+
+/// Wires an output to an end, with the wire that was lifted off another, if any. None when nothing
+/// would change.
+pub(super) fn connect(
+    document: &Document,
+    from: &Socket,
+    plug: &Plug,
+    lifted: Option<&Wire>,
+) -> Option<Edit> {
+    let to = plug.socket.clone();
+    let Some(lifted) = lifted else {
+        let here = document.wires(&to.node, &to.name);
+        // An end that has this very wire.
+        if plug.wire.is_some_and(|at| here.get(at) == Some(from)) {
+            return None;
+        }
+        return Some(Edit::Connect { from: from.clone(), to, at: plug.wire });
+    };
+    if lifted.to == to {
+        let last = document.wires(&to.node, &to.name).len().checked_sub(1)?;
+        let at = plug.wire.unwrap_or(last);
+        return (at != lifted.at).then_some(Edit::Reorder { to, from: lifted.at, at });
+    }
+    let off = Edit::Disconnect { to: lifted.to.clone(), at: lifted.at };
+    let on = Edit::Connect { from: from.clone(), to, at: plug.wire };
+    Some(Edit::Several(vec![off, on]))
+}
+
+/// Lets every one of the wires come from another output.
+///
+/// # Errors
+/// Why one of them cannot, in words.
+pub(super) fn rewire(document: &Document, wires: &[Wire], from: &Socket) -> Result<Edit, String> {
+    let mut edits = vec![];
+    for wire in wires {
+        if let Some(reason) =
+            wiring::LooseWire::from_output(document, from.clone()).reason(&wire.to)
+        {
+            return Err(reason);
+        }
+        let mut all = document.wires(&wire.to.node, &wire.to.name).to_vec();
+        if let Some(Edit::SetWires { to, from: earlier }) = edits.last()
+            && *to == wire.to
+        {
+            all.clone_from(earlier);
+            edits.pop();
+        }
+        if let Some(slot) = all.get_mut(wire.at) {
+            *slot = from.clone();
+        }
+        edits.push(Edit::SetWires { to: wire.to.clone(), from: all });
+    }
+    Ok(Edit::Several(edits))
+}
+
+/// Takes wires off.
+pub(super) fn cut(wires: impl IntoIterator<Item = Wire>) -> Edit {
+    let off = last_first(wires).into_iter();
+    Edit::Several(off.map(|wire| Edit::Disconnect { to: wire.to, at: wire.at }).collect())
+}
+
+/// Adds a node of a kind, wired as asked where that fits. A head that the kind needs is wired too,
+/// when it is clear which. Gives the node's id.
+pub(super) fn add(
+    document: &Document,
+    def: &NodeDef,
+    at: Pos2,
+    link: Option<&Link>,
+) -> (Edit, NodeId) {
+    let id = document.free_id(def.id);
+    let node = document.fresh_node(def.id, &id);
+    let mut edits = vec![Edit::AddNode { id: id.clone(), node: node.into(), at: Some(point(at)) }];
+    let known = coif_nodes::by_id(def.id);
+    let mut wired: Option<&str> = None;
+    match (link, known) {
+        (Some(Link::From(from)), Some(def)) => {
+            let ty = wiring::output_type(document, from);
+            if let Some(input) = ty.and_then(|ty| wiring::taking(def, ty)) {
+                let to = Socket::new(id.clone(), input.name);
+                wired = Some(input.name);
+                edits.push(Edit::Connect { from: from.clone(), to, at: None });
+            }
+        }
+        (Some(Link::To(to, at)), Some(def)) => {
+            let input = wiring::input_def(document, to);
+            if let Some(output) = input.and_then(|input| wiring::giving(def, input.ty)) {
+                let from = Socket::new(id.clone(), output.name);
+                edits.push(Edit::Connect { from, to: to.clone(), at: *at });
+            }
+        }
+        _ => {}
+    }
+    let near = link.map(|link| match link {
+        Link::From(socket) | Link::To(socket, _) => &socket.node,
+    });
+    let heads = def.inputs.iter().filter(|input| {
+        input.ty == Type::Scalp && input.arity == Arity::One && wired != Some(input.name)
+    });
+    for input in heads {
+        if let Some(from) = the_head(document, near) {
+            let to = Socket::new(id.clone(), input.name);
+            edits.push(Edit::Connect { from, to, at: None });
+        }
+    }
+    (Edit::Several(edits), id)
+}
+
+/// Adds a node of a kind between the ends of a wire; gives its id.
+///
+/// # Errors
+/// Why it does not fit there.
+pub(super) fn insert_new(
+    document: &Document,
+    def: &NodeDef,
+    at: Pos2,
+    wire: &Wire,
+) -> Result<(Edit, NodeId), String> {
+    let from = wire.from(document).ok_or("the wire is gone")?;
+    let (added, id) = add(document, def, at, Some(&Link::From(from.clone())));
+    let mut with = document.clone();
+    added.apply(&mut with).map_err(|err| err.to_string())?;
+    let inserted = wiring::insert_on_wire(&with, &id, &wire.to, wire.at)?;
+    Ok((Edit::Several(vec![added, inserted]), id))
+}
+
+/// The scalp that a node beside `near` stands on: the one it stands on itself, or the only one
+/// there is.
+fn the_head(document: &Document, near: Option<&NodeId>) -> Option<Socket> {
+    let scalps = |nodes: &mut dyn Iterator<Item = &NodeId>| -> Vec<Socket> {
+        nodes
+            .filter_map(|id| {
+                let def = coif_nodes::by_id(&document.node(id.as_str())?.kind)?;
+                let output = def.outputs.iter().find(|output| output.ty == Type::Scalp)?;
+                Some(Socket::new(id.clone(), output.name))
+            })
+            .collect()
+    };
+    let one = |mut found: Vec<Socket>| if found.len() == 1 { found.pop() } else { None };
+    let upstream = graph::upstream(document, near);
+    one(scalps(&mut upstream.iter())).or_else(|| one(scalps(&mut document.nodes.keys())))
+}
+
+/// Copies nodes beside themselves; gives the copies.
+///
+/// # Errors
+/// When they cannot be copied.
+pub(super) fn duplicate(
+    document: &Document,
+    faces: &Faces,
+    nodes: &BTreeSet<NodeId>,
+) -> Result<(Edit, Vec<NodeId>), String> {
+    let corner = faces.bounds(nodes).map_or(Pos2::ZERO, |all| all.min);
+    paste(document, &placed_copy(document, faces, nodes), corner + vec2(32.0, 32.0))
+}
+
+/// Nodes as text, with the places at which they are seen.
+pub(super) fn placed_copy(document: &Document, faces: &Faces, nodes: &BTreeSet<NodeId>) -> String {
+    let mut placed = document.clone();
+    for id in nodes {
+        if let Some(at) = faces.corners.get(id) {
+            placed.layout.insert(id.clone(), point(*at));
+        }
+    }
+    part::copy(&placed, nodes)
+}
+
+/// Adds the nodes of a text, their upper left at a place; gives them.
+///
+/// # Errors
+/// What is wrong with the text.
+pub(super) fn paste(
+    document: &Document,
+    text: &str,
+    at: Pos2,
+) -> Result<(Edit, Vec<NodeId>), String> {
+    part::paste(document, text, Some(point(at)))
+}
+
+/// Room between a frame's edge and the nodes in it, and for its title.
+const FRAME_ROOM: Vec2 = vec2(16.0, 16.0);
+/// Height of a frame's title.
+pub(super) const FRAME_TITLE: f32 = 24.0;
+
+/// The box that a frame round others has.
+pub(super) fn frame_box(round: Rect) -> Rect {
+    let mut rect = round.expand2(FRAME_ROOM);
+    rect.min.y -= FRAME_TITLE;
+    rect
+}
+
+/// Puts a frame round nodes; gives its name.
+pub(super) fn frame(document: &Document, round: Rect) -> (Edit, String) {
+    let name = document.free_frame("frame");
+    let rect = frame_box(round);
+    let frame = Frame {
+        at: point(rect.min),
+        size: Point(rect.width().round(), rect.height().round()),
+        text: String::new(),
+        colour: (document.frames.len() % super::look::FRAMES.len()) as u8,
+    };
+    (Edit::SetFrame { name: name.clone(), frame: Some(frame) }, name)
+}
+
+/// The box of a frame.
+pub(super) fn frame_rect(frame: &Frame) -> Rect {
+    Rect::from_min_size(arrange::pos(frame.at), vec2(frame.size.0, frame.size.1))
+}
+
+/// The nodes that lie in a frame whole.
+pub(super) fn framed(frame: &Frame, faces: &Faces) -> BTreeSet<NodeId> {
+    let rect = frame_rect(frame);
+    let inside = |id: &&NodeId| faces.rect(id).is_some_and(|node| rect.contains_rect(node));
+    faces.all.keys().filter(inside).cloned().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::canvas::testing::{document, faces, id, socket};
+    use egui::pos2;
+
+    fn apply(document: &Document, edit: &Edit) -> Document {
+        let mut after = document.clone();
+        edit.apply(&mut after).unwrap_or_else(|err| panic!("{edit:?}: {err}"));
+        after
+    }
+    fn plug(document: &Document, input: &str, wire: Option<usize>) -> Plug {
+        let input = socket(input);
+        let faces = faces(document);
+        let mut plugs = faces.all[&input.node].inputs.clone();
+        plugs.retain(|plug| plug.socket == input && plug.wire == wire);
+        plugs.remove(0)
+    }
+
+    #[test]
+    fn a_lifted_wire_goes_elsewhere_in_one_step() {
+        let document = document("cornrows");
+        let lifted = Wire { to: socket("fill.curves"), at: 0 };
+        let from = socket("braid.curves");
+        let to = plug(&document, "colour.curves", Some(0));
+        let after = apply(&document, &connect(&document, &from, &to, Some(&lifted)).unwrap());
+        assert!(!after.links.contains_key(&lifted.to));
+        assert_eq!(after.links[&to.socket], [from.clone()]);
+        let back = plug(&document, "fill.curves", Some(0));
+        assert_eq!(connect(&document, &from, &back, Some(&lifted)), None);
+        assert_eq!(connect(&document, &from, &back, None), None);
+    }
+
+    #[test]
+    fn wires_of_one_input_change_their_order() {
+        let mut document = document("cornrows");
+        let (edit, all) = add(&document, coif_nodes::by_id("merge").unwrap(), Pos2::ZERO, None);
+        document = apply(&document, &edit);
+        let to = Socket::new(all, "curves");
+        let from = ["rows.curves", "braid.curves", "fill.curves"].map(socket);
+        document.links.insert(to.clone(), from.to_vec());
+        let lifted = Wire { to: to.clone(), at: 2 };
+        let first = plug(&document, &to.to_string(), Some(0));
+        let after = apply(&document, &connect(&document, &from[2], &first, Some(&lifted)).unwrap());
+        assert_eq!(after.links[&to], [from[2].clone(), from[0].clone(), from[1].clone()]);
+        // A new wire goes before the one it is dropped on, or behind all.
+        let colour = socket("colour.curves");
+        let after = apply(&document, &connect(&document, &colour, &first, None).unwrap());
+        assert_eq!(after.links[&to][0], colour);
+        let next = plug(&document, &to.to_string(), None);
+        let after = apply(&document, &connect(&document, &colour, &next, None).unwrap());
+        assert_eq!(after.links[&to][3], colour);
+        let moved = rewire(
+            &document,
+            &[Wire { to: to.clone(), at: 0 }, Wire { to: to.clone(), at: 1 }],
+            &colour,
+        );
+        let after = apply(&document, &moved.unwrap());
+        assert_eq!(after.links[&to], [colour.clone(), colour, from[2].clone()]);
+    }
+
+    #[test]
+    fn wires_that_cannot_move_say_why() {
+        let document = document("cornrows");
+        let wires = [Wire { to: socket("braid.source"), at: 0 }];
+        let why = rewire(&document, &wires, &socket("fill.curves")).unwrap_err();
+        assert!(why.contains("circle"), "{why}");
+        let why = rewire(&document, &wires, &socket("head.scalp")).unwrap_err();
+        assert!(why.contains("scalp"), "{why}");
+    }
+
+    #[test]
+    fn an_added_node_is_wired_where_it_fits_and_to_the_only_head() {
+        let document = document("cornrows");
+        let def = |kind: &str| coif_nodes::by_id(kind).unwrap();
+        let from = Link::From(socket("rows.curves"));
+        let (edit, new) = add(&document, def("scalp_projection"), pos2(9.0, 7.4), Some(&from));
+        let after = apply(&document, &edit);
+        assert_eq!(after.layout[&new], Point(9.0, 7.0));
+        assert_eq!(after.wires(&new, "curves"), [socket("rows.curves")]);
+        assert_eq!(after.wires(&new, "scalp"), [socket("head.scalp")]);
+        let to = Link::To(socket("fill.curves"), None);
+        let (edit, new) = add(&document, def("resample"), Pos2::ZERO, Some(&to));
+        assert_eq!(apply(&document, &edit).links[&socket("fill.curves")][0].node, new);
+        let (edit, new) = add(&document, def("head"), Pos2::ZERO, Some(&from));
+        let after = apply(&document, &edit);
+        assert!(graph::inputs_of(&after, &new).next().is_none());
+    }
+
+    #[test]
+    fn copies_keep_their_wires_and_lie_beside() {
+        let document = document("cornrows");
+        let faces = faces(&document);
+        let nodes: BTreeSet<NodeId> = ["braid", "fill"].map(id).into();
+        let (edit, made) = duplicate(&document, &faces, &nodes).unwrap();
+        let after = apply(&document, &edit);
+        assert_eq!((made.len(), after.nodes.len()), (2, document.nodes.len() + 2));
+        let wired = after.wires(&made[1], "curves");
+        assert_eq!(wired[0].node, made[0]);
+        assert_eq!(after.layout[&made[0]], Point(440.0 + 32.0, 32.0));
+        assert!(paste(&document, "no nodes at all", Pos2::ZERO).is_err());
+    }
+
+    #[test]
+    fn a_frame_holds_the_nodes_it_was_drawn_round() {
+        let document = document("cornrows");
+        let faces = faces(&document);
+        let nodes: BTreeSet<NodeId> = ["rows", "braid"].map(id).into();
+        let (edit, name) = frame(&document, faces.bounds(&nodes).unwrap());
+        let after = apply(&document, &edit);
+        assert_eq!(framed(&after.frames[&name], &faces), nodes);
+    }
+}

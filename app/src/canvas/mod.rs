@@ -1,0 +1,650 @@
+//! The node canvas: the document's graph, drawn and edited.
+//!
+//! Scene, zoom, selection, dragging with alignment and culling are egui_graph's; wires, sockets and
+//! everything that changes the document are ours, because the document owns the graph. The room reads
+//! the state and says what happened; it never changes anything itself. What it keeps between frames is
+//! what hands and eyes hold: the view, an open search, a wire in the hand.
+//!
+//! Not kept with a groom: the view, selected wires, the last kinds that were added.
+
+mod actions;
+mod arrange;
+mod commands;
+mod edits;
+mod faces;
+mod finder;
+mod frames;
+mod hand;
+mod look;
+mod menu;
+mod naming;
+mod node;
+mod scene;
+mod search;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
+mod view;
+mod wires;
+
+pub(crate) use actions::ACTIONS;
+
+use crate::editor::event::Event;
+use crate::editor::notes::Note;
+use crate::editor::rooms::Room;
+use crate::editor::state::{Select, State};
+use crate::editor::theme;
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{NodeId, wiring};
+use edits::Link;
+use egui::{Align2, FontId, Pos2, Rect, Ui, Vec2, pos2, vec2};
+use faces::{FaceCache, Faces};
+use finder::{Finder, Outcome, Pick, Task};
+use hand::{Aim, Fixed, Hand, Loose};
+use naming::{Named, Naming};
+use scene::{Found, Scene};
+use std::collections::{BTreeSet, HashSet};
+use std::sync::Arc;
+use wires::{Shake, Wire};
+
+/// The room.
+#[derive(Default)]
+pub struct Canvas {
+    view: egui_graph::View,
+    /// Where it was drawn last, on the screen.
+    area: Option<Rect>,
+    cache: FaceCache,
+    /// The nodes that were there last, to notice another document.
+    known: BTreeSet<NodeId>,
+    memory: Memory,
+}
+
+/// What hands and eyes hold.
+#[derive(Default)]
+struct Memory {
+    hand: Hand,
+    aim: Option<Aim>,
+    /// Where the hand took hold, on the canvas.
+    grabbed: Option<Pos2>,
+    finder: Option<Finder>,
+    /// A wire on which a node is to be inserted, by its menu.
+    insert_at: Option<(Wire, Pos2)>,
+    naming: Option<Naming>,
+    /// Selected wires; nodes are not selected then.
+    wires: BTreeSet<Wire>,
+    /// The wire under the pointer.
+    hovered: Option<Wire>,
+    /// The selected bend.
+    bend: Option<(Wire, usize)>,
+    /// The selected frame.
+    frame: Option<String>,
+    /// Nodes are being dragged.
+    moving: bool,
+    /// The drag was given up; nothing moves until the button is released.
+    given_up: bool,
+    shake: Shake,
+    /// The wire on which the dragged node would be inserted.
+    drop_on: Option<Wire>,
+    /// Kinds that were added lately, the last first.
+    recent: Vec<String>,
+    /// The node that is shown alone for a while, and what was displayed before.
+    solo: Option<(NodeId, Option<NodeId>)>,
+    /// The pointer on the canvas.
+    pointer: Option<Pos2>,
+    /// The wheel turned last, not a touchpad.
+    wheel: bool,
+    /// What the menu asked of the clipboard.
+    clipboard: Option<Clipboard>,
+    /// A paste was asked for and has not come yet.
+    pasting: bool,
+    /// What is to be brought into sight when the room is drawn next.
+    look_at: Option<BTreeSet<NodeId>>,
+}
+
+impl Memory {
+    /// Whether nothing is held and nothing is open.
+    fn is_quiet(&self) -> bool {
+        matches!(self.hand, Hand::Empty)
+            && !self.moving
+            && self.finder.is_none()
+            && self.naming.is_none()
+    }
+    /// Remembers that a kind was added.
+    fn used(&mut self, def: &coif_nodes::define::NodeDef) {
+        self.recent.retain(|kind| kind != def.id);
+        self.recent.insert(0, def.id.to_owned());
+        self.recent.truncate(8);
+    }
+    fn select_frame(&mut self, name: Option<String>) {
+        self.frame = name;
+        self.bend = None;
+    }
+    fn name_node(&mut self, id: NodeId, now: &str) {
+        self.naming = Some(Naming::new(Named::Node(id), now));
+    }
+    fn name_frame(&mut self, name: String, now: &str) {
+        self.naming = Some(Naming::new(Named::Frame(name), now));
+    }
+}
+
+/// What the menu asks of the clipboard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Clipboard {
+    Cut,
+    Copy,
+    Paste,
+}
+
+/// The id of the graph's widgets.
+fn graph_id() -> egui::Id {
+    egui_graph::id("coif canvas")
+}
+
+impl Canvas {
+    /// One frame of the room.
+    pub fn ui(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
+        let area = ui.available_rect_before_wrap();
+        if area.width() < 8.0 || area.height() < 8.0 {
+            return;
+        }
+        let faces = self.cache.of(state);
+        self.meet(state, &faces, area);
+        self.steer(ui, area);
+        self.clipboard(state, &faces, ui, out);
+        self.settle(state, &faces);
+        let pointer = ui.input(|i| i.pointer.latest_pos());
+        let over =
+            pointer.filter(|at| area.contains(*at) || !matches!(self.memory.hand, Hand::Empty));
+        self.memory.pointer = over.map(|at| self.to_canvas(at));
+        ui.painter().rect_filled(area, 0.0, theme::SUNKEN);
+        let selected: HashSet<egui_graph::NodeId> =
+            state.selection.nodes.iter().map(|id| egui_graph::NodeId::new(id.as_str())).collect();
+        let scale = self.scale();
+        let Self { view, memory, .. } = self;
+        let given_up = memory.given_up;
+        let scene = Scene { state, faces: &faces, pointer: memory.pointer, memory, out, scale };
+        let shown = ui.scope(|ui| {
+            // The crate finds sockets within this; ours lie over them and take the pointer.
+            ui.spacing_mut().interact_size = vec2(8.0, 8.0);
+            ui.visuals_mut().window_corner_radius = egui::CornerRadius::ZERO;
+            egui_graph::Graph::from_id(graph_id())
+                .background(false)
+                .dot_grid(false)
+                .zoom_range(view::ZOOM)
+                .immutable(given_up)
+                .selected_nodes(selected)
+                .align_threshold(6.0)
+                .show(view, ui, |ui, show| scene.show(ui, show))
+        });
+        let shown = shown.inner;
+        let found = shown.inner;
+        let keys = ui.input(|i| i.modifiers);
+        if let Some(nodes) = shown.selection_changed {
+            self.selected(state, &faces, &nodes, keys, ui, out);
+        }
+        self.background(state, &faces, &shown.response, &found, ui, out);
+        self.dragged(state, &faces, &found, shown.nodes_moved, ui, out);
+        self.carry(state, &faces, &found, ui, area, out);
+        self.overlays(state, &faces, &found, ui, area, out);
+    }
+
+    /// Notices another document, and forgets what is gone.
+    fn meet(&mut self, state: &State, faces: &Faces, area: Rect) {
+        let now: BTreeSet<NodeId> = faces.all.keys().cloned().collect();
+        let stranger = self.known.is_disjoint(&now) && now.len() > 1;
+        let unseen = self.area.is_none() || !view::is_sound(self.view.scene_rect);
+        self.area = Some(area);
+        if stranger || unseen {
+            self.view.layout.clear();
+            self.look_at(faces, &now);
+        }
+        if self.known != now {
+            self.memory.wires.retain(|wire| wire.from(&state.document).is_some());
+            self.known = now;
+        }
+        if let Some(nodes) = self.memory.look_at.take() {
+            let nodes = if nodes.is_empty() { &self.known } else { &nodes };
+            self.look_at(faces, &nodes.clone());
+        }
+        let memory = &mut self.memory;
+        memory.wires.retain(|wire| wire.from(&state.document).is_some());
+        let gone = |name: &String| !state.document.frames.contains_key(name);
+        if memory.frame.as_ref().is_some_and(gone) {
+            memory.frame = None;
+        }
+        let document = &state.document;
+        if memory.bend.as_ref().is_some_and(|(w, n)| document.bends_of(&w.to, w.at).len() <= *n) {
+            memory.bend = None;
+        }
+        if memory.naming.as_ref().is_some_and(|naming| !naming.is_there(document)) {
+            memory.naming = None;
+        }
+        if let Hand::Wire(loose) = &memory.hand {
+            let there = |id: &NodeId| document.nodes.contains_key(id);
+            let node = match &loose.fixed {
+                Fixed::Output(socket) | Fixed::Bundle(socket, _) => &socket.node,
+                Fixed::Input(plug) => &plug.socket.node,
+            };
+            let lifted = loose.lifted.as_ref().is_none_or(|wire| wire.from(document).is_some());
+            if !there(node) || !lifted {
+                memory.hand = Hand::Empty;
+            }
+        }
+    }
+
+    /// Tells the crate where nodes stand: the document's places, but for what is being dragged.
+    fn settle(&mut self, state: &State, faces: &Faces) {
+        let with_frame = match &self.memory.hand {
+            Hand::Frame { nodes: Some(nodes), by, .. } => Some((nodes.clone(), *by)),
+            _ => None,
+        };
+        let moving = self.memory.moving && !self.memory.given_up;
+        for (id, face) in &faces.all {
+            let Some(mut corner) = faces.corners.get(id).copied() else { continue };
+            if let Some((nodes, by)) = &with_frame
+                && nodes.contains(id)
+            {
+                corner += *by;
+            }
+            if moving && state.selection.nodes.contains(id) {
+                self.view.layout.entry(face.key).or_insert(corner);
+            } else {
+                self.view.layout.insert(face.key, corner);
+            }
+        }
+        if self.view.layout.len() > faces.all.len() {
+            let keys: HashSet<_> = faces.all.values().map(|face| face.key).collect();
+            self.view.layout.retain(|key, _| keys.contains(key));
+        }
+    }
+
+    /// The crate's selection changed.
+    fn selected(
+        &mut self,
+        state: &State,
+        faces: &Faces,
+        keys: &HashSet<egui_graph::NodeId>,
+        modifiers: egui::Modifiers,
+        ui: &Ui,
+        out: &mut Vec<Event>,
+    ) {
+        // The crate lets go of what it thinks it removed; the document decides that.
+        if ui.input(|i| i.key_pressed(egui::Key::Delete) || i.key_pressed(egui::Key::Backspace)) {
+            return;
+        }
+        let was = &state.selection.nodes;
+        let mut now: Vec<NodeId> =
+            faces.all.values().filter(|f| keys.contains(&f.key)).map(|f| f.id.clone()).collect();
+        if modifiers.shift && !modifiers.command {
+            now.extend(was.iter().filter(|id| !now.contains(id)).cloned().collect::<Vec<_>>());
+        }
+        // The newest is active; else the one that was.
+        now.sort_by_key(|id| (!was.contains(id), state.selection.active.as_ref() == Some(id)));
+        if now.iter().cloned().collect::<BTreeSet<_>>() != *was {
+            out.push(Event::Select(Select::Nodes(now)));
+        }
+    }
+
+    /// What is done to the empty canvas.
+    fn background(
+        &mut self,
+        state: &State,
+        faces: &Faces,
+        response: &egui::Response,
+        found: &Found,
+        ui: &Ui,
+        out: &mut Vec<Event>,
+    ) {
+        if response.clicked() && !ui.input(|i| i.modifiers.command) {
+            self.memory.wires.clear();
+            self.memory.select_frame(None);
+        }
+        let boxed = response.drag_stopped_by(egui::PointerButton::Primary);
+        if let (true, Some(from)) =
+            (boxed && ui.input(|i| i.modifiers.shift), ui.input(|i| i.pointer.press_origin()))
+        {
+            let rect =
+                Rect::from_two_pos(self.to_canvas(from), self.memory.pointer.unwrap_or_default());
+            let touched = found.runs.iter().filter(|run| run.touches(rect));
+            self.memory.wires.extend(touched.map(|run| run.wire.clone()));
+        }
+        if response.double_clicked()
+            && let Some(at) = ui.input(|i| i.pointer.latest_pos())
+        {
+            self.open_search(state, faces, Some(at));
+        }
+        menu::background(response, out);
+    }
+
+    /// Nodes are dragged, or were.
+    fn dragged(
+        &mut self,
+        state: &State,
+        faces: &Faces,
+        found: &Found,
+        moved: bool,
+        ui: &Ui,
+        out: &mut Vec<Event>,
+    ) {
+        let down = ui.input(|i| i.pointer.primary_down());
+        if moved && !self.memory.given_up {
+            self.put_nodes(state, faces, out);
+        }
+        if !down {
+            self.memory.moving = false;
+            self.memory.given_up = false;
+            self.memory.drop_on = None;
+            self.memory.shake = Shake::default();
+            return;
+        }
+        let is_off = |id: &NodeId| {
+            let (face, corner) = (faces.all.get(id), faces.corners.get(id));
+            let now = face.and_then(|face| self.view.layout.get(&face.key));
+            now.zip(corner).is_some_and(|(now, corner)| now.distance(*corner) > 0.6)
+        };
+        let held = matches!(self.memory.hand, Hand::Empty) && !self.memory.given_up;
+        if held && state.selection.nodes.iter().any(is_off) {
+            self.memory.moving = true;
+        }
+        if !self.memory.moving {
+            return;
+        }
+        if escaped(ui) {
+            self.memory.given_up = true;
+            self.memory.moving = false;
+            return;
+        }
+        self.memory.drop_on = self.wire_under(state, found);
+        let (at, now) = ui.input(|i| (i.pointer.latest_pos(), i.time));
+        if let Some(at) = at
+            && self.memory.shake.moved(at, now)
+        {
+            let off = wiring::disconnect(&state.document, &state.selection.nodes);
+            if !commands::is_nothing(&off) {
+                out.push(Event::Edit(off));
+            }
+        }
+    }
+
+    /// The wire that a dragged node would be inserted on: one node alone, which has no hair yet.
+    fn wire_under(&self, state: &State, found: &Found) -> Option<Wire> {
+        let mut nodes = state.selection.nodes.iter();
+        let (Some(id), None) = (nodes.next(), nodes.next()) else { return None };
+        if !commands::is_loose(&state.document, id) {
+            return None;
+        }
+        let corner = *found.corners.get(id)?;
+        let face = self.cache.last().all.get(id)?.size();
+        let middle = Rect::from_min_size(corner, face).center();
+        let near: Vec<_> =
+            found.runs.iter().filter(|run| run.wire.to.node != *id).cloned().collect();
+        let (run, _) = wires::nearest(&near, middle, face.y.min(face.x) * 0.4)?;
+        let fits = wiring::insert_on_wire(&state.document, id, &run.wire.to, run.wire.at);
+        fits.is_ok().then(|| run.wire.clone())
+    }
+
+    /// The drag of nodes ended: one step.
+    fn put_nodes(&mut self, state: &State, faces: &Faces, out: &mut Vec<Event>) {
+        let to = state.selection.nodes.iter().filter_map(|id| {
+            let at = *self.view.layout.get(&faces.all.get(id)?.key)?;
+            Some((id.clone(), at))
+        });
+        let mut edits = vec![arrange::moves(to)];
+        let first = state.selection.nodes.first();
+        if let (Some(wire), Some(id)) = (self.memory.drop_on.take(), first)
+            && let Ok(edit) = wiring::insert_on_wire(&state.document, id, &wire.to, wire.at)
+        {
+            edits.push(edit);
+        }
+        out.push(Event::Edit(Edit::Several(edits)));
+    }
+
+    /// Carries on with what the hand holds, and puts it down.
+    fn carry(
+        &mut self,
+        state: &State,
+        faces: &Arc<Faces>,
+        found: &Found,
+        ui: &Ui,
+        area: Rect,
+        out: &mut Vec<Event>,
+    ) {
+        self.memory.aim = None;
+        if matches!(self.memory.hand, Hand::Empty) {
+            return;
+        }
+        if escaped(ui) || ui.input(|i| i.pointer.secondary_pressed()) {
+            self.memory.hand = Hand::Empty;
+            return;
+        }
+        let down = ui.input(|i| i.pointer.primary_down());
+        let at = self.memory.pointer;
+        match self.memory.hand.clone() {
+            Hand::Wire(loose) => self.carry_wire(state, faces, found, loose, ui, area, out),
+            Hand::Bend { wire, number, mut bends } => {
+                if let (Some(at), Some(bend)) = (at, bends.get_mut(number)) {
+                    *bend = at;
+                }
+                if down {
+                    self.memory.hand = Hand::Bend { wire, number, bends };
+                    return;
+                }
+                self.memory.hand = Hand::Empty;
+                let bends: Vec<_> = bends.into_iter().map(arrange::point).collect();
+                if state.document.bends_of(&wire.to, wire.at) != bends {
+                    out.push(Event::Edit(Edit::SetBends { to: wire.to, at: wire.at, bends }));
+                }
+            }
+            Hand::Frame { name, nodes, by } => {
+                let by = at.zip(self.memory.grabbed).map_or(by, |(at, from)| (at - from).round());
+                if down {
+                    self.memory.hand = Hand::Frame { name, nodes, by };
+                    return;
+                }
+                self.memory.hand = Hand::Empty;
+                if by != Vec2::ZERO {
+                    out.extend(commands::put_frame(state, faces, &name, nodes.as_ref(), by));
+                }
+            }
+            Hand::Cut(_) | Hand::Empty => {}
+        }
+    }
+
+    fn carry_wire(
+        &mut self,
+        state: &State,
+        faces: &Arc<Faces>,
+        found: &Found,
+        loose: Loose,
+        ui: &Ui,
+        area: Rect,
+        out: &mut Vec<Event>,
+    ) {
+        let scale = self.scale();
+        let pressed = !loose.held && view::shield(ui, area, "wire");
+        let at = self.memory.pointer;
+        self.memory.aim =
+            at.and_then(|at| loose.aim(&state.document, faces, &found.corners, at, scale));
+        let put = loose.held && !ui.input(|i| i.pointer.primary_down());
+        let aim = if put || pressed { self.memory.aim.take() } else { found.put.clone() };
+        if !put && !pressed && aim.is_none() {
+            ui.ctx().request_repaint();
+            return;
+        }
+        self.memory.hand = Hand::Empty;
+        match aim {
+            Some(aim) => match loose.put_down(&state.document, faces, &aim) {
+                Ok(Some(edit)) => out.push(Event::Edit(edit)),
+                Ok(None) => {}
+                Err(why) => out.push(Event::Say(Note::warning(why).of(aim.node))),
+            },
+            None => {
+                let screen = ui.input(|i| i.pointer.latest_pos()).filter(|at| area.contains(*at));
+                let (Some(at), Some(screen)) = (at, screen) else { return };
+                let link = match (loose.fixed, loose.lifted) {
+                    // Pulled off and let go: the wire is gone.
+                    (_, Some(wire)) => {
+                        out.push(Event::Edit(edits::cut([wire])));
+                        return;
+                    }
+                    (Fixed::Output(from), None) => Link::From(from),
+                    (Fixed::Input(plug), None) => Link::To(plug.socket, plug.wire),
+                    (Fixed::Bundle(..), None) => return,
+                };
+                let task = Task::Add { at, link: Some(link), dropped: true };
+                self.memory.finder = Some(Finder::new(task, screen));
+            }
+        }
+    }
+
+    /// What lies over the canvas: the reason why not, the map, the search, names being typed.
+    fn overlays(
+        &mut self,
+        state: &State,
+        faces: &Faces,
+        found: &Found,
+        ui: &Ui,
+        area: Rect,
+        out: &mut Vec<Event>,
+    ) {
+        if let Some(why) = self.memory.aim.as_ref().and_then(|aim| aim.refused.as_deref())
+            && let Some(at) = ui.input(|i| i.pointer.latest_pos())
+        {
+            reason(ui, area, at, why);
+        }
+        if state.document.nodes.is_empty() && self.memory.finder.is_none() {
+            let text = "Tab adds a node";
+            let font = FontId::proportional(14.0);
+            ui.painter().text(area.center(), Align2::CENTER_CENTER, text, font, theme::QUIET);
+        }
+        if let Some(to) = frames::map(ui, area, faces, &found.corners, self.seen()) {
+            self.center_on(to);
+        }
+        if let Some((wire, at)) = self.memory.insert_at.take() {
+            let screen = self.to_screen(at);
+            self.memory.finder = Some(Finder::new(Task::Insert(wire, at), screen));
+        }
+        if let Some(mut finder) = self.memory.finder.take() {
+            match finder.show(ui, area, &state.document, faces, &self.memory.recent) {
+                Outcome::Open => self.memory.finder = Some(finder),
+                Outcome::Done(Some(pick)) => self.picked(state, faces, &finder.task, pick, out),
+                Outcome::Done(None) => {}
+            }
+        }
+        if let Some(mut naming) = self.memory.naming.take() {
+            let spot = naming.place(&state.document, faces, &found.corners);
+            let spot = spot.map_or(area.center(), |at| self.to_screen(at));
+            if naming.show(ui, area, spot, out) {
+                self.memory.naming = Some(naming);
+            }
+        }
+    }
+
+    /// Something was picked in the search.
+    fn picked(
+        &mut self,
+        state: &State,
+        faces: &Faces,
+        task: &Task,
+        pick: Pick,
+        out: &mut Vec<Event>,
+    ) {
+        let document = &state.document;
+        match (task, pick) {
+            (Task::Add { at, link, dropped }, Pick::Kind(def, wired)) => {
+                let link = link.as_ref().filter(|_| wired);
+                let at = commands::place_new(faces, def, *at, link, *dropped);
+                let (edit, id) = edits::add(document, def, at, link);
+                self.memory.used(def);
+                out.push(Event::Edit(edit));
+                out.push(Event::Select(Select::Nodes(vec![id])));
+            }
+            (Task::Insert(wire, at), Pick::Kind(def, _)) => {
+                let at = *at - vec2(faces::WIDTH / 2.0, faces::HEADER);
+                match edits::insert_new(document, def, at, wire) {
+                    Ok((edit, id)) => {
+                        self.memory.used(def);
+                        out.push(Event::Edit(edit));
+                        out.push(Event::Select(Select::Nodes(vec![id])));
+                    }
+                    Err(why) => out.push(Event::Say(Note::warning(why))),
+                }
+            }
+            (Task::Swap(id), Pick::Kind(def, _)) => {
+                match wiring::change_kind(document, id, def.id) {
+                    Ok(edit) => out.push(Event::Edit(edit)),
+                    Err(why) => out.push(Event::Say(Note::error(why).of(id.clone()))),
+                }
+            }
+            (Task::Connect(_), Pick::Plug(from, node, number)) => {
+                let plug = faces.all.get(&node).and_then(|face| face.inputs.get(number));
+                let edit = plug.and_then(|plug| edits::connect(document, &from, plug, None));
+                out.extend(edit.map(Event::Edit));
+            }
+            _ => {}
+        }
+    }
+
+    /// Copy, cut and paste, as keys or menus say them.
+    fn clipboard(&mut self, state: &State, faces: &Faces, ui: &Ui, out: &mut Vec<Event>) {
+        let asked = self.memory.clipboard.take();
+        if asked == Some(Clipboard::Paste) {
+            // What the clipboard holds comes as an event, some frames later.
+            ui.ctx().send_viewport_cmd(egui::ViewportCommand::RequestPaste);
+            self.memory.pasting = true;
+        }
+        let typing = ui.ctx().egui_wants_keyboard_input();
+        let ours = state.focus == Room::Canvas && !typing;
+        let events = ui.input(|i| i.events.clone());
+        let has = |wanted: &egui::Event| ours && events.contains(wanted);
+        if asked == Some(Clipboard::Copy) || has(&egui::Event::Copy) {
+            self.copy(state, faces, ui.ctx());
+        }
+        if asked == Some(Clipboard::Cut) || has(&egui::Event::Cut) {
+            self.copy(state, faces, ui.ctx());
+            out.extend(self.delete(state));
+        }
+        for event in &events {
+            if let (egui::Event::Paste(text), true) = (event, ours || self.memory.pasting) {
+                self.memory.pasting = false;
+                out.extend(self.paste(state, faces, text));
+            }
+        }
+    }
+}
+
+/// Whether Escape was pressed, also when a key table took it.
+fn escaped(ui: &Ui) -> bool {
+    let is_escape = |event: &egui::Event| {
+        matches!(event, egui::Event::Key { key: egui::Key::Escape, pressed: true, .. })
+    };
+    ui.input(|i| i.raw.events.iter().any(is_escape))
+}
+
+/// Why a wire cannot go where it points, at the pointer.
+fn reason(ui: &Ui, area: Rect, at: Pos2, why: &str) {
+    let layer = egui::LayerId::new(egui::Order::Tooltip, egui::Id::new("canvas reason"));
+    let p = ui.ctx().layer_painter(layer);
+    let font = FontId::proportional(12.0);
+    let text = p.layout(why.to_owned(), font, theme::ERROR, 280.0);
+    let size = text.size() + vec2(30.0, 12.0);
+    let mut rect = Rect::from_min_size(at + vec2(14.0, 12.0), size);
+    rect = rect.translate(vec2(
+        (area.right() - rect.right()).min(0.0),
+        (area.bottom() - rect.bottom()).min(0.0),
+    ));
+    p.rect(
+        rect,
+        4.0,
+        theme::GROUND,
+        egui::Stroke::new(1.0, theme::ERROR),
+        egui::StrokeKind::Inside,
+    );
+    look::error_mark(&p, pos2(rect.left() + 13.0, rect.top() + 14.0), 6.5);
+    p.galley(rect.min + vec2(24.0, 6.0), text, theme::ERROR);
+    // Told to screen readers as well.
+    let id = egui::Id::new("canvas reason text");
+    let response = ui.interact(Rect::from_min_size(rect.min, Vec2::ZERO), id, egui::Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, why));
+}

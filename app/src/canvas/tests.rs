@@ -1,0 +1,379 @@
+//! Stories of hands on the canvas, without a display.
+
+use super::testing::*;
+use super::*;
+use coif_graphs::document::Socket;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
+
+const SHIFT: Modifiers = Modifiers::SHIFT;
+const CTRL: Modifiers = Modifiers { ctrl: true, command: true, ..Modifiers::NONE };
+
+/// Rows of the head, and a braid that is not wired to them.
+fn unwired() -> coif_graphs::document::Document {
+    let mut document = document("cornrows");
+    document.links.retain(|to, _| to.node == id("rows"));
+    document.nodes.retain(|id, _| ["head", "rows", "braid"].contains(&id.as_str()));
+    document.layout.retain(|id, _| document.nodes.contains_key(id));
+    document.bends.clear();
+    document.display = None;
+    document
+}
+fn wired(window: &Window, input: &str) -> Vec<String> {
+    let socket = socket(input);
+    let wires = window.state().state.document.wires(&socket.node, &socket.name);
+    wires.iter().map(Socket::to_string).collect()
+}
+#[track_caller]
+fn steps(window: &Window, count: usize) {
+    assert_eq!(window.state().steps, count, "{:?}", window.state().said);
+}
+/// An empty place of the canvas, on the screen.
+fn nowhere(window: &Window) -> Pos2 {
+    window.state().canvas.area.unwrap().center_bottom() - vec2(0.0, 40.0)
+}
+
+#[test]
+fn a_wire_is_drawn_from_socket_to_socket() {
+    let mut w = window(unwired());
+    let (from, to) = (place(&w, "rows: curves output"), place(&w, "cornrows: source input"));
+    drag(&mut w, &[from, to + vec2(-6.0, 4.0)], Modifiers::NONE);
+    assert_eq!(wired(&w, "braid.source"), ["rows.curves"]);
+    steps(&w, 1);
+    // And from the other end.
+    let (from, to) = (place(&w, "cornrows: scalp input"), place(&w, "Head: scalp output"));
+    drag(&mut w, &[from, to], Modifiers::NONE);
+    assert_eq!(wired(&w, "braid.scalp"), ["head.scalp"]);
+    steps(&w, 2);
+}
+
+#[test]
+fn a_wrong_wire_is_refused_while_dragging_with_the_reason() {
+    let mut w = window(unwired());
+    let (from, to) = (place(&w, "rows: curves output"), place(&w, "cornrows: scalp input"));
+    hold(&mut w, &[from, to], Modifiers::NONE);
+    let why = "rows.curves gives curves, scalp is taken";
+    w.get_by_label(why);
+    release(&mut w, to, Modifiers::NONE);
+    assert_eq!(wired(&w, "braid.scalp"), Vec::<String>::new());
+    assert_eq!(w.state().said, [why]);
+    assert!(w.query_by_label(why).is_none());
+    steps(&w, 0);
+}
+
+#[test]
+fn the_end_of_a_wire_is_lifted_and_put_elsewhere_or_let_go() {
+    let mut w = window(document("cornrows"));
+    let (from, to) =
+        (place(&w, "hair in the braids: curves input"), place(&w, "parting hairs: adjacent input"));
+    drag(&mut w, &[from, to], Modifiers::NONE);
+    assert_eq!(wired(&w, "fill.curves"), Vec::<String>::new());
+    assert_eq!(wired(&w, "partings.adjacent"), ["braid.curves"]);
+    steps(&w, 1);
+    let away = nowhere(&w);
+    let lifted = place(&w, "parting hairs: adjacent input");
+    drag(&mut w, &[lifted, away], Modifiers::NONE);
+    assert_eq!(wired(&w, "partings.adjacent"), Vec::<String>::new());
+    assert!(w.state().canvas.memory.finder.is_none());
+    // Escape puts it back.
+    let lifted = place(&w, "parting hairs: source input");
+    hold(&mut w, &[lifted, away], Modifiers::NONE);
+    w.key_press(Key::Escape);
+    w.run_steps(2);
+    release(&mut w, away, Modifiers::NONE);
+    assert_eq!(wired(&w, "partings.source"), ["rows.curves"]);
+    steps(&w, 2);
+}
+
+#[test]
+fn a_wire_dropped_on_nothing_searches_what_fits() {
+    let mut w = window(unwired());
+    let (from, away) = (place(&w, "cornrows: curves output"), nowhere(&w));
+    drag(&mut w, &[from, away], Modifiers::NONE);
+    assert!(w.query_by_label("Head").is_none(), "a head takes no curves");
+    w.event(egui::Event::Text("fill".into()));
+    w.run_steps(2);
+    w.key_press(Key::Enter);
+    w.run_steps(3);
+    let document = &w.state().state.document;
+    assert_eq!(document.nodes["cluster_to_strands"].kind, "cluster_to_strands");
+    assert_eq!(wired(&w, "cluster_to_strands.curves"), ["braid.curves"]);
+    assert_eq!(w.state().state.active(), Some(&id("cluster_to_strands")));
+    // Its end lies where the wire was dropped.
+    let end = place(&w, "Cluster to strands: curves input");
+    assert!(end.distance(away) < 24.0, "{end:?} {away:?}");
+    steps(&w, 1);
+}
+
+#[test]
+fn all_wires_of_an_output_move_together() {
+    let mut document = document("cornrows");
+    let more = document.fresh_node("stroke_input", &id("more"));
+    document.nodes.insert(id("more"), more.into());
+    document.layout.insert(id("more"), coif_graphs::document::Point(220.0, 300.0));
+    let mut w = window(document);
+    let (from, to) = (place(&w, "rows: curves output"), place(&w, "more: curves output"));
+    drag(&mut w, &[from, to], SHIFT);
+    assert_eq!(wired(&w, "braid.source"), ["more.curves"]);
+    assert_eq!(wired(&w, "partings.source"), ["more.curves"]);
+    steps(&w, 1);
+}
+
+#[test]
+fn wires_are_cut_by_a_line() {
+    let mut w = window(document("cornrows"));
+    let at = place(&w, "hair in the braids: curves output") + vec2(20.0, 0.0);
+    drag(&mut w, &[at - vec2(0.0, 60.0), at + vec2(0.0, 40.0)], CTRL);
+    assert_eq!(wired(&w, "colour.curves"), Vec::<String>::new());
+    assert_eq!(wired(&w, "fill.curves"), ["braid.curves"]);
+    assert!(w.state().state.selection.nodes.is_empty());
+    steps(&w, 1);
+}
+
+#[test]
+fn a_drag_of_nodes_is_one_step_and_is_taken_back() {
+    let mut w = window(document("cornrows"));
+    let before = w.state().state.document.layout.clone();
+    let nodes = ["rows", "braid"].map(id).to_vec();
+    w.state_mut().apply(Event::Select(Select::Nodes(nodes)));
+    w.run_steps(2);
+    let from = place(&w, "rows: node") - vec2(0.0, 28.0);
+    let scale = w.state().canvas.scale();
+    drag(&mut w, &[from, from + vec2(37.0, 145.0)], Modifiers::ALT);
+    steps(&w, 1);
+    let after = w.state().state.document.layout.clone();
+    for node in ["rows", "braid"] {
+        let moved = arrange::pos(after[&id(node)]) - arrange::pos(before[&id(node)]);
+        let wanted = vec2(37.0, 145.0) / scale;
+        assert!((moved - wanted).length() < 3.0, "{node} {moved:?} {wanted:?}");
+    }
+    assert_eq!(after[&id("fill")], before[&id("fill")]);
+    let desk = w.state_mut();
+    desk.state.history.undo(&mut desk.state.document).unwrap();
+    assert_eq!(desk.state.document.layout, before);
+    assert_eq!(desk.state.history.done(), 0);
+    // A drag that is given up moves nothing.
+    w.run_steps(2);
+    hold(&mut w, &[from, from + vec2(37.0, 145.0)], Modifiers::ALT);
+    w.key_press(Key::Escape);
+    w.run_steps(2);
+    release(&mut w, from + vec2(50.0, 145.0), Modifiers::ALT);
+    assert_eq!(w.state().state.document.layout, before);
+    steps(&w, 1);
+}
+
+#[test]
+fn a_loose_node_dropped_on_a_wire_is_inserted() {
+    let mut document = document("cornrows");
+    let node = document.fresh_node("resample", &id("thin"));
+    document.nodes.insert(id("thin"), node.into());
+    document.layout.insert(id("thin"), coif_graphs::document::Point(300.0, 420.0));
+    let mut w = window(document);
+    let from = place(&w, "Resample: node") - vec2(0.0, 22.0);
+    let node = place(&w, "Resample: node");
+    let wire =
+        place(&w, "hair in the braids: curves output").lerp(place(&w, "black hair: node"), 0.2);
+    let (a, b) = (place(&w, "hair in the braids: curves output"), wire.x);
+    let to = from + (pos2(b, a.y) - node);
+    hold(&mut w, &[from, to], Modifiers::ALT);
+    assert!(w.state().canvas.memory.drop_on.is_some(), "the wire is marked");
+    release(&mut w, to, Modifiers::ALT);
+    assert_eq!(wired(&w, "thin.curves"), ["fill.curves"]);
+    assert_eq!(wired(&w, "colour.curves"), ["thin.curves"]);
+    steps(&w, 1);
+    // And removed again, the wire heals.
+    let desk = w.state_mut();
+    for event in desk.canvas.delete(&desk.state) {
+        desk.apply(event);
+    }
+    assert_eq!(wired(&w, "colour.curves"), ["fill.curves"]);
+}
+
+#[test]
+fn a_double_click_bends_a_wire_a_drag_moves_the_bend_and_delete_removes_it() {
+    let mut w = window(document("cornrows"));
+    let to = Wire { to: socket("partings.scalp"), at: 0 };
+    let bends = |w: &Window| w.state().state.document.bends_of(&to.to, 0).to_vec();
+    let runs = {
+        let desk = w.state();
+        let faces = desk.canvas.cache.last();
+        wires::runs(&desk.state.document, faces, |id| faces.corners.get(id).copied(), None)
+    };
+    let run = runs.iter().find(|run| run.wire == to).unwrap();
+    let points = run.points(4.0);
+    let on_it = w.state().canvas.to_screen(points[points.len() * 2 / 3]);
+    click(&mut w, on_it, 2);
+    assert_eq!(bends(&w).len(), 1);
+    let dot = w.state().canvas.to_screen(arrange::pos(bends(&w)[0]));
+    drag(&mut w, &[dot, dot + vec2(-60.0, 90.0)], Modifiers::NONE);
+    let now = w.state().canvas.to_screen(arrange::pos(bends(&w)[0]));
+    assert!(now.distance(dot + vec2(-60.0, 90.0)) < 2.0, "{now:?}");
+    steps(&w, 2);
+    let desk = w.state_mut();
+    assert_eq!(desk.canvas.memory.bend, Some((to.clone(), 0)));
+    for event in desk.canvas.delete(&desk.state) {
+        desk.apply(event);
+    }
+    assert!(bends(&w).is_empty());
+}
+
+#[test]
+fn wires_of_one_input_are_reordered_by_hand_and_by_key() {
+    let mut w = window(document("braids"));
+    let merge = "merge.curves";
+    let node =
+        w.state().state.document.nodes.iter().find(|(_, n)| n.kind == "merge").unwrap().0.clone();
+    let merge = merge.replace("merge", node.as_str());
+    let before = wired(&w, &merge);
+    assert!(before.len() > 2);
+    let (from, to) = (place(&w, "Merge: curves 1 input"), place(&w, "Merge: curves 3 input"));
+    drag(&mut w, &[from, to], Modifiers::NONE);
+    let moved = [&before[1..3], &before[..1], &before[3..]].concat();
+    assert_eq!(wired(&w, &merge), moved);
+    let desk = w.state_mut();
+    desk.canvas.memory.wires = [Wire { to: socket(&merge), at: 2 }].into();
+    for by in [-1, -1, -1] {
+        for event in desk.canvas.reorder(&desk.state, by) {
+            desk.apply(event);
+        }
+    }
+    assert_eq!(wired(&w, &merge), before);
+}
+
+#[test]
+fn shaking_a_node_takes_it_out() {
+    let mut w = window(document("cornrows"));
+    let from = place(&w, "hair in the braids: node") - vec2(0.0, 38.0);
+    let mut way = vec![from];
+    for turn in 0..8 {
+        way.push(from + vec2(if turn % 2 == 0 { 50.0 } else { -30.0 }, 60.0));
+    }
+    drag(&mut w, &way, Modifiers::NONE);
+    assert_eq!(wired(&w, "fill.curves"), Vec::<String>::new());
+    assert_eq!(wired(&w, "colour.curves"), ["braid.curves"], "the wire heals");
+}
+
+#[test]
+fn sockets_can_be_wired_by_clicks_alone() {
+    let mut w = window(unwired());
+    w.get_by_label("rows: curves output").click_accesskit();
+    w.run_steps(2);
+    assert!(matches!(w.state().canvas.memory.hand, Hand::Wire(_)));
+    w.get_by_label("cornrows: source input").click_accesskit();
+    w.run_steps(3);
+    assert_eq!(wired(&w, "braid.source"), ["rows.curves"]);
+    // By pointer as well.
+    let (from, to) = (place(&w, "Head: scalp output"), place(&w, "cornrows: scalp input"));
+    click(&mut w, from, 1);
+    click(&mut w, to, 1);
+    assert_eq!(wired(&w, "braid.scalp"), ["head.scalp"]);
+    assert_eq!(w.state().canvas.memory.hand, Hand::Empty);
+}
+
+#[test]
+fn nodes_are_copied_as_text_and_pasted() {
+    let mut w = window(document("cornrows"));
+    let nodes = ["braid", "fill"].map(id).to_vec();
+    w.state_mut().apply(Event::Select(Select::Nodes(nodes)));
+    w.run_steps(2);
+    w.event(egui::Event::Copy);
+    w.run_steps(1);
+    let copied = w.output().platform_output.commands.iter().find_map(|command| match command {
+        egui::OutputCommand::CopyText(text) => Some(text.clone()),
+        _ => None,
+    });
+    let text = copied.expect("text in the clipboard");
+    let count = w.state().state.document.nodes.len();
+    w.event(egui::Event::Paste(text));
+    w.run_steps(2);
+    let made = w.state().state.selection.nodes.clone();
+    assert_eq!((made.len(), w.state().state.document.nodes.len()), (2, count + 2));
+    steps(&w, 1);
+    w.event(egui::Event::Cut);
+    w.run_steps(2);
+    assert_eq!(w.state().state.document.nodes.len(), count);
+    w.event(egui::Event::Paste("just words".into()));
+    w.run_steps(2);
+    assert!(w.state().said[0].contains("nothing was pasted"), "{:?}", w.state().said);
+}
+
+#[test]
+fn flags_are_clicked_on_the_node() {
+    let mut w = window(document("cornrows"));
+    for (name, count) in [("cornrows: display", 0), ("cornrows: bypass", 1)] {
+        let at = place(&w, name);
+        click(&mut w, at, 1);
+        steps(&w, count);
+    }
+    assert_eq!(w.state().state.document.display, Some(id("braid")));
+    assert!(w.state().state.document.nodes["braid"].bypass);
+}
+
+#[test]
+fn a_box_selects_nodes_and_a_click_beside_them_nothing() {
+    let mut w = window(document("cornrows"));
+    let (a, b) = (place(&w, "rows: node"), place(&w, "cornrows: node"));
+    drag(&mut w, &[a - vec2(95.0, 60.0), b + vec2(20.0, 70.0)], Modifiers::NONE);
+    assert_eq!(w.state().state.selection.nodes, ["rows", "braid"].map(id).into());
+    let away = nowhere(&w);
+    click(&mut w, away, 1);
+    assert!(w.state().state.selection.nodes.is_empty());
+    steps(&w, 0);
+}
+
+#[test]
+fn a_frame_moves_with_its_nodes_in_one_step() {
+    let mut w = window(document("cornrows"));
+    let nodes = ["rows", "braid"].map(id).to_vec();
+    w.state_mut().apply(Event::Select(Select::Nodes(nodes)));
+    let desk = w.state_mut();
+    for event in desk.canvas.frame_nodes(&desk.state) {
+        desk.apply(event);
+    }
+    w.run_steps(2);
+    w.event(egui::Event::Text("Front rows".into()));
+    w.run_steps(1);
+    w.key_press(Key::Enter);
+    w.run_steps(3);
+    assert_eq!(w.state().state.document.frames["frame"].text, "Front rows");
+    steps(&w, 2);
+    let before = w.state().state.document.layout.clone();
+    let title = place(&w, "Front rows: frame");
+    drag(&mut w, &[title, title + vec2(40.0, -50.0)], Modifiers::NONE);
+    let after = &w.state().state.document.layout;
+    assert_ne!(after[&id("rows")], before[&id("rows")]);
+    assert_eq!(after[&id("fill")], before[&id("fill")]);
+    steps(&w, 3);
+}
+
+#[test]
+fn the_wheel_zooms_about_the_pointer_within_limits() {
+    let mut w = window(document("cornrows"));
+    let at = place(&w, "hair in the braids: node");
+    let under = w.state().canvas.to_canvas(at);
+    for turns in [6.0, -60.0, 90.0] {
+        w.event(egui::Event::PointerMoved(at));
+        w.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Line,
+            delta: vec2(0.0, turns),
+            phase: egui::TouchPhase::Move,
+            modifiers: Modifiers::NONE,
+        });
+        w.run_steps(30);
+        let canvas = &w.state().canvas;
+        assert!(canvas.to_canvas(at).distance(under) < 1.0, "{:?}", canvas.to_canvas(at));
+        assert!((0.099..=2.001).contains(&canvas.scale()), "{}", canvas.scale());
+    }
+    assert!(w.state().canvas.scale() > 1.9);
+}
+
+#[test]
+fn pictures() {
+    let mut w = window(document("cornrows"));
+    w.render().unwrap().save("/tmp/r/canvas_1.png").unwrap();
+    let mut w2 = window(document("braids"));
+    w2.render().unwrap().save("/tmp/r/canvas_2.png").unwrap();
+    w.state_mut().apply(Event::Select(Select::Nodes(vec![id("rows")])));
+    w.run_steps(2);
+    w.render().unwrap().save("/tmp/r/canvas_3.png").unwrap();
+}

@@ -1,0 +1,182 @@
+//! How the groom is looked at: colours, lights, what is laid over it. Never part of a groom.
+
+use crate::scene::Show;
+use coif_shaders::surface::Tone;
+use coif_shaders::view::View;
+use coif_shaders::{Look, Model, Rig, Transform};
+use serde::{Deserialize, Serialize};
+
+/// Exposures that can be set, stops around the lights' own.
+pub const EXPOSURES: (f32, f32) = (-8.0, 8.0);
+
+/// How the groom is looked at. Every field has a default, so that saved ones may lack any.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Options {
+    /// What is shown, in the words of `coif render --view`.
+    pub show: String,
+    /// What the key for the groom display goes to and comes back from.
+    pub groom: String,
+    /// Name of the lights.
+    pub rig: String,
+    /// Brighter than the lights' own exposure, stops.
+    pub exposure: f32,
+    /// How light is made into what the display is sent.
+    pub transform: String,
+    /// How hair scatters light.
+    pub model: String,
+    /// Skin of the head, 1 to 10 on the Monk scale; 0 is clay.
+    pub skin: u8,
+    /// Whether the head is drawn.
+    pub head: bool,
+    /// Share of the strands that is drawn.
+    pub share: f32,
+    /// How little one sees through hair, 0 to 1.
+    pub opacity: f32,
+    /// How strongly roots darken the skin, 0 to 1.
+    pub scalp_tint: f32,
+    /// Guides are drawn over the picture.
+    pub guides: bool,
+    /// Partings are drawn over the picture.
+    pub partings: bool,
+    /// Roots are drawn over the picture.
+    pub roots: bool,
+    /// Handles of the active node are drawn.
+    pub handles: bool,
+    /// A card tells about the hair under the pointer.
+    pub card: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            show: "hair".to_owned(),
+            groom: "groom".to_owned(),
+            rig: Rig::NAMES[0].to_owned(),
+            exposure: 0.0,
+            transform: Transform::default().name().to_owned(),
+            model: Model::default().name().to_owned(),
+            skin: 5,
+            head: true,
+            share: 1.0,
+            opacity: 1.0,
+            scalp_tint: Look::default().scalp_tint,
+            guides: false,
+            partings: false,
+            roots: false,
+            handles: true,
+            card: true,
+        }
+    }
+}
+
+impl Options {
+    /// What is shown; hair for words that mean nothing.
+    pub fn shown(&self) -> Show {
+        self.show.parse().unwrap_or(Show::Hair(View::Hair))
+    }
+    /// The lights' name as the shaders know it.
+    pub fn rig(&self) -> &'static str {
+        Rig::NAMES.into_iter().find(|name| *name == self.rig).unwrap_or(Rig::NAMES[0])
+    }
+    /// The display transform.
+    pub fn transform(&self) -> Transform {
+        Transform::named(&self.transform).unwrap_or_default()
+    }
+    /// The skin.
+    pub fn tone(&self) -> Tone {
+        match self.skin {
+            0 => Tone::Clay,
+            n => Tone::Monk(n.min(10)),
+        }
+    }
+    /// How hair is drawn.
+    pub fn look(&self) -> Look {
+        let within =
+            |value: f32, low: f32| if value.is_finite() { value.clamp(low, 1.0) } else { 1.0 };
+        Look {
+            model: Model::named(&self.model).unwrap_or_default(),
+            share: within(self.share, 0.001),
+            opacity: within(self.opacity, 0.0),
+            scalp_tint: within(self.scalp_tint, 0.0),
+            ..Look::default()
+        }
+    }
+    /// Goes to the groom display, or back to hair.
+    pub fn toggle_groom(&mut self) {
+        let groom = std::mem::replace(&mut self.groom, self.show.clone());
+        self.show = groom;
+    }
+    /// Changes the exposure by so many stops.
+    pub fn expose(&mut self, stops: f32) {
+        self.exposure = (self.exposure + stops).clamp(EXPOSURES.0, EXPOSURES.1);
+    }
+}
+
+/// What can be shown without attributes: the words, and what menus say. The first is what is shown at first.
+pub const SHOWS: &[(&str, &str)] = &[
+    ("hair", "Hair"),
+    ("groom", "Groom, grey"),
+    ("cluster", "Groom by curve"),
+    ("braid", "Groom by braid"),
+    ("strand", "Groom by strand of the braid"),
+    ("section", "Groom by section"),
+    ("guides", "Guides"),
+    ("clusters", "Clusters as tubes"),
+    ("length", "Length"),
+    ("curvature", "Curvature"),
+    ("density", "Density"),
+    ("cvs", "Points a curve"),
+    ("penetration", "Depth under the skin"),
+    ("parting", "Distance from the parting"),
+    ("width", "Width"),
+    ("u", "Place along the curve"),
+    ("tangent", "Direction"),
+];
+
+/// What menus say of something that is shown.
+pub fn label_of(show: &str) -> &str {
+    SHOWS.iter().find(|(words, _)| *words == show).map_or(show, |(_, label)| label)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_in_menus_means_something_and_defaults_are_among_them() {
+        for (words, _) in SHOWS {
+            let show: Show = words.parse().expect("a view");
+            assert!(!matches!(show, Show::Hair(View::Attribute(_))), "{words}");
+        }
+        let options = Options::default();
+        assert_eq!(options.shown(), Show::Hair(View::Hair));
+        assert_eq!((options.rig(), options.look()), ("studio", Look::default()));
+        assert_eq!(label_of("my_attribute"), "my_attribute");
+    }
+
+    #[test]
+    fn the_groom_display_is_one_key_away_and_back() {
+        let mut options = Options { show: "length".to_owned(), ..Options::default() };
+        options.toggle_groom();
+        assert_eq!(options.show, "groom");
+        options.toggle_groom();
+        assert_eq!(options.show, "length");
+    }
+
+    #[test]
+    fn damaged_options_are_within_bounds() {
+        let options = Options {
+            show: "curvature:x".to_owned(),
+            rig: "disco".to_owned(),
+            share: f32::NAN,
+            opacity: -3.0,
+            skin: 200,
+            ..Options::default()
+        };
+        assert_eq!((options.look().share, options.look().opacity), (1.0, 0.0));
+        assert_eq!((options.tone(), options.rig()), (Tone::Monk(10), "studio"));
+        let read: Options = ron::from_str("(skin: 2)").expect("fields may lack");
+        assert_eq!(read, Options { skin: 2, ..Options::default() });
+    }
+}

@@ -1,0 +1,239 @@
+//! The room from outside: the drawing thread on a small groom, and what hands find on the picture.
+
+use super::drawing::{Drawing, Drawn, Pick, Wanted};
+use super::navigation::orbit;
+use super::projection::Projection;
+use super::*;
+use coif_nodes::data::attributes::{Domain, ID, WIDTH};
+use coif_nodes::data::curves::TuftBuilder;
+use coif_nodes::data::scalp::REGION;
+use coif_nodes::maths::closest::Surface;
+use coif_nodes::maths::hash::Dice;
+use coif_shaders::surface::Tone;
+use coif_shaders::view::View;
+use coif_shaders::{Gpu, Look, Precision, Renderer, Rig, Transform};
+use std::time::Duration;
+
+/// A ball of 6 cm under a few hundred hairs.
+fn wanted() -> Wanted {
+    let dice = Dice::new(7, 1, "room");
+    let mut tuft = TuftBuilder::new();
+    for k in 0..300 {
+        let out = Vec3::new(dice.signed(k, 1), dice.unit(k, 2), dice.signed(k, 3));
+        let out = out.normalize_or(Vec3::Y);
+        tuft.push_curve(&[out * 6.0, out * 8.0, out * 9.0 + Vec3::X]);
+    }
+    tuft.set(ID, Domain::Curve, (1..=300).collect());
+    tuft.set(WIDTH, Domain::Curve, vec![0.1]);
+    Wanted {
+        revision: 1,
+        hair: Curves::new(vec![Arc::new(tuft.build())]),
+        followed: Curves::default(),
+        scalps: vec![Arc::new(ball())],
+        visibility: Default::default(),
+        show: Show::Hair(View::Hair),
+        head: true,
+        tone: Tone::Clay,
+        rig: "flat",
+        exposure: 0.0,
+        transform: Transform::Agx,
+        look: Look::default(),
+        camera: Camera {
+            eye: Vec3::new(0.0, 8.0, 90.0),
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+            focal_mm: PORTRAIT_FOCAL,
+            orthographic: None,
+        },
+        size: [90, 66],
+        samples: 4,
+        moving: false,
+    }
+}
+
+/// A ball of 6 cm, of few triangles.
+fn ball() -> Scalp {
+    let (rows, columns) = (12u32, 16u32);
+    let at = |i: u32, j: u32| {
+        let (a, b) = (
+            std::f32::consts::PI * i as f32 / rows as f32,
+            std::f32::consts::TAU * j as f32 / columns as f32,
+        );
+        6.0 * Vec3::new(a.sin() * b.sin(), a.cos(), a.sin() * b.cos())
+    };
+    let points: Vec<Vec3> = (0..=rows).flat_map(|i| (0..columns).map(move |j| at(i, j))).collect();
+    let mut triangles = vec![];
+    for i in 0..rows {
+        for j in 0..columns {
+            let k = |i: u32, j: u32| i * columns + j % columns;
+            triangles.push([k(i, j), k(i + 1, j), k(i + 1, j + 1)]);
+            triangles.push([k(i, j), k(i + 1, j + 1), k(i, j + 1)]);
+        }
+    }
+    let frame = HeadFrame { radius: 6.0, ..HeadFrame::IDENTITY };
+    let region = [(REGION.to_owned(), vec![1.0; points.len()])].into();
+    Scalp::new(Surface::new(points, triangles), None, frame, region)
+}
+
+/// A thread that draws; says so where nothing can draw.
+fn drawing(test: &str) -> Option<Drawing> {
+    if let Err(err) = Gpu::new(Precision::Best) {
+        println!("skipped: {test} {err}");
+        return None;
+    }
+    Some(Drawing::start(|| {}).expect("a thread"))
+}
+
+/// All pictures until the thread rests.
+fn pictures(drawing: &Drawing) -> Vec<Drawn> {
+    let began = Instant::now();
+    let mut all = vec![];
+    while !drawing.is_idle() {
+        all.extend(drawing.take());
+        assert!(began.elapsed() < Duration::from_secs(60), "it comes to rest");
+        assert_eq!(drawing.fault(), None);
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    all
+}
+
+#[test]
+fn samples_rise_to_the_picture_that_the_command_line_makes() {
+    let Some(mut drawing) = drawing("samples_rise_to_the_picture") else { return };
+    let wanted = wanted();
+    drawing.ask(wanted.clone());
+    let all = pictures(&drawing);
+    let at_rest: Vec<u32> = all.iter().filter(|d| !d.rough).map(|d| d.samples).collect();
+    assert!(at_rest.windows(2).all(|pair| pair[0] < pair[1]), "{at_rest:?}");
+    let last = all.last().expect("a picture");
+    assert_eq!((last.samples, last.of, last.wide, last.rough), (4, 4, 1, false));
+    assert_eq!(last.image.size, [90, 66]);
+    // The same by the ways of `coif render`.
+    let gpu = Arc::new(Gpu::new(Precision::Best).expect("an adapter"));
+    let mut renderer = Renderer::new(gpu, 90, 66).expect("a small picture");
+    renderer.set_look(&wanted.look);
+    renderer.set_rig(&Rig::named("flat").expect("a rig"));
+    renderer.set_solids(crate::scene::heads(&wanted.scalps, wanted.tone));
+    let dressed = crate::scene::Dressed::of(&wanted.show, &wanted.hair, &wanted.followed, None)
+        .expect("hair");
+    renderer.set_roots(dressed.roots);
+    renderer.set_hair(&dressed.drawn, &dressed.paint);
+    renderer.set_camera(&wanted.camera);
+    assert!(renderer.render(4, &|_| false));
+    let exposure = Rig::named("flat").expect("a rig").exposure;
+    let theirs = renderer.picture().encoded(Transform::Agx, exposure);
+    let ours: Vec<u8> = last.image.pixels.iter().flat_map(|c| c.to_array()).collect();
+    assert_eq!(ours.len(), theirs.len());
+    assert!(ours.iter().zip(&theirs).all(|(a, b)| a.abs_diff(*b) <= 1));
+    assert!(ours.iter().any(|b| *b > 120) && ours.chunks(4).any(|c| c[0] < 90));
+    // Asking for the same again draws nothing; asking for more samples goes on.
+    drawing.ask(wanted.clone());
+    assert!(pictures(&drawing).is_empty());
+    drawing.ask(Wanted { samples: 8, ..wanted });
+    let more: Vec<u32> = pictures(&drawing).iter().map(|d| d.samples).collect();
+    assert_eq!(more, [8]);
+}
+
+#[test]
+fn the_newest_scene_wins_and_what_was_ended_is_never_shown() {
+    let Some(mut drawing) = drawing("the_newest_scene_wins") else { return };
+    let first = Wanted { samples: 512, ..wanted() };
+    drawing.ask(first.clone());
+    let began = Instant::now();
+    // The first scene is being refined, which takes long.
+    while drawing.take().is_none() {
+        assert!(began.elapsed() < Duration::from_secs(60));
+    }
+    let turned = |k: u32| {
+        let camera = orbit(&first.camera, Vec3::ZERO, Vec3::Y, 10.0 * k as f32, 0.0);
+        Wanted { revision: 1 + u64::from(k), camera, samples: 2, ..first.clone() }
+    };
+    (1..=9).for_each(|k| drawing.ask(turned(k)));
+    let asked = Instant::now();
+    let all = pictures(&drawing);
+    assert!(asked.elapsed() < Duration::from_secs(20), "nobody waits for 512 samples");
+    let last = all.last().expect("a picture");
+    assert_eq!((last.wanted.revision, last.samples), (10, 2));
+    assert_eq!(last.wanted.camera, turned(9).camera);
+    let revisions: Vec<u64> = all.iter().map(|d| d.wanted.revision).collect();
+    assert!(
+        revisions.is_sorted() && revisions.iter().all(|r| [1, 2, 10].contains(r)),
+        "{revisions:?}"
+    );
+    assert!(all.iter().all(|d| d.wanted.revision != 1 || d.samples < 512));
+}
+
+#[test]
+fn while_something_moves_pictures_come_and_rest_follows() {
+    let Some(mut drawing) = drawing("while_something_moves_pictures_come") else { return };
+    let still = wanted();
+    let mut seen = vec![];
+    for k in 0..40 {
+        let camera = orbit(&still.camera, Vec3::ZERO, Vec3::Y, k as f32, 0.0);
+        drawing.ask(Wanted { camera, moving: true, ..still.clone() });
+        std::thread::sleep(Duration::from_millis(16));
+        seen.extend(drawing.take());
+    }
+    let began = Instant::now();
+    while seen.is_empty() && began.elapsed() < Duration::from_secs(30) {
+        seen.extend(drawing.take());
+    }
+    assert!(!seen.is_empty() && seen.iter().all(|d| d.rough), "rough pictures come while it moves");
+    drawing.ask(still.clone());
+    let rest = pictures(&drawing);
+    let last = rest.last().expect("a picture");
+    assert!(!last.rough && last.samples == 4 && last.wanted.camera == still.camera);
+}
+
+#[test]
+fn what_lies_under_the_pointer_is_hair_or_skin_or_nothing() {
+    let Some(mut drawing) = drawing("what_lies_under_the_pointer") else { return };
+    let wanted = wanted();
+    drawing.ask(wanted.clone());
+    pictures(&drawing);
+    let rect = Rect::from_min_size(Pos2::ZERO, Vec2::new(90.0, 66.0));
+    let view = Projection::new(wanted.camera, rect);
+    let ask = |at: Pos2| {
+        let number = (at.x * 1e3 + at.y) as u64 + 1;
+        let part = at.to_vec2() / rect.size();
+        let ray = view.ray(at);
+        drawing.pick(Pick { number, at: [part.x, part.y], ray, camera: wanted.camera });
+        let began = Instant::now();
+        loop {
+            if let Some(picked) = drawing.picked().filter(|picked| picked.number == number) {
+                return picked;
+            }
+            assert!(began.elapsed() < Duration::from_secs(30), "an answer comes");
+        }
+    };
+    let tuft = wanted.hair.tufts()[0].clone();
+    let (mut right, mut found) = (0, 0);
+    for curve in (0..300).step_by(7) {
+        let tip = tuft.curve(curve)[1];
+        let Some(at) = view.screen(tip).filter(|at| rect.contains(*at)) else { continue };
+        let picked = ask(at);
+        if let Some(hair) = &picked.hair {
+            found += 1;
+            let seen = view.screen(hair.place).expect("it is before the eye");
+            right += usize::from(seen.distance(at) < 14.0 && hair.id() == tuft.id(hair.curve));
+        }
+    }
+    assert!(found > 10 && right == found, "{right} of {found}");
+    let skin = ask(view.screen(Vec3::new(0.0, -1.0, 6.0)).expect("before the eye"));
+    let hit = skin.skin.expect("the ball is there");
+    assert!((hit.point.length() - 6.0).abs() < 0.3 && hit.point.z > 4.0);
+    let nothing = ask(Pos2::new(1.0, 1.0));
+    assert!(nothing.hair.is_none() && nothing.skin.is_none() && nothing.place().is_none());
+}
+
+#[test]
+fn pictures_are_of_the_windows_size_but_never_too_large() {
+    let check = |size: [f32; 2], per_point: f32, expected: [u32; 2]| {
+        assert_eq!(pixels(Vec2::from(size), per_point), expected);
+    };
+    check([900.0, 600.0], 1.0, [900, 600]);
+    check([900.0, 600.0], 2.0, [1800, 1200]);
+    check([0.0, 5.0], 1.0, [1, 5]);
+    let [w, h] = pixels(Vec2::new(3840.0, 2160.0), 2.0);
+    assert!(w <= 4096 && w * h <= 6_010_000 && (w as f32 / h as f32 - 16.0 / 9.0).abs() < 0.01);
+}
