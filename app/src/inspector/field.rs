@@ -126,7 +126,7 @@ impl FieldEditor<'_> {
             Field::Constant(x) => {
                 let x = f64::from(*x);
                 let (name, scale) = (self.name, self.scale);
-                let field = NumberField { name, value: Some(x), instead: None, scale };
+                let field = NumberField { name, value: Some(x), instead: None, unset: None, scale };
                 let (to, how) = match field.show(ui, width).1? {
                     Done::Dragged(to) => (to, How::Drag),
                     Done::Typed(entry) => (self.scale.clamp(entry.apply(x)).0, How::Once),

@@ -233,7 +233,8 @@ fn numbers(ui: &mut Ui, name: &str, section: &Section, width: f32) -> Option<(Se
         let scale = Scale::new(unit, Some(hard), Some(hard), whole);
         let name = format!("{name} {what}");
         let x = f64::from(x);
-        let field = NumberField { name: &name, value: Some(x), instead: None, scale: &scale };
+        let field =
+            NumberField { name: &name, value: Some(x), instead: None, unset: None, scale: &scale };
         let (response, done) = field.show(ui, width);
         let range = scale.range(hard);
         response.on_hover_text(format!("{}, {range}", spoken(what)));

@@ -339,6 +339,14 @@ fn stops_of_ramps_are_added_moved_and_removed() {
     hands.key_press(Key::Delete);
     hands.run_steps(3);
     assert_eq!(ramp(&hands).stops().len(), 2);
+    // Text is pasted into the plot that has the keyboard; values stay in range.
+    hands.event(egui::Event::Paste("Linear([(0.0, 0.5), (0.5, 0.25), (1.0, 1.0)])".into()));
+    hands.run_steps(3);
+    assert_eq!(ramp(&hands).at(0.5), 0.25);
+    hands.event(egui::Event::Paste("Linear([(0, 0), (1, 1)])".into()));
+    hands.event(egui::Event::Paste("no ramp".into()));
+    hands.run_steps(3);
+    assert_eq!(ramp(&hands).stops().len(), 2);
     // Blending and shapes.
     hands.get_by_label("Profile blending").click();
     hands.run_steps(3);
