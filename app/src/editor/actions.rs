@@ -34,7 +34,7 @@ pub const MENUS: &[&str] = &["File", "Edit", "Node", "View", "Pen", "Window", "H
 
 /// The parts of the table, room by room.
 const PARTS: &[&[&[Action]]] = &[
-    &[ACTIONS],
+    &[super::documents::actions::ACTIONS, ACTIONS],
     crate::canvas::ACTIONS,
     &[crate::viewport::actions::ACTIONS, crate::pen::actions::ACTIONS],
 ];
@@ -92,6 +92,15 @@ const ACTIONS: &[Action] = &[
             }
         },
         run: |editor| editor.apply(Event::Redo),
+    },
+    Action {
+        id: "edit.settings",
+        label: "Settings…",
+        tip: "Scale, contrast, evaluation, navigation, saving.",
+        words: "preferences options configure theme zoom autosave",
+        menu: "Edit",
+        when: always,
+        run: |editor| editor.settings_panel.is_open = !editor.settings_panel.is_open,
     },
     Action {
         id: "evaluate.stop",

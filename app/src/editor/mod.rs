@@ -7,11 +7,14 @@
 //! groom's hash.
 
 pub mod actions;
+pub mod documents;
 pub mod evaluation;
 pub mod event;
+mod history;
 pub mod keys;
 pub mod lineage;
 mod menus;
+pub mod messages;
 pub mod notes;
 mod outliner;
 mod palette;
@@ -28,14 +31,18 @@ use crate::inspector::Inspector;
 use crate::pen::Pen;
 use crate::viewport::Viewport;
 use coif_graphs::document::edit::Edit;
+use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::cache::usual_budget;
 use coif_graphs::{file, grooms};
 use coif_nodes::eval::Quality;
+use documents::Documents;
+use documents::places::Places;
 use egui_dock::{DockArea, DockState};
 use evaluation::{Evaluation, Finished, Request, Trace, first_output};
 use event::Event;
 use keys::Keys;
+use messages::Messages;
 use notes::Note;
 use outliner::Outliner;
 use palette::Palette;
@@ -55,6 +62,10 @@ const SLOW_MS: f64 = 250.0;
 pub struct Editor {
     /// What it knows.
     pub state: State,
+    /// Documents as files.
+    pub documents: Documents,
+    messages: Messages,
+    pub(crate) settings_panel: settings::Panel,
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
@@ -107,6 +118,9 @@ impl Editor {
         });
         Self {
             state,
+            documents: Documents::new(ctx),
+            messages: Messages::default(),
+            settings_panel: settings::Panel::default(),
             keys,
             palette: Palette::default(),
             key_sheet: false,
@@ -150,6 +164,7 @@ impl Editor {
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         self.now = ctx.input(|input| input.time);
+        documents::before(self, &ctx);
         if let Some(finished) = self.evaluation.as_ref().and_then(Evaluation::take) {
             self.finished(finished);
         }
@@ -162,13 +177,14 @@ impl Editor {
         if let Some(action) = palette::ui(self, &ctx) {
             self.act(action);
         }
-        if !self.palette.is_open() {
+        if !self.palette.is_open() && !self.documents.takes_keys() {
             for action in self.keys.pressed(&ctx, self.state.focus) {
                 self.act(action);
             }
         }
         menus::bar(self, ui);
         menus::status(self, ui);
+        documents::panels(self, ui);
         let mut events = vec![];
         let mut dock = std::mem::replace(&mut self.dock, DockState::new(vec![]));
         let mut tabs = Tabs { editor: self, out: &mut events };
@@ -180,6 +196,7 @@ impl Editor {
                 .show_inside(ui, &mut tabs);
         });
         self.dock = dock;
+        self.settings_panel.ui(&self.state.settings, &self.keys, &ctx, &mut events);
         if self.key_sheet {
             menus::key_sheet(self, &ctx);
         }
@@ -187,6 +204,7 @@ impl Editor {
         for event in events {
             self.apply(event);
         }
+        documents::after(self, &ctx);
         self.evaluate();
         if self.state.run.since.is_some() {
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
@@ -274,12 +292,28 @@ impl Editor {
                     evaluation.stop();
                 }
             }
+            Event::Documents(event) => self.apply_to_file(event),
             Event::Focus(room) => state.focus = room,
             Event::Show(room) => {
                 rooms::show(&mut self.dock, room);
                 state.focus = room;
             }
         }
+    }
+
+    /// Another document takes the place of this one. The last picture stays until there is one of it.
+    pub(crate) fn replace(&mut self, document: Document, file: OpenFile, history: History) {
+        let state = &mut self.state;
+        let new = State::new(document, file, state.settings.clone());
+        let old = std::mem::replace(state, new);
+        state.history = history;
+        state.revision = old.revision + 1;
+        state.changes = old.changes + 1;
+        (state.shown, state.run) = (old.shown, old.run);
+        (state.notes, state.focus) = (old.notes, old.focus);
+        // Also where evaluation waits for a key, a new document is seen.
+        self.asked = None;
+        self.last_final_ms = 0.0;
     }
 
     fn edit(&mut self, edit: &Edit, nudge: bool) {
@@ -427,8 +461,9 @@ impl egui_dock::TabViewer for Tabs<'_> {
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
         }
-        let Editor { state, viewport, pen, canvas, inspector, spreadsheet, outliner, .. } =
-            &mut *self.editor;
+        let Editor {
+            state, viewport, pen, canvas, inspector, spreadsheet, outliner, messages, ..
+        } = &mut *self.editor;
         match room {
             Room::Viewport => {
                 pen.bar(state, ui, self.out);
@@ -441,7 +476,8 @@ impl egui_dock::TabViewer for Tabs<'_> {
             Room::Inspector => inspector.ui(state, ui, self.out),
             Room::Outliner => outliner.ui(state, ui, self.out),
             Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),
-            _ => {}
+            Room::Messages => messages.ui(state, ui, self.out),
+            Room::History => history::ui(state, ui, self.out),
         }
     }
     fn scroll_bars(&self, _: &Room) -> [bool; 2] {
@@ -449,11 +485,12 @@ impl egui_dock::TabViewer for Tabs<'_> {
     }
 }
 
-/// Opens the window on a groom and returns when it is closed.
+/// Opens the window on a groom and returns when it is closed. `greets`: with the welcome panel, unless somebody does not want
+/// it.
 ///
 /// # Errors
 /// When there is no display or nothing can draw on it.
-pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
+pub fn run(document: Document, file: OpenFile, greets: bool) -> Result<(), String> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("coif")
@@ -471,6 +508,10 @@ pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
             let mut editor = Editor::new(&cc.egui_ctx, document, file);
             editor.viewport.start(&cc.egui_ctx);
             editor.pen.devices.connect(cc, &cc.egui_ctx);
+            editor.keep_in(&cc.egui_ctx, Places::here());
+            if greets {
+                editor.greet();
+            }
             Ok(Box::new(Window { editor }))
         }),
     )
