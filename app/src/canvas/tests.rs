@@ -512,7 +512,7 @@ fn three_hundred_nodes_take_little_of_a_frame() {
     let mut canvas = Canvas::default();
     let ctx = egui::Context::default();
     let size = vec2(1440.0, 900.0);
-    let mut frame = |canvas: &mut Canvas| {
+    let frame = |canvas: &mut Canvas| {
         let input = egui::RawInput {
             screen_rect: Some(Rect::from_min_size(Pos2::ZERO, size)),
             events: vec![egui::Event::PointerMoved(pos2(700.0, 500.0))],
@@ -544,37 +544,49 @@ fn three_hundred_nodes_take_little_of_a_frame() {
     }
 }
 
+/// Pictures for eyes: `COIF_PICTURES=folder cargo test -p coif --lib canvas::tests::pictures`.
 #[test]
 fn pictures() {
-    if std::env::var_os("CANVAS_PICTURES").is_none() {
+    let Some(folder) = std::env::var_os("COIF_PICTURES").map(std::path::PathBuf::from) else {
         return;
-    }
+    };
+    let file = |name: &str| folder.join(format!("canvas_{name}.png"));
     let mut w = window(document("cornrows"));
     w.state_mut().apply(Event::Select(Select::Nodes(vec![id("rows")])));
-    let (from, to) =
-        (place(&w, "rows: curves output"), place(&w, "hair in the braids: scalp input"));
+    let from = place(&w, "rows: curves output");
+    let to = place(&w, "hair in the braids: scalp input");
     hold(&mut w, &[from, to], Modifiers::NONE);
-    w.render().unwrap().save("/tmp/r/canvas_1.png").unwrap();
-    for kind in std::env::var("CANVAS_PICTURES").unwrap().split(',') {
-        let mut ui = editor(document(kind));
-        let began = std::time::Instant::now();
-        while !ui.state().is_idle() && began.elapsed().as_secs() < 90 {
-            ui.step();
-            std::thread::sleep(std::time::Duration::from_millis(20));
-        }
-        ui.state_mut().apply(Event::Select(Select::Nodes(vec![id("head")])));
-        let all = ["node.bypass", "canvas.add"];
-        let active = ui.state().state.document.nodes.keys().nth(1).unwrap().clone();
-        ui.state_mut().apply(Event::Select(Select::Nodes(vec![active])));
-        for action in all {
-            ui.state_mut().act(action);
-        }
-        ui.run_steps(4);
-        while !ui.state().is_idle() && began.elapsed().as_secs() < 90 {
-            ui.step();
-            std::thread::sleep(std::time::Duration::from_millis(20));
-        }
-        ui.run_steps(4);
-        ui.render().unwrap().save(format!("/tmp/r/canvas_{kind}.png")).unwrap();
+    w.render().unwrap().save(file("refused")).unwrap();
+    let mut w = window(document("braids"));
+    let names: Vec<NodeId> = w.state().state.document.nodes.keys().cloned().collect();
+    w.state_mut().apply(Event::Select(Select::Nodes(names[..3].to_vec())));
+    let desk = w.state_mut();
+    let said = [Canvas::frame_nodes, Canvas::collapse].map(|f| f(&mut desk.canvas, &desk.state));
+    said.into_iter().flatten().for_each(|event| desk.apply(event));
+    desk.canvas.memory.naming = None;
+    desk.apply(Event::Select(Select::Nodes(vec![names[5].clone()])));
+    let said = [Canvas::bypass, Canvas::display, Canvas::pin].map(|f| f(&mut desk.canvas, &desk.state));
+    said.into_iter().flatten().for_each(|event| desk.apply(event));
+    let links: Vec<Socket> = desk.state.document.links.keys().cloned().collect();
+    let source = links.iter().find(|to| &*to.name == "source").unwrap();
+    desk.apply(Event::Edit(edits::cut([Wire { to: source.clone(), at: 0 }])));
+    w.run_steps(3);
+    w.render().unwrap().save(file("marks")).unwrap();
+    let mut w = sized(many(300), vec2(1280.0, 800.0));
+    w.render().unwrap().save(file("far")).unwrap();
+    let view = &mut w.state_mut().canvas.view;
+    view.scene_rect = Rect::from_center_size(view.scene_rect.center(), vec2(1280.0, 800.0));
+    w.run_steps(3);
+    w.render().unwrap().save(file("near")).unwrap();
+    let mut ui = editor(document("cornrows"));
+    crate::editor::theme::apply(&ui.ctx, false);
+    let began = std::time::Instant::now();
+    while !ui.state().is_idle() && began.elapsed().as_secs() < 90 {
+        ui.step();
+        std::thread::sleep(std::time::Duration::from_millis(20));
     }
+    ui.state_mut().apply(Event::Select(Select::Nodes(vec![id("braid")])));
+    ui.state_mut().act("canvas.add");
+    ui.run_steps(4);
+    ui.render().unwrap().save(file("editor")).unwrap();
 }
