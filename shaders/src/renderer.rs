@@ -109,7 +109,7 @@ impl Effort {
     fn voxels(self) -> f32 {
         match self {
             Self::Still => 96.0,
-            Self::Moving => 36.0,
+            Self::Moving => 28.0,
         }
     }
     /// Texels across an opacity map.
@@ -124,6 +124,13 @@ impl Effort {
         match self {
             Self::Still => OPACITY_VISITS,
             Self::Moving => OPACITY_VISITS / 4.0,
+        }
+    }
+    /// Points of hair that shadows are made from at most.
+    fn shadowing(self) -> f32 {
+        match self {
+            Self::Still => f32::INFINITY,
+            Self::Moving => 60_000.0,
         }
     }
     /// Places of an opacity map that one look reads.
@@ -873,6 +880,7 @@ impl Renderer {
             let over = (self.strands.length() / texel / self.effort.visits()).max(1e-9);
             self.opacity_stride = over.clamp(1.0, 2.0) as u32;
             let share = (f64::from(self.opacity_stride) / over).clamp(0.125, 1.0) as f32;
+            let share = share.min(self.effort.shadowing() / self.strands.points().max(1) as f32);
             self.shadowing = self.strands.blocks(&self.gpu, share);
             let shell = solid_voxels(&self.solid_meshes, low, cell, size);
             self.grid = Grid::new(&self.gpu, &self.layouts, size, &shell);

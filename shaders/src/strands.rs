@@ -153,6 +153,11 @@ impl Strands {
         self.slots.iter().map(|slot| slot.length).sum()
     }
 
+    /// Points of all curves, drawn or not.
+    pub(crate) fn points(&self) -> usize {
+        self.slots.iter().map(|slot| slot.tuft.points().len()).sum()
+    }
+
     /// Puts these curves, and no others, on the GPU.
     pub(crate) fn set(&mut self, gpu: &Gpu, curves: &Curves, paint: &Paint) -> Uploaded {
         let mut uploaded = Uploaded::default();

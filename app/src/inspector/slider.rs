@@ -32,8 +32,10 @@ pub(crate) struct NumberField<'a> {
     pub(crate) name: &'a str,
     /// The number; none when it is not set.
     pub(crate) value: Option<f64>,
-    /// What is shown when it is not set, or instead of the number where several nodes differ.
+    /// What is shown instead of the number, where several nodes differ.
     pub(crate) instead: Option<&'a str>,
+    /// What is shown when it is not set.
+    pub(crate) unset: Option<&'a str>,
     /// How it is shown and limited.
     pub(crate) scale: &'a Scale,
 }
@@ -57,7 +59,8 @@ impl NumberField<'_> {
     /// Shows the field as wide as `width`.
     pub(crate) fn show(self, ui: &mut Ui, width: f32) -> (Response, Option<Done>) {
         let size = Vec2::new(width, ui.spacing().interact_size.y);
-        let id = ui.next_auto_id();
+        // By name and not by order: what appears above must not end a drag.
+        let id = ui.id().with(self.name);
         ui.memory_mut(|memory| memory.interested_in_focus(id, ui.layer_id()));
         let (response, mut done) = if ui.memory(|memory| memory.has_focus(id)) {
             self.typed(ui, id, size)
@@ -103,7 +106,7 @@ impl NumberField<'_> {
         match (self.instead, self.value) {
             (Some(instead), _) => instead.to_owned(),
             (None, Some(x)) => self.scale.text(x),
-            (None, None) => "unset".to_owned(),
+            (None, None) => self.unset.unwrap_or("unset").to_owned(),
         }
     }
 
@@ -125,6 +128,7 @@ impl NumberField<'_> {
             TextEdit::singleline(&mut typing.text)
                 .id(id)
                 .margin(egui::Margin::symmetric(6, 2))
+                .horizontal_align(egui::Align::Max)
                 .vertical_align(egui::Align::Center)
                 .font(FontSelection::from(TextStyle::Body)),
         );
@@ -156,7 +160,8 @@ impl NumberField<'_> {
     }
 
     fn dragged(&self, ui: &mut Ui, id: Id, size: Vec2) -> (Response, Option<Done>) {
-        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+        let response = ui.interact(rect, id, Sense::click_and_drag());
         let response = response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
         self.paint(ui, rect, &response);
         let modifiers = ui.input(|input| input.modifiers);
@@ -238,8 +243,8 @@ impl NumberField<'_> {
         painter.rect_stroke(rect, rounding, Stroke::new(1.0, line), StrokeKind::Inside);
         let quiet = self.value.is_none() || self.instead.is_some();
         painter.text(
-            pos2(rect.left() + 7.0, rect.center().y),
-            Align2::LEFT_CENTER,
+            pos2(rect.right() - 7.0, rect.center().y),
+            Align2::RIGHT_CENTER,
             self.text(),
             TextStyle::Body.resolve(ui.style()),
             if quiet { theme::QUIET } else { theme::TEXT },

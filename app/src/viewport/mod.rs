@@ -23,6 +23,7 @@ use crate::editor::event::Event;
 use crate::editor::rooms::Room;
 use crate::editor::state::{Select, State};
 use crate::feeders::feeders;
+use crate::pen::Holds;
 use crate::scene::Show;
 use coif_graphs::document::Socket;
 use coif_nodes::data::curves::Curves;
@@ -58,6 +59,8 @@ pub struct Viewport {
     pub options: Options,
     /// What pictures cost, for the status line and tests.
     pub stats: DrawStats,
+    /// What the pen has hold of, and is left alone here.
+    pub pen: Holds,
     camera: Camera,
     views: Views,
     /// Whether the eye was put somewhere for this groom.
@@ -67,6 +70,7 @@ pub struct Viewport {
     fault: Option<String>,
     on_screen: Option<OnScreen>,
     rect: Rect,
+    hovered: bool,
     drag: Option<(PointerButton, Drag)>,
     /// The view counts as moving until then, and came to rest when that is over.
     moves_until: Option<f64>,
@@ -142,6 +146,8 @@ impl Default for Viewport {
         Self {
             options: Options::default(),
             stats: DrawStats::default(),
+            pen: Holds::default(),
+            hovered: false,
             camera: Camera {
                 eye: Vec3::new(0.0, 4.0, 110.0),
                 target: Vec3::new(0.0, 2.0, 0.0),
@@ -206,6 +212,11 @@ impl Viewport {
         )
     }
 
+    /// Whether the pointer is over the picture itself and no widget on it, or drags it.
+    pub fn is_hovered(&self) -> bool {
+        self.hovered
+    }
+
     /// Whether the pointer moves the eye now, and nothing else.
     pub fn is_navigating(&self) -> bool {
         self.drag.is_some()
@@ -246,6 +257,7 @@ impl Viewport {
         response.widget_info(|| {
             egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "Picture of the groom")
         });
+        self.hovered = response.hovered() || response.dragged();
         self.frame_first(state);
         self.take_framing();
         self.take_picture(ui.ctx());
@@ -426,9 +438,13 @@ impl Viewport {
         let keys = ui.input(|input| input.modifiers);
         let settings = &state.settings;
         for button in [PointerButton::Primary, PointerButton::Middle, PointerButton::Secondary] {
+            // The other buttons of a pen are on its barrel.
+            let barrel = self.pen.near && button != PointerButton::Primary;
+            let motion =
+                || input::motion(settings.navigation, settings.trackball, button, keys, space);
+            let barrel = barrel.then(|| input::barrel_motion(settings.trackball, keys));
             if response.drag_started_by(button)
-                && let Some(motion) =
-                    input::motion(settings.navigation, settings.trackball, button, keys, space)
+                && let Some(motion) = motion().or(barrel)
             {
                 self.begin_motion(state, motion, button, ui);
             }
@@ -447,7 +463,7 @@ impl Viewport {
                 self.views.rest(&self.camera);
             }
         }
-        if response.hovered() && self.drag.is_none() {
+        if response.hovered() && self.drag.is_none() && !self.pen.wheel {
             self.wheel(state, ui, now);
             let pressed = |button| ui.input(|input| input.pointer.button_pressed(button));
             for (button, action) in
@@ -504,14 +520,17 @@ impl Viewport {
         if !self.framed {
             return;
         }
+        let show = self.options.shown();
+        let followed = self.followed(state, shown);
         let moving = state.gesture || self.drag.is_some() || self.moves_until.is_some();
         let wanted = Wanted {
             revision: shown.revision,
             hair: shown.curves.clone(),
-            followed: self.followed(state, shown),
+            // Lines over the picture are none of the picture.
+            followed: if matches!(show, Show::Hair(_)) { Curves::default() } else { followed },
             scalps: shown.scalps.clone(),
             visibility: state.visibility.clone(),
-            show: self.options.shown(),
+            show,
             head: self.options.head,
             tone: self.options.tone(),
             rig: self.options.rig(),
@@ -596,7 +615,8 @@ impl Viewport {
     }
 
     fn hover(&mut self, state: &State, ui: &egui::Ui, response: &Response, out: &mut Vec<Event>) {
-        let at = response.hover_pos().filter(|_| response.hovered() && self.drag.is_none());
+        let free = response.hovered() && self.drag.is_none() && !self.pen.pointer;
+        let at = response.hover_pos().filter(|_| free);
         let Some(at) = at else {
             self.under = None;
             return;

@@ -1,6 +1,6 @@
 //! Lines and dots over the picture: selected curves, guides, partings and roots.
 //!
-//! What is behind the skull is drawn dimmed. Partings and roots are found on a thread beside the window, for there may be
+//! Curves behind the skull are drawn dimmed, what lies on its far side is not. Partings and roots are found on a thread beside the window, for there may be
 //! very many; everything is found once an evaluation. Not guaranteed: that hair before a line hides it; a line that hair hid
 //! would be of little use.
 
@@ -83,7 +83,9 @@ impl Overlay {
                     lines.roots.iter().for_each(|p| draw.dot(*p, ROOT));
                 }
                 if options.partings {
-                    lines.partings.iter().for_each(|line| draw.line(line, 1.5, PARTING));
+                    let seen = |line: &&[Vec3; 2]| !draw.hidden(line[0]);
+                    let seen = lines.partings.iter().filter(seen);
+                    seen.for_each(|line| draw.line(line, 1.5, PARTING));
                 }
             }
         }

@@ -6,7 +6,7 @@
 
 use super::drawing::{Drawn, Ends, HairHit, Pick, Picked, Wanted};
 use super::select::visible;
-use crate::scene::{Dressed, heads};
+use crate::scene::{Dressed, Show, heads};
 use coif_nodes::data::curves::Curves;
 use coif_shaders::surface::Solid;
 use coif_shaders::view::{Legend, Paint};
@@ -117,7 +117,11 @@ impl Painter {
     fn dress(&mut self, wanted: &Wanted, new_heads: bool, new_show: bool) {
         let hair = visible(&wanted.hair, &wanted.visibility);
         let scalp = wanted.scalps.first().map(|s| &**s);
-        let dressed = Dressed::of(&wanted.show, &hair, &wanted.followed, scalp);
+        let follows = !matches!(wanted.show, Show::Hair(_));
+        let dressed = match follows && wanted.followed.curve_count() == 0 {
+            true => Err("no curves that this hair follows are known".to_owned()),
+            false => Dressed::of(&wanted.show, &hair, &wanted.followed, scalp),
+        };
         self.notice = dressed.as_ref().err().cloned();
         let dressed = dressed.unwrap_or_else(|_| Dressed {
             drawn: hair.clone(),

@@ -1,0 +1,188 @@
+//! Writing hair and pictures from the window: the same code and the same bytes as `coif eval` and `coif render`, beside
+//! the window.
+//!
+//! A snapshot of the document is evaluated on threads of its own, so editing goes on. Stopped or failed, no file is
+//! touched.
+
+use crate::cli::eval::write_files;
+use crate::cli::extension_of;
+use crate::cli::groom::{Opened, Stop};
+use crate::cli::progress::Tell;
+use crate::cli::render::draw_open;
+use crate::cli::report::Report;
+use coif_graphs::document::Document;
+use coif_graphs::schedule::run::{CancelToken, Progress};
+use coif_nodes::eval::Quality;
+use coif_nodes::formats::export::Format;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// An export that goes on.
+pub(crate) struct Export {
+    /// The file.
+    pub(crate) path: PathBuf,
+    cancel: CancelToken,
+    shared: Arc<Mutex<Going>>,
+}
+
+/// What is written.
+#[derive(Clone, Debug)]
+pub(crate) enum Content {
+    /// All hair.
+    Hair,
+    /// A picture: the words of `coif render` but for graph and file.
+    Picture(Vec<String>),
+}
+
+/// How far an export is.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Going {
+    /// What it does now.
+    pub(crate) doing: String,
+    /// Nodes or samples that are done, of all.
+    pub(crate) done: (usize, usize),
+    ended: Option<Ended>,
+}
+
+/// How an export ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Ended {
+    /// What was written, in words, and what was warned of.
+    Done(String, Vec<String>),
+    /// Nothing was written, because of these.
+    Failed(Vec<String>),
+    /// Nothing was written, because somebody stopped it.
+    Stopped,
+}
+
+impl Export {
+    /// Begins to write a document's hair or a picture of it to a file whose ending says how. `wake` is called when there is
+    /// something new.
+    ///
+    /// # Errors
+    /// When there are no threads.
+    pub(crate) fn start(
+        content: Content,
+        document: Document,
+        folder: PathBuf,
+        path: PathBuf,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> Result<Self, String> {
+        let cancel = CancelToken::default();
+        let shared: Arc<Mutex<Going>> = Arc::default();
+        let export = Self { path: path.clone(), cancel: cancel.clone(), shared: shared.clone() };
+        std::thread::Builder::new()
+            .name("export".to_owned())
+            .spawn(move || {
+                let told = Told { shared: &shared, wake: &wake };
+                let mut report = Report::new(path.display().to_string());
+                // What is told of the graph is told of the open one; the file is named where it is meant.
+                let carried_out =
+                    Opened::of(document, folder, "export".to_owned()).and_then(|opened| {
+                        match &content {
+                            Content::Hair => hair(&opened, &path, &cancel, &told, &mut report),
+                            Content::Picture(words) => {
+                                let out = ["graph".to_owned(), "--out".to_owned()];
+                                let out = out.into_iter().chain([path.display().to_string()]);
+                                let words: Vec<String> = out.chain(words.iter().cloned()).collect();
+                                draw_open(&words, &opened, &cancel, &told, &mut report)
+                            }
+                        }
+                    });
+                let ended = match carried_out {
+                    Ok(()) => Ended::Done(said(&path, &report), report.warnings),
+                    Err(stop) if stop.is_interruption() => Ended::Stopped,
+                    Err(stop) => Ended::Failed(stop.lines().to_vec()),
+                };
+                told.change(|going| going.ended = Some(ended));
+            })
+            .map_err(|err| err.to_string())?;
+        Ok(export)
+    }
+
+    /// Asks it to stop.
+    pub(crate) fn stop(&self) {
+        self.cancel.cancel();
+    }
+
+    /// How far it is.
+    pub(crate) fn going(&self) -> Going {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// How it ended, if it has.
+    pub(crate) fn ended(&self) -> Option<Ended> {
+        self.going().ended
+    }
+}
+
+fn hair(
+    opened: &Opened,
+    path: &Path,
+    cancel: &CancelToken,
+    told: &Told,
+    report: &mut Report,
+) -> Result<(), Stop> {
+    let format = Format::of_extension(&extension_of(path)).ok_or_else(|| {
+        let endings = Format::EXTENSIONS;
+        Stop::refused(format!("{}: grooms are written as {endings}", path.display()))
+    })?;
+    opened.refuse_problems(&[], &mut report.warnings)?;
+    let evaluated = opened.evaluate(Quality::Final, 0, &[], cancel, told, report)?;
+    write_files(&opened.document, &evaluated.groups, &[(path, format)], cancel, &|_, path| {
+        told.say(format!("writing {}", path.display()));
+    })
+}
+
+/// What was written, in words.
+fn said(path: &Path, report: &Report) -> String {
+    let path = path.display();
+    if let Some(picture) = &report.picture {
+        return format!(
+            "saved {path}: {} x {}, {}",
+            picture.width, picture.height, picture.description
+        );
+    }
+    let curves: usize = report.outputs.iter().map(|output| output.curves).sum();
+    let points: usize = report.outputs.iter().map(|output| output.points).sum();
+    let hashes: Vec<&str> = report.outputs.iter().map(|output| output.hash.as_str()).collect();
+    format!(
+        "exported {path}: {} curves, {} points, hash {}",
+        super::grouped(curves),
+        super::grouped(points),
+        hashes.join(", ")
+    )
+}
+
+struct Told<'a> {
+    shared: &'a Mutex<Going>,
+    wake: &'a (dyn Fn() + Send + Sync),
+}
+
+impl Told<'_> {
+    fn change(&self, change: impl FnOnce(&mut Going)) {
+        change(&mut self.shared.lock().unwrap_or_else(PoisonError::into_inner));
+        (self.wake)();
+    }
+}
+
+impl Progress for Told<'_> {
+    fn started(&self, node: &str) {
+        self.say(format!("evaluating {node}"));
+    }
+    fn done(&self, done: usize, of: usize) {
+        self.count(done, of);
+    }
+}
+
+impl Tell for Told<'_> {
+    fn counts(&self, what: &'static str) {
+        self.say(format!("drawing {what}"));
+    }
+    fn count(&self, done: usize, of: usize) {
+        self.change(|going| going.done = (done, of));
+    }
+    fn say(&self, text: String) {
+        self.change(|going| going.doing = text);
+    }
+}
