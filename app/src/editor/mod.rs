@@ -286,6 +286,7 @@ impl Editor {
             Event::Visibility(visibility) => state.visibility = visibility,
             Event::Settings(settings) => state.settings = *settings,
             Event::Say(note) => state.notes.say(note),
+            Event::Hush => state.notes.clear(),
             Event::Evaluate => self.forced = true,
             Event::Stop => {
                 if let Some(evaluation) = &self.evaluation {
