@@ -222,6 +222,11 @@ impl Documents {
         }
     }
 
+    /// Asks for files in the window itself, as where the system has no dialogs.
+    pub fn ask_in_the_window(&mut self) {
+        self.no_dialogs = true;
+    }
+
     /// Whether something is open that takes the keys.
     pub(crate) fn takes_keys(&self) -> bool {
         self.unsaved.is_some() || self.browser.is_some()
