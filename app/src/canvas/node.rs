@@ -59,6 +59,8 @@ pub(super) struct Mood {
     pub aimed: Option<End>,
     /// A wire is in the hand.
     pub wiring: bool,
+    /// Targets are large, for pens.
+    pub pen: bool,
 }
 
 /// What hands did to a node.
@@ -70,7 +72,7 @@ pub(super) struct Touched {
     pub ends: Vec<(End, Response)>,
 }
 
-const FLAG: Vec2 = vec2(20.0, 24.0);
+const FLAG: Vec2 = vec2(24.0, 26.0);
 
 /// Draws a node at the cursor and says what was done to it.
 pub(super) fn show(ui: &mut Ui, face: &Face, detail: Detail, mood: Mood) -> Touched {
@@ -97,8 +99,16 @@ pub(super) fn show(ui: &mut Ui, face: &Face, detail: Detail, mood: Mood) -> Touc
 }
 
 /// Tells screen readers what a node is.
-pub(super) fn describe(ctx: &egui::Context, id: egui::Id, face: &Face, selected: bool) {
-    ctx.accesskit_node_builder(id, |node| {
+pub(super) fn describe(ctx: &egui::Context, response: &Response, face: &Face, selected: bool) {
+    ctx.accesskit_node_builder(response.id, |node| {
+        // The crate makes its widget before its size is known.
+        let (min, max) = (response.rect.min, response.rect.max);
+        node.set_bounds(egui::accesskit::Rect {
+            x0: min.x.into(),
+            y0: min.y.into(),
+            x1: max.x.into(),
+            y1: max.y.into(),
+        });
         node.set_role(Role::Group);
         node.set_label(format!("{}: node", face.label));
         let kind = face.kind.as_deref().unwrap_or(&face.label);
@@ -178,8 +188,8 @@ fn body(ui: &Ui, face: &Face, rect: Rect, mood: Mood) {
 fn header(ui: &mut Ui, face: &Face, rect: Rect, touched: &mut Touched) {
     let middle = rect.top() + face.header() / 2.0;
     look::stage(ui.painter(), pos2(rect.left() + 15.0, middle), face.stage);
-    let flags = [("display", 13.0), ("bypass", 34.0)];
-    let mut room = WIDTH - 28.0 - 46.0;
+    let flags = [("display", 14.0), ("bypass", 38.0)];
+    let mut room = WIDTH - 28.0 - 50.0;
     for (name, from_right) in flags {
         let at = pos2(rect.right() - from_right, middle);
         let set = if name == "display" { face.displayed } else { face.bypass };
@@ -199,7 +209,7 @@ fn header(ui: &mut Ui, face: &Face, rect: Rect, touched: &mut Touched) {
             response.on_hover_text("Pass its input through (B)");
         }
     }
-    let mut right = rect.right() - 50.0;
+    let mut right = rect.right() - 56.0;
     if face.pinned {
         look::pen(ui.painter(), pos2(right, middle));
         (right, room) = (right - 14.0, room - 14.0);
@@ -258,6 +268,9 @@ fn footer(ui: &Ui, face: &Face, rect: Rect, mood: Mood) {
     }
 }
 
+/// The most letters of a line that are laid out.
+const LONGEST: usize = 160;
+
 /// One line of text, cut off with dots where there is no more room.
 pub(super) fn line(
     ui: &Ui,
@@ -266,9 +279,9 @@ pub(super) fn line(
     colour: Color32,
     room: f32,
 ) -> std::sync::Arc<egui::Galley> {
-    let text = text.lines().next().unwrap_or_default();
+    let text: String = text.lines().next().unwrap_or_default().chars().take(LONGEST).collect();
     let format = TextFormat::simple(FontId::proportional(size), colour);
-    let mut job = LayoutJob::single_section(text.to_owned(), format);
+    let mut job = LayoutJob::single_section(text, format);
     job.wrap = TextWrapping {
         max_width: room.max(1.0),
         max_rows: 1,
@@ -287,9 +300,16 @@ fn end(
     mood: Mood,
     touched: &mut Touched,
 ) {
+    // An input of very many wires is longer than the window.
+    if !ui.clip_rect().expand(ROW).contains(at) {
+        return;
+    }
     let inward = if matches!(end, End::In(_)) { 1.0 } else { -1.0 };
     let height = if face.collapsed { 14.0 } else { ROW + 2.0 };
-    let reach = Rect::from_center_size(at + vec2(4.0 * inward, 0.0), vec2(26.0, height));
+    let reach = Rect::from_center_size(
+        at + vec2(4.0 * inward, 0.0),
+        vec2(if mood.pen { 40.0 } else { 26.0 }, height),
+    );
     let id = ui.id().with((face.key, end_name(end)));
     let response = ui.interact(reach, id, Sense::click_and_drag());
     let side = if matches!(end, End::In(_)) { "input" } else { "output" };
@@ -383,6 +403,6 @@ pub(super) fn node_tip(ui: &mut Ui, face: &Face) {
     }
     if !face.note.is_empty() {
         ui.separator();
-        ui.label(&face.note);
+        ui.label(face.note.chars().take(1000).collect::<String>());
     }
 }

@@ -4,4 +4,5 @@ mod frames;
 mod fuzz;
 mod grooms;
 mod harness;
+mod own_head;
 mod tour;

@@ -8,7 +8,7 @@ mod options;
 use super::Exit;
 use super::files::{Pending, read_at_most};
 use super::groom::{Evaluated, GroomArgs, Opened, QualityArg, Stop, carry_out};
-use super::progress::Bar;
+use super::progress::{Bar, Tell};
 use super::report::{Picture as About, Report, rounded};
 use crate::feeders::feeders;
 use crate::scene::{self, Dressed, Show};
@@ -217,7 +217,39 @@ pub(crate) fn run(args: &RenderArgs) -> Exit {
 fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<(), Stop> {
     let asked = args.understood()?;
     let opened = args.groom.open(report)?;
-    let place = Place::of(&args.camera, &opened)?;
+    let bar = Bar::new("nodes");
+    let drawn = draw_opened(args, &asked, &opened, cancel, &bar, report);
+    bar.clear();
+    drawn
+}
+
+/// Draws a graph as somebody has it open. `words` are those of `coif render`, with any graph.
+#[cfg(feature = "editor")]
+pub(crate) fn draw_open(
+    words: &[String],
+    opened: &Opened,
+    cancel: &CancelToken,
+    tell: &dyn Tell,
+    report: &mut Report,
+) -> Result<(), Stop> {
+    use clap::Parser;
+    let words = ["coif", "render"].into_iter().chain(words.iter().map(String::as_str));
+    let args = super::Args::try_parse_from(words).map_err(|err| Stop::refused(err.to_string()))?;
+    let Some(super::Command::Render(args)) = args.command else {
+        return Err(Stop::refused("no picture was asked for"));
+    };
+    draw_opened(&args, &args.understood()?, opened, cancel, tell, report)
+}
+
+fn draw_opened(
+    args: &RenderArgs,
+    asked: &Asked,
+    opened: &Opened,
+    cancel: &CancelToken,
+    tell: &dyn Tell,
+    report: &mut Report,
+) -> Result<(), Stop> {
+    let place = Place::of(&args.camera, opened)?;
     let followed = match asked.show {
         Show::Hair(_) => vec![],
         Show::Guides | Show::Clusters => {
@@ -238,7 +270,7 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     };
     let device = Device::start(asked.size, asked.look, shading, cancel);
     let began = Instant::now();
-    let evaluated = args.groom.evaluate(&opened, &more, cancel, report);
+    let evaluated = args.groom.evaluate_telling(opened, &more, cancel, tell, report);
     let evaluation_ms = since(began);
     let mut evaluated = match evaluated {
         // What the device's failure ended was not interrupted by anybody.
@@ -249,9 +281,9 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     let began = Instant::now();
     let frame = evaluated.scalps.first().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
     let closest = evaluated.more.split_off(followed.len());
-    let scene = Scene::of(&asked, args, evaluated)?;
-    let still = place.camera(&asked, &scene, closest.first())?;
-    let description = describe(args, &asked, &scene);
+    let scene = Scene::of(asked, args, evaluated)?;
+    let still = place.camera(asked, &scene, closest.first())?;
+    let description = describe(args, asked, &scene);
     renderer.set_look(&asked.look);
     renderer.set_rig(&asked.rig);
     renderer.set_solids(scene.solids);
@@ -275,7 +307,7 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     let first_sample_ms = Cell::new(None);
     let mut files = vec![];
     let mut pending = Pending::default();
-    let bar = Bar::new("samples");
+    tell.counts("samples");
     let total = (asked.frames * asked.samples) as usize;
     for number in 0..asked.frames {
         let turn = 360.0 * number as f32 / asked.frames as f32;
@@ -288,7 +320,7 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
         };
         let whole = renderer.render(asked.samples, &|progress| {
             seen(progress.samples);
-            bar.count((number * asked.samples + progress.samples) as usize, total);
+            tell.count((number * asked.samples + progress.samples) as usize, total);
             cancel.is_cancelled()
         });
         if !whole {
@@ -302,7 +334,7 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
         }
         for (path, format) in args.out.iter().zip(&asked.formats) {
             let path = options::numbered(path, number + 1);
-            bar.say(format!("writing {}", path.display()));
+            tell.say(format!("writing {}", path.display()));
             let written = pending.write(&path, cancel, |out| {
                 let written = match format {
                     Format::Png => {
@@ -319,7 +351,6 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
             files.push(path.display().to_string());
         }
     }
-    bar.clear();
     pending
         .place()
         .map_err(|(path, reason)| Stop::failed(format!("{}: {reason}", path.display())))?;

@@ -70,8 +70,8 @@ pub(super) fn show(documents: &Documents, state: &State, ui: &mut egui::Ui, out:
         let going = export.going();
         Panel::top("export").show(ui, |ui| {
             ui.horizontal(|ui| {
-                ui.label(format!("exporting {}", export.path.display()));
-                let (done, of) = going.nodes;
+                ui.label(format!("writing {}", export.path.display()));
+                let (done, of) = going.done;
                 let part = if of == 0 { 0.0 } else { done as f32 / of as f32 };
                 ui.add(ProgressBar::new(part).desired_width(160.0));
                 ui.label(&going.doing);

@@ -46,10 +46,10 @@ impl Editor {
         documents.settings = Some(self.state.settings.clone());
         documents.home = Some(home);
         told.into_iter().for_each(|text| self.state.notes.say(Note::warning(text)));
-        if let Some(path) = self.state.file.path.clone() {
-            if let Err(why) = self.documents.recent.add(&path) {
-                self.state.notes.say(Note::warning(why));
-            }
+        if let Some(path) = self.state.file.path.clone()
+            && let Err(why) = self.documents.recent.add(&path)
+        {
+            self.state.notes.say(Note::warning(why));
         }
         show_settings(self, ctx);
     }

@@ -68,6 +68,8 @@ pub enum Event {
     Head(HeadChoice),
     /// Hair is written to a file.
     Export(PathBuf),
+    /// A picture of what the viewport looks at is written to a file, of so many pixels.
+    Picture(PathBuf, [u32; 2]),
     /// The export that goes on stops.
     StopExport,
     /// The window is to be closed.
@@ -174,6 +176,8 @@ pub struct Documents {
     changed: Option<Changed>,
     export: Option<Export>,
     head: Option<OwnHead>,
+    /// Everything is brought into view once this state of the document is shown.
+    frames: Option<u64>,
     welcome: Welcome,
     title: String,
     /// The settings that the window has, and that are kept.
@@ -207,6 +211,7 @@ impl Documents {
             changed: None,
             export: None,
             head: None,
+            frames: None,
             welcome: Welcome::default(),
             title: String::new(),
             settings: None,
@@ -214,6 +219,11 @@ impl Documents {
             leaving: false,
             wake,
         }
+    }
+
+    /// Asks for files in the window itself, as where the system has no dialogs.
+    pub fn ask_in_the_window(&mut self) {
+        self.no_dialogs = true;
     }
 
     /// Whether something is open that takes the keys.

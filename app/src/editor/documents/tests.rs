@@ -440,6 +440,32 @@ fn what_the_window_exports_is_what_the_command_line_writes() {
 }
 
 #[test]
+fn a_picture_is_drawn_of_what_the_viewport_looks_at() {
+    let folder = Folder::new("life-picture");
+    let (mut ui, _) = on_empty_head();
+    few_guides(&mut ui);
+    let mut settings = ui.state().state.settings.clone();
+    settings.samples = 1;
+    ui.state_mut().apply(Event::Settings(Box::new(settings)));
+    let path = folder.path("a.png");
+    does(&mut ui, FileEvent::Picture(path.clone(), [64, 48]));
+    until("it is drawn", || {
+        ui.step();
+        ui.state().documents.export.is_none()
+    });
+    let told = said(&ui, Gravity::Error);
+    if told.iter().any(|text| text.contains("adapter")) {
+        return println!("skipped: a picture needs something that draws: {told:?}");
+    }
+    let note = said(&ui, Gravity::Note).pop().unwrap();
+    assert!(note.contains("a.png: 64 x 48, final, 60 strands"), "{note} {told:?}");
+    let icon = eframe::icon_data::from_png_bytes(&std::fs::read(&path).unwrap()).unwrap();
+    assert_eq!((icon.width, icon.height), (64, 48));
+    // The document does not keep the view.
+    assert!(ui.state().state.document.views.is_empty());
+}
+
+#[test]
 fn a_stopped_or_refused_export_leaves_no_file() {
     let folder = Folder::new("life-export-stop");
     let (mut ui, _) = on_empty_head();
@@ -455,6 +481,10 @@ fn a_stopped_or_refused_export_leaves_no_file() {
         "the export was stopped; nothing was written"
     );
     does(&mut ui, FileEvent::Export(folder.path("a.fbx")));
+    until("it is refused", || {
+        ui.step();
+        ui.state().documents.export.is_none()
+    });
     assert!(said(&ui, Gravity::Error)[0].contains("grooms are written as"));
     assert_eq!(std::fs::read_dir(folder.root()).unwrap().count(), 0);
 }
