@@ -61,6 +61,21 @@ if [ ! -d "${XDG_RUNTIME_DIR:-}" ]; then
     export XDG_RUNTIME_DIR
     trap 'rm -rf "$XDG_RUNTIME_DIR"' EXIT
 fi
+# A window: screens in memory, hands for them, and a pen with pressure at a real X server (its test runs as root only).
+if [ "$(uname)" = Linux ] && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+    wanted=()
+    command -v Xvfb >/dev/null || wanted+=(xvfb)
+    command -v xdotool >/dev/null || wanted+=(xdotool)
+    command -v import >/dev/null || wanted+=(imagemagick)
+    [ -x /usr/lib/xorg/Xorg ] || wanted+=(xserver-xorg-core)
+    [ -e /usr/lib/xorg/modules/drivers/dummy_drv.so ] || wanted+=(xserver-xorg-video-dummy)
+    if [ ${#wanted[@]} -gt 0 ]; then
+        say "screens in memory"
+        apt-get update -qq && apt-get install -y -qq --no-install-recommends "${wanted[@]}" >/dev/null
+    fi
+fi
+command -v Xvfb >/dev/null && command -v xdotool >/dev/null && command -v import >/dev/null ||
+    missing "Xvfb, xdotool and import (xvfb xdotool imagemagick): no window is tried"
 [ -e ../shared ] || missing "../shared (real heads and hostile files): tests that need it are skipped"
 
 # --- checks ------------------------------------------------------------------------------------

@@ -12,6 +12,8 @@ pub mod editor;
 mod feeders;
 #[cfg(feature = "editor")]
 mod inspector;
+#[cfg(feature = "editor")]
+pub mod pen;
 #[cfg(feature = "render")]
 pub mod scene;
 #[cfg(feature = "editor")]

@@ -1,6 +1,8 @@
 //! What whole-program tests share: the program itself, the heads they run on, and how they say that they cannot run.
 
 pub mod screen;
+#[cfg(unix)]
+pub mod tablet;
 
 use coif_graphs::document::{Setting, Socket};
 use coif_graphs::schedule::files::DiskFiles;

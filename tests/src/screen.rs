@@ -79,6 +79,11 @@ impl Screen {
         }
     }
 
+    /// A screen of a server that was started elsewhere; it ends with this.
+    pub fn of(server: Child, display: String) -> Self {
+        Self { server, display }
+    }
+
     /// The display's name.
     pub fn display(&self) -> &str {
         &self.display

@@ -32,7 +32,7 @@ pub(crate) fn run(args: &EditArgs) -> Exit {
         complain("there is no display to open a window on; coif eval and coif render need none");
         return Exit::Failed;
     }
-    match editor::run(document, file) {
+    match editor::run(document, file, args.graph.is_none()) {
         Ok(()) => Exit::Done,
         Err(why) => {
             complain(why);
@@ -43,11 +43,11 @@ pub(crate) fn run(args: &EditArgs) -> Exit {
 
 fn open(path: &PathBuf) -> Result<(coif_graphs::document::Document, OpenFile), groom::Stop> {
     let mut warnings = vec![];
-    let (document, folder) = groom::load(path, &mut warnings)?;
+    let (document, _) = groom::load(path, &mut warnings)?;
     warnings.iter().for_each(|warning| complain(format!("warning: {warning}")));
     // A shipped groom is opened by name and has no file of its own yet.
     let file = if path.exists() {
-        OpenFile { path: Some(std::path::absolute(path).unwrap_or_else(|_| path.clone())), folder }
+        OpenFile::at(std::path::absolute(path).unwrap_or_else(|_| path.clone()))
     } else {
         OpenFile::default()
     };

@@ -10,7 +10,7 @@ use coif_graphs::document::Document;
 use coif_graphs::schedule::result::document_hash;
 use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::formats::export::{self, About, Format, Group};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Args)]
 pub(crate) struct EvalArgs {
@@ -63,6 +63,25 @@ fn save(
     groups: &[Group],
     cancel: &CancelToken,
 ) -> Result<(), Stop> {
+    let bar = Bar::new("files");
+    let files: Vec<(&Path, Format)> =
+        args.out.iter().map(PathBuf::as_path).zip(formats.iter().copied()).collect();
+    let saved = write_files(document, groups, &files, cancel, &|i, path| {
+        bar.count(i, files.len());
+        bar.say(format!("writing {}", path.display()));
+    });
+    bar.clear();
+    saved
+}
+
+/// Writes what outputs gave to files: all of them or none. `begins` is told each file's number and path.
+pub(crate) fn write_files(
+    document: &Document,
+    groups: &[Group],
+    files: &[(&Path, Format)],
+    cancel: &CancelToken,
+    begins: &dyn Fn(usize, &Path),
+) -> Result<(), Stop> {
     let title = if document.title.is_empty() { "Groom" } else { &document.title };
     let about = About {
         title: title.to_owned(),
@@ -70,11 +89,9 @@ fn save(
         graph_hash: document_hash(document),
         seed: document.seed,
     };
-    let bar = Bar::new("files");
     let mut pending = Pending::default();
-    for (i, (path, format)) in args.out.iter().zip(formats).enumerate() {
-        bar.count(i, formats.len());
-        bar.say(format!("writing {}", path.display()));
+    for (i, (path, format)) in files.iter().enumerate() {
+        begins(i, path);
         let written = pending.write(path, cancel, |out| {
             export::write(*format, groups, &about, out).map_err(|err| err.to_string())
         });
@@ -83,7 +100,6 @@ fn save(
         }
         written.map_err(|reason| Stop::failed(format!("{}: {reason}", path.display())))?;
     }
-    bar.clear();
     pending.place().map_err(|(path, reason)| Stop::failed(format!("{}: {reason}", path.display())))
 }
 

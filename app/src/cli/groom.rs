@@ -16,7 +16,7 @@ use coif_graphs::grooms;
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::result::content_hash;
-use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure};
+use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{NodeError, Type, Value};
@@ -72,7 +72,7 @@ impl Stop {
         &self.1
     }
     /// Whether a person ended it.
-    #[cfg(feature = "render")]
+    #[cfg(any(feature = "render", feature = "editor"))]
     pub(crate) fn is_interruption(&self) -> bool {
         self.0 == Exit::Interrupted
     }
@@ -176,22 +176,45 @@ impl GroomArgs {
         cancel: &CancelToken,
         report: &mut Report,
     ) -> Result<Evaluated, Stop> {
-        let Opened { document, outputs, folder, graph } = opened;
-        let mut targets: Vec<Socket> = outputs.iter().map(|o| o.socket.clone()).collect();
-        targets.extend_from_slice(more);
-        let heads = heads(document, &targets);
-        let wanted: Vec<Socket> = targets.iter().chain(&heads).cloned().collect();
         let quality = match self.quality {
             QualityArg::Preview => Quality::Preview,
             QualityArg::Final => Quality::Final,
         };
+        let bar = Bar::new("nodes");
+        let evaluated = opened.evaluate(quality, self.threads, more, cancel, &bar, report);
+        bar.clear();
+        evaluated
+    }
+}
+
+impl Opened {
+    /// A graph as somebody has it open, with all of its outputs.
+    #[cfg(feature = "editor")]
+    pub(crate) fn of(document: Document, folder: PathBuf, graph: String) -> Result<Self, Stop> {
+        let outputs = outputs(&document, &[])?;
+        Ok(Self { document, outputs, folder, graph })
+    }
+
+    /// Evaluates the outputs, and `more` besides.
+    pub(crate) fn evaluate(
+        &self,
+        quality: Quality,
+        threads: usize,
+        more: &[Socket],
+        cancel: &CancelToken,
+        progress: &dyn Progress,
+        report: &mut Report,
+    ) -> Result<Evaluated, Stop> {
+        let Opened { document, outputs, folder, graph } = self;
+        let mut targets: Vec<Socket> = outputs.iter().map(|o| o.socket.clone()).collect();
+        targets.extend_from_slice(more);
+        let heads = heads(document, &targets);
+        let wanted: Vec<Socket> = targets.iter().chain(&heads).cloned().collect();
         let plan = plan(document, &wanted, quality, &DiskFiles::new(folder))
             .map_err(|err| Stop::refused(format!("{graph}: {err}")))?;
-        let evaluator = Evaluator::new(self.threads, 0).map_err(Stop::failed)?;
-        let bar = Bar::new("nodes");
-        let mut outcome = evaluator.run(&plan, OnFailure::Stop, cancel, &bar);
+        let evaluator = Evaluator::new(threads, 0).map_err(Stop::failed)?;
+        let mut outcome = evaluator.run(&plan, OnFailure::Stop, cancel, progress);
         drop(plan);
-        bar.clear();
         report.add_nodes(&outcome.nodes);
         if outcome.cancelled {
             return Err(Stop::interrupted());

@@ -6,15 +6,15 @@
 mod check;
 #[cfg(feature = "editor")]
 mod edit;
-mod eval;
-mod files;
-mod groom;
+pub(crate) mod eval;
+pub(crate) mod files;
+pub(crate) mod groom;
 mod measure;
 mod nodes;
 mod progress;
 #[cfg(feature = "render")]
 mod render;
-mod report;
+pub(crate) mod report;
 mod unreal;
 
 use clap::{Parser, Subcommand};
@@ -48,7 +48,7 @@ enum Command {
 
 /// How a command ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Exit {
+pub(crate) enum Exit {
     /// All done; warnings are allowed.
     Done = 0,
     /// A node on the way to an output failed, an output has no curves, or writing failed.
@@ -110,7 +110,7 @@ fn print(text: &str) {
 }
 
 /// A lower-case extension without the dot.
-fn extension_of(path: &std::path::Path) -> String {
+pub(crate) fn extension_of(path: &std::path::Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 

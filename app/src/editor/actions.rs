@@ -33,8 +33,11 @@ pub fn always(_: &Editor) -> Result<(), &'static str> {
 pub const MENUS: &[&str] = &["File", "Edit", "Node", "View", "Pen", "Window", "Help"];
 
 /// The parts of the table, room by room.
-const PARTS: &[&[&[Action]]] =
-    &[&[ACTIONS], crate::canvas::ACTIONS, &[crate::viewport::actions::ACTIONS]];
+const PARTS: &[&[&[Action]]] = &[
+    &[super::documents::actions::ACTIONS, ACTIONS],
+    crate::canvas::ACTIONS,
+    &[crate::viewport::actions::ACTIONS, crate::pen::actions::ACTIONS],
+];
 
 /// Every action, in the order of menus.
 pub fn all() -> impl Iterator<Item = &'static Action> {
@@ -91,6 +94,15 @@ const ACTIONS: &[Action] = &[
         run: |editor| editor.apply(Event::Redo),
     },
     Action {
+        id: "edit.settings",
+        label: "Settings…",
+        tip: "Scale, contrast, evaluation, navigation, saving.",
+        words: "preferences options configure theme zoom autosave",
+        menu: "Edit",
+        when: always,
+        run: |editor| editor.settings_panel.is_open = !editor.settings_panel.is_open,
+    },
+    Action {
         id: "evaluate.stop",
         label: "Stop",
         tip: "Stops what is being evaluated; the last picture stays.",
@@ -107,6 +119,15 @@ const ACTIONS: &[Action] = &[
         menu: "View",
         when: always,
         run: |editor| editor.apply(Event::Evaluate),
+    },
+    Action {
+        id: "help.tour",
+        label: "Tour",
+        tip: "Five minutes on this groom: every step is done by you.",
+        words: "tutorial learn first begin",
+        menu: "Help",
+        when: |editor| super::tour::possible(&editor.state),
+        run: |editor| editor.tour.begin(),
     },
     Action {
         id: "window.palette",

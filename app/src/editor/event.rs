@@ -1,5 +1,6 @@
 //! Everything that can happen in the editor. Rooms read the state and say what happened; nothing else changes it.
 
+use super::documents;
 use super::notes::Note;
 use super::rooms::Room;
 use super::settings::Settings;
@@ -54,6 +55,8 @@ pub enum Event {
     Evaluate,
     /// Whatever runs stops; the last picture stays.
     Stop,
+    /// Something happens to the document as a whole.
+    Documents(documents::Event),
     /// Keys are for another room.
     Focus(Room),
     /// A room is opened, or brought to the front.

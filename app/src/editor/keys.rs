@@ -84,6 +84,20 @@ impl Keys {
         found.flat_map(|(_, keys)| keys).next().copied()
     }
 
+    /// The whole table in the form of `keys.ron`.
+    pub fn as_table(&self) -> String {
+        let mut text = "[\n".to_owned();
+        for ((context, action), keys) in &self.bound {
+            let context = match context {
+                Context::Anywhere => "anywhere".to_owned(),
+                Context::In(room) => format!("{room:?}").to_lowercase(),
+            };
+            let keys: Vec<String> = keys.iter().map(written).collect();
+            text += &format!("    (action: {action:?}, keys: {keys:?}, context: {context:?}),\n");
+        }
+        text + "]\n"
+    }
+
     /// The lines that count in a room: what is done, and by which keys.
     pub fn in_room(&self, room: Room) -> Vec<(&str, &[KeyboardShortcut])> {
         let counts =
@@ -109,9 +123,12 @@ impl Keys {
         lines.sort_by_key(|(context, _, keys)| {
             (std::cmp::Reverse(weight(keys.modifiers)), *context == Context::Anywhere)
         });
+        // Escape closes what is open first.
+        let closes = egui::Popup::is_any_open(ctx);
+        let escape = KeyboardShortcut::new(Modifiers::NONE, Key::Escape);
         let mut done = vec![];
         for (_, id, keys) in lines {
-            if typing && types_text(&keys) {
+            if (typing && types_text(&keys)) || (closes && keys == escape) {
                 continue;
             }
             if ctx.input_mut(|input| input.consume_shortcut(&keys))
@@ -171,6 +188,14 @@ fn read(text: &str) -> Result<KeyboardShortcut, String> {
     Ok(KeyboardShortcut::new(modifiers, key))
 }
 
+/// Keys as [`read`] reads them, on every system.
+fn written(keys: &KeyboardShortcut) -> String {
+    let m = keys.modifiers;
+    let parts = [(m.command || m.ctrl, "Ctrl+"), (m.alt, "Alt+"), (m.shift, "Shift+")].into_iter();
+    let words: String = parts.filter(|(on, _)| *on).map(|(_, word)| word).collect();
+    words + keys.logical_key.name()
+}
+
 /// Keys for people: "Ctrl+Shift+Z".
 pub fn name_of(keys: &KeyboardShortcut) -> String {
     let m = keys.modifiers;
@@ -188,6 +213,14 @@ mod tests {
     fn shipped_keys_read_and_do_one_thing_each() {
         let keys = Keys::shipped().expect("keys.ron reads");
         assert_eq!(keys.clashes(), Vec::<String>::new());
+    }
+
+    #[test]
+    fn the_table_reads_as_it_was_written() {
+        let keys = Keys::shipped().expect("keys.ron reads");
+        let mut back = Keys::default();
+        back.add(&keys.as_table()).expect("what was written reads");
+        assert_eq!(back.bound, keys.bound);
     }
 
     #[test]

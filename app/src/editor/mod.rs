@@ -7,39 +7,51 @@
 //! groom's hash.
 
 pub mod actions;
+pub mod documents;
 pub mod evaluation;
 pub mod event;
+mod history;
 pub mod keys;
 pub mod lineage;
 mod menus;
+pub mod messages;
 pub mod notes;
+mod outliner;
 mod palette;
 pub mod rooms;
 pub mod settings;
 mod spreadsheet;
 pub mod state;
 pub mod theme;
+mod tour;
 pub mod visibility;
 
 use crate::canvas::Canvas;
 use crate::inspector::Inspector;
+use crate::pen::Pen;
 use crate::viewport::Viewport;
 use coif_graphs::document::edit::Edit;
+use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::cache::usual_budget;
 use coif_graphs::{file, grooms};
 use coif_nodes::eval::Quality;
+use documents::Documents;
+use documents::places::Places;
 use egui_dock::{DockArea, DockState};
 use evaluation::{Evaluation, Finished, Request, Trace, first_output};
 use event::Event;
 use keys::Keys;
+use messages::Messages;
 use notes::Note;
+use outliner::Outliner;
 use palette::Palette;
 use rooms::Room;
 use settings::{Evaluate, Settings};
 use spreadsheet::Spreadsheet;
 use state::{OpenFile, State};
 use std::path::PathBuf;
+use tour::Tour;
 
 /// Nudges of one value within so many seconds are one undo step.
 const NUDGE_SECONDS: f64 = 0.7;
@@ -50,14 +62,22 @@ const SLOW_MS: f64 = 250.0;
 pub struct Editor {
     /// What it knows.
     pub state: State,
+    /// Documents as files.
+    pub documents: Documents,
+    messages: Messages,
+    pub(crate) settings_panel: settings::Panel,
     pub(crate) keys: Keys,
     pub(crate) palette: Palette,
     pub(crate) key_sheet: bool,
+    pub(crate) tour: Tour,
     pub(crate) canvas: Canvas,
     inspector: Inspector,
     spreadsheet: Spreadsheet,
     /// The groom on the screen.
     pub viewport: Viewport,
+    outliner: Outliner,
+    /// The pen room: tools, and what they hold.
+    pub pen: Pen,
     dock: DockState<Room>,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
@@ -98,13 +118,19 @@ impl Editor {
         });
         Self {
             state,
+            documents: Documents::new(ctx),
+            messages: Messages::default(),
+            settings_panel: settings::Panel::default(),
             keys,
             palette: Palette::default(),
             key_sheet: false,
+            tour: Tour::default(),
             canvas: Canvas::default(),
             inspector: Inspector::default(),
             spreadsheet: Spreadsheet::default(),
             viewport: Viewport::default(),
+            outliner: Outliner::default(),
+            pen: Pen::default(),
             dock: rooms::first_layout(),
             evaluation,
             asked: None,
@@ -129,10 +155,16 @@ impl Editor {
             && self.asked.as_ref().is_some_and(|asked| *asked == self.wanted())
     }
 
+    /// The step of the tour that is to be done, from 0, and how many there are; none off the tour.
+    pub fn tour_step(&self) -> Option<(usize, usize)> {
+        self.tour.progress()
+    }
+
     /// One frame.
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         self.now = ctx.input(|input| input.time);
+        documents::before(self, &ctx);
         if let Some(finished) = self.evaluation.as_ref().and_then(Evaluation::take) {
             self.finished(finished);
         }
@@ -145,13 +177,14 @@ impl Editor {
         if let Some(action) = palette::ui(self, &ctx) {
             self.act(action);
         }
-        if !self.palette.is_open() {
+        if !self.palette.is_open() && !self.documents.takes_keys() {
             for action in self.keys.pressed(&ctx, self.state.focus) {
                 self.act(action);
             }
         }
         menus::bar(self, ui);
         menus::status(self, ui);
+        documents::panels(self, ui);
         let mut events = vec![];
         let mut dock = std::mem::replace(&mut self.dock, DockState::new(vec![]));
         let mut tabs = Tabs { editor: self, out: &mut events };
@@ -163,12 +196,15 @@ impl Editor {
                 .show_inside(ui, &mut tabs);
         });
         self.dock = dock;
+        self.settings_panel.ui(&self.state.settings, &self.keys, &ctx, &mut events);
         if self.key_sheet {
             menus::key_sheet(self, &ctx);
         }
+        tour::ui(self, &ctx);
         for event in events {
             self.apply(event);
         }
+        documents::after(self, &ctx);
         self.evaluate();
         if self.state.run.since.is_some() {
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
@@ -256,12 +292,28 @@ impl Editor {
                     evaluation.stop();
                 }
             }
+            Event::Documents(event) => self.apply_to_file(event),
             Event::Focus(room) => state.focus = room,
             Event::Show(room) => {
                 rooms::show(&mut self.dock, room);
                 state.focus = room;
             }
         }
+    }
+
+    /// Another document takes the place of this one. The last picture stays until there is one of it.
+    pub(crate) fn replace(&mut self, document: Document, file: OpenFile, history: History) {
+        let state = &mut self.state;
+        let new = State::new(document, file, state.settings.clone());
+        let old = std::mem::replace(state, new);
+        state.history = history;
+        state.revision = old.revision + 1;
+        state.changes = old.changes + 1;
+        (state.shown, state.run) = (old.shown, old.run);
+        (state.notes, state.focus) = (old.notes, old.focus);
+        // Also where evaluation waits for a key, a new document is seen.
+        self.asked = None;
+        self.last_final_ms = 0.0;
     }
 
     fn edit(&mut self, edit: &Edit, nudge: bool) {
@@ -409,13 +461,23 @@ impl egui_dock::TabViewer for Tabs<'_> {
         if over && ui.input(|input| input.pointer.any_pressed()) {
             self.editor.state.focus = *room;
         }
-        let Editor { state, viewport, canvas, inspector, spreadsheet, .. } = &mut *self.editor;
+        let Editor {
+            state, viewport, pen, canvas, inspector, spreadsheet, outliner, messages, ..
+        } = &mut *self.editor;
         match room {
-            Room::Viewport => viewport.ui(state, ui, self.out),
+            Room::Viewport => {
+                pen.bar(state, ui, self.out);
+                viewport.pen = pen.holds(ui.ctx());
+                viewport.ui(state, ui, self.out);
+                pen.ui(state, &viewport.projection(), ui, viewport.is_hovered(), self.out);
+                pen.settings_window(state, ui.ctx(), self.out);
+            }
             Room::Canvas => canvas.ui(state, ui, self.out),
             Room::Inspector => inspector.ui(state, ui, self.out),
+            Room::Outliner => outliner.ui(state, ui, self.out),
             Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),
-            _ => {}
+            Room::Messages => messages.ui(state, ui, self.out),
+            Room::History => history::ui(state, ui, self.out),
         }
     }
     fn scroll_bars(&self, _: &Room) -> [bool; 2] {
@@ -423,11 +485,12 @@ impl egui_dock::TabViewer for Tabs<'_> {
     }
 }
 
-/// Opens the window on a groom and returns when it is closed.
+/// Opens the window on a groom and returns when it is closed. `greets`: with the welcome panel, unless somebody does not want
+/// it.
 ///
 /// # Errors
 /// When there is no display or nothing can draw on it.
-pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
+pub fn run(document: Document, file: OpenFile, greets: bool) -> Result<(), String> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("coif")
@@ -444,6 +507,11 @@ pub fn run(document: Document, file: OpenFile) -> Result<(), String> {
         Box::new(move |cc| {
             let mut editor = Editor::new(&cc.egui_ctx, document, file);
             editor.viewport.start(&cc.egui_ctx);
+            editor.pen.devices.connect(cc, &cc.egui_ctx);
+            editor.keep_in(&cc.egui_ctx, Places::here());
+            if greets {
+                editor.greet();
+            }
             Ok(Box::new(Window { editor }))
         }),
     )

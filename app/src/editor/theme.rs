@@ -60,6 +60,20 @@ pub fn apply(ctx: &egui::Context, pen: bool) {
     });
 }
 
+/// Makes text and lines stand out more than [`apply`] does.
+pub fn strengthen(ctx: &egui::Context) {
+    ctx.all_styles_mut(|style| {
+        let v = &mut style.visuals;
+        v.weak_text_color = Some(TEXT);
+        v.window_stroke.color = QUIET;
+        let w = &mut v.widgets;
+        for widget in [&mut w.noninteractive, &mut w.inactive, &mut w.open] {
+            widget.bg_stroke.color = QUIET;
+            widget.fg_stroke.color = Color32::WHITE;
+        }
+    });
+}
+
 fn visuals() -> Visuals {
     let mut v = Visuals::dark();
     let radius = CornerRadius::same(3);

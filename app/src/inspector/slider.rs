@@ -57,7 +57,8 @@ impl NumberField<'_> {
     /// Shows the field as wide as `width`.
     pub(crate) fn show(self, ui: &mut Ui, width: f32) -> (Response, Option<Done>) {
         let size = Vec2::new(width, ui.spacing().interact_size.y);
-        let id = ui.next_auto_id();
+        // By name and not by order: what appears above must not end a drag.
+        let id = ui.id().with(self.name);
         ui.memory_mut(|memory| memory.interested_in_focus(id, ui.layer_id()));
         let (response, mut done) = if ui.memory(|memory| memory.has_focus(id)) {
             self.typed(ui, id, size)
@@ -156,7 +157,8 @@ impl NumberField<'_> {
     }
 
     fn dragged(&self, ui: &mut Ui, id: Id, size: Vec2) -> (Response, Option<Done>) {
-        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+        let response = ui.interact(rect, id, Sense::click_and_drag());
         let response = response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
         self.paint(ui, rect, &response);
         let modifiers = ui.input(|input| input.modifiers);

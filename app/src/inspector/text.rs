@@ -33,7 +33,8 @@ pub(crate) fn text_field(
     hint: &str,
     (width, lines): (f32, usize),
 ) -> Option<String> {
-    let id = ui.next_auto_id().with(name);
+    // By name and not by order: what appears above, such as a message, must not end the typing.
+    let id = ui.id().with(name);
     let mut typed = ui.data(|data| data.get_temp(id)).unwrap_or_else(|| text.to_owned());
     let edit = if lines > 1 {
         TextEdit::multiline(&mut typed).desired_rows(lines)
@@ -44,6 +45,10 @@ pub(crate) fn text_field(
     let width = width.max(20.0);
     let edit = edit.id(id).hint_text(hint).vertical_align(egui::Align::Center);
     let response = ui.add(edit.desired_width(width));
+    // Where it was asked for, as renaming does, the keyboard comes here at once.
+    if ui.data_mut(|data| data.remove_temp::<bool>(ui.id().with("focus"))).unwrap_or(false) {
+        response.request_focus();
+    }
     set_name(ui, &response, name);
     if response.lost_focus() {
         ui.data_mut(|data| data.remove::<String>(id));

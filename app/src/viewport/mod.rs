@@ -24,6 +24,7 @@ use crate::editor::event::Event;
 use crate::editor::rooms::Room;
 use crate::editor::state::{Select, State};
 use crate::feeders::feeders;
+use crate::pen::Holds;
 use crate::scene::Show;
 use coif_graphs::document::Socket;
 use coif_nodes::data::curves::Curves;
@@ -60,6 +61,8 @@ pub struct Viewport {
     pub options: Options,
     /// What pictures cost, for the status line and tests.
     pub stats: DrawStats,
+    /// What the pen has hold of, and is left alone here.
+    pub pen: Holds,
     camera: Camera,
     views: Views,
     /// Whether the eye was put somewhere for this groom.
@@ -69,6 +72,7 @@ pub struct Viewport {
     fault: Option<String>,
     on_screen: Option<OnScreen>,
     rect: Rect,
+    hovered: bool,
     drag: Option<(PointerButton, Drag)>,
     /// The view counts as moving until then, and came to rest when that is over.
     moves_until: Option<f64>,
@@ -147,6 +151,8 @@ impl Default for Viewport {
         Self {
             options: Options::default(),
             stats: DrawStats::default(),
+            pen: Holds::default(),
+            hovered: false,
             camera: Camera {
                 eye: Vec3::new(0.0, 4.0, 110.0),
                 target: Vec3::new(0.0, 2.0, 0.0),
@@ -213,6 +219,11 @@ impl Viewport {
         )
     }
 
+    /// Whether the pointer is over the picture itself and no widget on it, or drags it.
+    pub fn is_hovered(&self) -> bool {
+        self.hovered
+    }
+
     /// Whether the pointer moves the eye now, and nothing else.
     pub fn is_navigating(&self) -> bool {
         self.drag.is_some()
@@ -220,7 +231,9 @@ impl Viewport {
 
     /// Whether the picture at rest of what was asked for is on the screen.
     pub fn is_idle(&self) -> bool {
-        self.drawing.as_ref().is_none_or(Drawing::is_idle) && self.framing.is_none()
+        self.drawing.as_ref().is_none_or(Drawing::is_idle)
+            && self.framing.is_none()
+            && !self.overlay.is_finding()
     }
 
     /// Why there is no picture.
@@ -253,6 +266,7 @@ impl Viewport {
         response.widget_info(|| {
             egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "Picture of the groom")
         });
+        self.hovered = response.hovered() || response.dragged();
         self.frame_first(state);
         self.take_framing();
         self.take_picture(ui.ctx());
@@ -433,9 +447,13 @@ impl Viewport {
         let keys = ui.input(|input| input.modifiers);
         let settings = &state.settings;
         for button in [PointerButton::Primary, PointerButton::Middle, PointerButton::Secondary] {
+            // The other buttons of a pen are on its barrel.
+            let barrel = self.pen.near && button != PointerButton::Primary;
+            let motion =
+                || input::motion(settings.navigation, settings.trackball, button, keys, space);
+            let barrel = barrel.then(|| input::barrel_motion(settings.trackball, keys));
             if response.drag_started_by(button)
-                && let Some(motion) =
-                    input::motion(settings.navigation, settings.trackball, button, keys, space)
+                && let Some(motion) = motion().or(barrel)
             {
                 self.begin_motion(state, motion, button, ui);
             }
@@ -454,7 +472,7 @@ impl Viewport {
                 self.views.rest(&self.camera);
             }
         }
-        if response.hovered() && self.drag.is_none() {
+        if response.hovered() && self.drag.is_none() && !self.pen.wheel {
             self.wheel(state, ui, now);
             let pressed = |button| ui.input(|input| input.pointer.button_pressed(button));
             for (button, action) in
@@ -606,8 +624,8 @@ impl Viewport {
     }
 
     fn hover(&mut self, state: &State, ui: &egui::Ui, response: &Response, out: &mut Vec<Event>) {
-        let free = self.drag.is_none() && !self.handles.is_dragging();
-        let at = response.hover_pos().filter(|_| response.hovered() && free);
+        let held = self.drag.is_some() || self.handles.is_dragging() || self.pen.pointer;
+        let at = response.hover_pos().filter(|_| response.hovered() && !held);
         let Some(at) = at else {
             self.under = None;
             return;
@@ -701,7 +719,8 @@ impl Viewport {
         self.overlay.ui(state, &self.options, &self.followed.curves, &view, ui);
         // Keys that turn the view leave grips alone.
         let turning = self.drag.is_some() || self.primary_moves(state, ui);
-        if self.options.handles && (!turning || self.handles.is_dragging()) {
+        let free = !turning && !self.pen.pointer;
+        if self.options.handles && (free || self.handles.is_dragging()) {
             self.handles.ui(state, &view, ui, out);
         }
     }

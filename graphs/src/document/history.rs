@@ -8,6 +8,7 @@ use super::edit::{Edit, EditError};
 use super::graph::short;
 use super::{Document, Frame, NodeId, Setting};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// What was done to a document, and what was taken back.
 #[derive(Clone, Debug, Default)]
@@ -188,6 +189,25 @@ impl History {
     pub fn is_changed(&self) -> bool {
         self.saved != Some(self.done.len())
             || self.open.as_ref().is_some_and(|step| !step.back.is_empty())
+    }
+
+    /// Says settings in other words everywhere in what can be taken back or done again, without changing what they mean:
+    /// paths, when the file that they are relative to moves. `change` is given the name of an input.
+    pub fn reword(&mut self, change: &dyn Fn(&str, &mut Setting)) {
+        let steps = self.done.iter_mut().chain(&mut self.undone).chain(&mut self.open);
+        let mut edits: Vec<&mut Edit> = steps.flat_map(|step| &mut step.back).collect();
+        while let Some(edit) = edits.pop() {
+            match edit {
+                Edit::Several(several) => edits.extend(several),
+                Edit::SetInput { input, setting, .. } => change(input, setting),
+                Edit::AddNode { node, .. } | Edit::ReplaceNode { node, .. } => {
+                    for (input, setting) in &mut Arc::make_mut(node).inputs {
+                        change(input, setting);
+                    }
+                }
+                _ => {}
+            }
+        }
     }
 
     fn commit(&mut self, document: &Document, mut step: Step) {
@@ -440,6 +460,34 @@ mod tests {
         assert!(history.is_changed());
         history.jump(&mut document, 9).unwrap();
         assert!(history.is_changed());
+    }
+
+    #[test]
+    fn what_is_reworded_is_so_in_every_state() {
+        let (mut document, mut history) = (Document::default(), History::new());
+        history.edit(&mut document, &add("a")).unwrap();
+        for n in [3, 4, 5] {
+            history.edit(&mut document, &count(n)).unwrap();
+        }
+        history.edit(&mut document, &Edit::RemoveNode { id: id("a") }).unwrap();
+        history.undo(&mut document).unwrap();
+        history.undo(&mut document).unwrap();
+        let reword = |input: &str, setting: &mut Setting| {
+            if let ("count", Setting::Known(Value::Int(n))) = (input, setting) {
+                *n *= 10;
+            }
+        };
+        history.reword(&reword);
+        let node = document.nodes.get_mut("a").map(Arc::make_mut).unwrap();
+        node.inputs.iter_mut().for_each(|(input, setting)| reword(input, setting));
+        let mut seen = vec![];
+        for at in [1, 2, 3, 4, 5, 4] {
+            history.jump(&mut document, at).unwrap();
+            let node = document.node("a");
+            seen.push(node.and_then(|node| node.inputs.get("count").cloned()));
+        }
+        let known = |n: i64| Some(Setting::Known(Value::Int(n)));
+        assert_eq!(seen, [None, known(30), known(40), known(50), None, known(50)]);
     }
 
     #[test]

@@ -4,3 +4,4 @@ mod frames;
 mod fuzz;
 mod grooms;
 mod harness;
+mod tour;

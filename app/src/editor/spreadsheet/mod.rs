@@ -13,6 +13,7 @@ mod tests;
 use super::evaluation::{Shown, first_output};
 use super::event::Event;
 use super::notes::Note;
+use super::outliner::grouped;
 use super::state::{Select, State};
 use super::theme;
 use coif_nodes::data::curves::Curves;
@@ -558,19 +559,6 @@ fn csv(table: &Table, columns: &[&Column], rows: &[usize]) -> String {
     for row in rows {
         let cells = columns.iter().map(|column| quoted(&table.cell(*row, column).text()));
         line(cells.collect(), &mut text);
-    }
-    text
-}
-
-/// A count with commas: 1,204.
-fn grouped(n: usize) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i) % 3 == 0 {
-            text.push(',');
-        }
-        text.push(digit);
     }
     text
 }

@@ -1,0 +1,104 @@
+//! What the documents' room adds to the table of actions.
+
+use super::{Event as FileEvent, Purpose};
+use crate::editor::Editor;
+use crate::editor::actions::{Action, always};
+use crate::editor::event::Event;
+
+fn file(editor: &mut Editor, event: FileEvent) {
+    editor.apply(Event::Documents(event));
+}
+
+/// The menu "File".
+pub(crate) const ACTIONS: &[Action] = &[
+    Action {
+        id: "file.new",
+        label: "New…",
+        tip: "Shipped grooms with pictures, the empty head, and one's own.",
+        words: "template preset welcome start create",
+        menu: "File",
+        when: always,
+        run: |editor| file(editor, FileEvent::Welcome(true)),
+    },
+    Action {
+        id: "file.empty",
+        label: "New empty head",
+        tip: "A head without hair.",
+        words: "blank scene create bald",
+        menu: "File",
+        when: always,
+        run: |editor| file(editor, FileEvent::New(None)),
+    },
+    Action {
+        id: "file.open",
+        label: "Open…",
+        tip: "Opens a groom (.ron).",
+        words: "load read file",
+        menu: "File",
+        when: always,
+        run: |editor| file(editor, FileEvent::Ask(Purpose::Open)),
+    },
+    Action {
+        id: "file.recent",
+        label: "Open recent…",
+        tip: "The grooms that were open lately.",
+        words: "last history load",
+        menu: "File",
+        when: always,
+        run: |editor| file(editor, FileEvent::Welcome(true)),
+    },
+    Action {
+        id: "file.head",
+        label: "Own head…",
+        tip: "A mesh (.obj, .glb, .gltf) becomes the head that hair grows on.",
+        words: "import mesh scalp character model skull",
+        menu: "File",
+        when: always,
+        run: |editor| file(editor, FileEvent::Ask(Purpose::Mesh)),
+    },
+    Action {
+        id: "file.save",
+        label: "Save",
+        tip: "Writes the groom to its file, whole or not at all.",
+        words: "store write keep",
+        menu: "File",
+        when: always,
+        run: |editor| file(editor, FileEvent::Save),
+    },
+    Action {
+        id: "file.save_as",
+        label: "Save as…",
+        tip: "Writes the groom to another file; the meshes that it names stay found.",
+        words: "store write copy rename",
+        menu: "File",
+        when: always,
+        run: |editor| file(editor, FileEvent::Ask(Purpose::Save)),
+    },
+    Action {
+        id: "file.export",
+        label: "Export hair…",
+        tip: "Writes all hair as .usdc, .usda or .hair, the same as coif eval does. Editing goes on meanwhile.",
+        words: "usd write houdini maya blender unreal curves alembic output",
+        menu: "File",
+        when: |editor| editor.can_export(),
+        run: |editor| file(editor, FileEvent::Ask(Purpose::Export)),
+    },
+    Action {
+        id: "file.stop_export",
+        label: "Stop the export",
+        tip: "Stops the export that goes on; nothing is written.",
+        words: "cancel abort",
+        menu: "",
+        when: |editor| editor.exports(),
+        run: |editor| file(editor, FileEvent::StopExport),
+    },
+    Action {
+        id: "file.close",
+        label: "Close the window",
+        tip: "Asks once when something is not saved.",
+        words: "quit exit end leave",
+        menu: "File",
+        when: always,
+        run: |editor| file(editor, FileEvent::Close),
+    },
+];

@@ -1,0 +1,159 @@
+//! Bars under the menu, which wait for an answer without being in the way, and the one question that does: about unsaved
+//! changes.
+
+use super::{Disk, Documents, Event as FileEvent, Left, Unsaved, journal};
+use crate::editor::event::Event;
+use crate::editor::state::{Select, State};
+use egui::{Panel, ProgressBar};
+
+/// The bars that are due.
+pub(super) fn show(documents: &Documents, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+    for (at, left) in documents.leftovers.iter().enumerate() {
+        Panel::top(egui::Id::new(("left", at))).show(ui, |ui| {
+            ui.horizontal_wrapped(|ui| {
+                let age = ago(journal::now().saturating_sub(left.about.at));
+                ui.label(format!("{} was not saved when coif ended {age}.", left.about.name));
+                for (word, tip, answer) in [
+                    ("Restore", "Opens it as it was after the last step", Left::Restore),
+                    ("Keep for later", "Offers it again at the next start", Left::Keep),
+                    ("Discard", "Removes it for good", Left::Discard),
+                ] {
+                    if ui.button(word).on_hover_text(tip).clicked() {
+                        out.push(Event::Documents(FileEvent::Left(at, answer)));
+                    }
+                }
+            });
+        });
+    }
+    if let Some(changed) = &documents.changed {
+        Panel::top("changed on disk").show(ui, |ui| {
+            ui.horizontal_wrapped(|ui| {
+                let lost = if state.history.is_changed() {
+                    " Reloading loses what you have not saved."
+                } else {
+                    ""
+                };
+                ui.label(format!("{} was changed by another program.{lost}", state.file.name()));
+                for (word, tip, answer) in [
+                    ("Reload", "Opens the file as it is now", Disk::Reload),
+                    ("Keep mine", "Saving replaces the file", Disk::Keep),
+                    ("Compare", "Lists the nodes that differ", Disk::Compare),
+                ] {
+                    if ui.button(word).on_hover_text(tip).clicked() {
+                        out.push(Event::Documents(FileEvent::Disk(answer)));
+                    }
+                }
+            });
+            let Some(differences) = &changed.differences else { return };
+            if differences.is_empty() {
+                ui.label("No node differs.");
+            }
+            egui::ScrollArea::vertical().max_height(160.0).show(ui, |ui| {
+                for difference in differences {
+                    match &difference.node {
+                        None => {
+                            ui.label(format!("the document {}", difference.words));
+                        }
+                        Some(id) => {
+                            let name = state.document.name_of(id);
+                            let line = ui.link(format!("{name} {}", difference.words));
+                            if line.on_hover_text("Selects the node").clicked() {
+                                out.push(Event::Select(Select::Nodes(vec![id.clone()])));
+                            }
+                        }
+                    }
+                }
+            });
+        });
+    }
+    if let Some(export) = &documents.export {
+        let going = export.going();
+        Panel::top("export").show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.label(format!("exporting {}", export.path.display()));
+                let (done, of) = going.nodes;
+                let part = if of == 0 { 0.0 } else { done as f32 / of as f32 };
+                ui.add(ProgressBar::new(part).desired_width(160.0));
+                ui.label(&going.doing);
+                let stop = ui.button("Stop export").on_hover_text("Nothing is written");
+                if stop.clicked() {
+                    out.push(Event::Documents(FileEvent::StopExport));
+                }
+            });
+        });
+    }
+}
+
+/// What a file that hangs over the window would do.
+pub(super) fn hovering(ctx: &egui::Context) {
+    let hovers = ctx.input(|input| !input.raw.hovered_files.is_empty());
+    if hovers {
+        egui::Area::new("hovering".into())
+            .order(egui::Order::Tooltip)
+            .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
+            .show(ctx, |ui| {
+                egui::Frame::popup(ui.style()).show(ui, |ui| {
+                    ui.heading("Drop a groom to open it, or a mesh to grow hair on it");
+                });
+            });
+    }
+}
+
+/// The question about unsaved changes.
+pub(super) fn unsaved(
+    documents: &Documents,
+    name: &str,
+    ctx: &egui::Context,
+    out: &mut Vec<Event>,
+) {
+    if documents.unsaved.is_none() {
+        return;
+    }
+    let modal = egui::Modal::new("unsaved".into()).show(ctx, |ui| {
+        ui.heading(format!("Save the changes of {name}?"));
+        ui.label("What is not saved is lost.");
+        ui.add_space(8.0);
+        let mut answer = None;
+        ui.horizontal(|ui| {
+            for (word, tip, what) in [
+                ("Save", "Saves first", Unsaved::Save),
+                ("Discard", "Goes on without saving", Unsaved::Discard),
+                ("Cancel", "Goes back to the document", Unsaved::Cancel),
+            ] {
+                if ui.button(word).on_hover_text(tip).clicked() {
+                    answer = Some(what);
+                }
+            }
+        });
+        answer
+    });
+    let closed = modal.should_close().then_some(Unsaved::Cancel);
+    if let Some(answer) = modal.inner.or(closed) {
+        out.push(Event::Documents(FileEvent::Unsaved(answer)));
+    }
+}
+
+/// How long something is ago, in words.
+fn ago(seconds: u64) -> String {
+    let said = |n: u64, one: &str| {
+        let s = if n == 1 { "" } else { "s" };
+        format!("{n} {one}{s} ago")
+    };
+    match seconds {
+        0..60 => "just now".to_owned(),
+        60..3600 => said(seconds / 60, "minute"),
+        3600..86_400 => said(seconds / 3600, "hour"),
+        _ => said(seconds / 86_400, "day"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ages_are_said_in_the_largest_unit() {
+        let said: Vec<String> = [3, 60, 7300, 86_400 * 3].map(ago).into();
+        assert_eq!(said, ["just now", "1 minute ago", "2 hours ago", "3 days ago"]);
+    }
+}

@@ -1,0 +1,238 @@
+//! Asking for a file: the system's own dialog on a thread of its own, behind a trait so that tests can answer.
+//!
+//! The window never waits for a dialog. Where the system has none to show (no portal answers), that is told and the
+//! browser of this program is used instead ([`super::browser`]).
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::task::{Context, Poll, Wake};
+use std::thread::Thread;
+use std::time::{Duration, Instant};
+
+/// What a file is wanted for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// A groom to open.
+    Open,
+    /// A mesh for the head.
+    Mesh,
+    /// A mesh instead of one that is missing, for the same node.
+    Find,
+    /// Where the groom is saved.
+    Save,
+    /// Where hair is written.
+    Export,
+}
+
+impl Purpose {
+    /// What the dialog says on top.
+    pub(crate) fn title(self) -> &'static str {
+        match self {
+            Self::Open => "Open a groom",
+            Self::Mesh => "Choose a head",
+            Self::Find => "Find the missing file",
+            Self::Save => "Save the groom as",
+            Self::Export => "Export hair as",
+        }
+    }
+    /// Whether the file may be new.
+    pub(crate) fn saves(self) -> bool {
+        matches!(self, Self::Save | Self::Export)
+    }
+    /// What the files are called, and how their names end. The first is taken where somebody writes no ending.
+    pub(crate) fn endings(self) -> (&'static str, &'static [&'static str]) {
+        match self {
+            Self::Open | Self::Save => ("Grooms", &["ron"]),
+            Self::Mesh | Self::Find => ("Meshes", MESHES),
+            Self::Export => ("Hair", HAIR),
+        }
+    }
+    /// A chosen path with an ending that fits.
+    pub(crate) fn complete(self, path: PathBuf) -> PathBuf {
+        let (_, endings) = self.endings();
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        match endings.first() {
+            Some(first) if self.saves() && !ending.is_some_and(|e| endings.contains(&&*e)) => {
+                let mut whole = path.into_os_string();
+                whole.push(".");
+                whole.push(first);
+                whole.into()
+            }
+            _ => path,
+        }
+    }
+}
+
+/// Meshes that the head node reads.
+pub(crate) const MESHES: &[&str] = coif_nodes::formats::mesh_in::EXTENSIONS;
+/// What hair is written as.
+pub(crate) const HAIR: &[&str] = &["usdc", "usda", "hair"];
+
+/// A question for a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Question {
+    /// What for.
+    pub(crate) purpose: Purpose,
+    /// Where to begin.
+    pub(crate) folder: PathBuf,
+    /// The name that is offered where something is saved.
+    pub(crate) name: String,
+}
+
+/// What became of a question.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Answer {
+    /// Somebody chose.
+    Chosen(PathBuf),
+    /// Somebody closed the dialog.
+    Nothing,
+    /// There is no dialog to show.
+    NoDialog,
+}
+
+/// Something that asks people for files. One question at a time.
+pub(crate) trait Dialogs {
+    /// Asks; returns at once. An older question is dropped.
+    fn ask(&mut self, question: &Question);
+    /// The answer, once there is one.
+    fn answer(&mut self) -> Option<Answer>;
+}
+
+/// A dialog that closed sooner was never seen by anybody.
+const UNSEEN: Duration = Duration::from_millis(250);
+
+/// The system's own dialogs.
+pub(crate) struct System {
+    wake: Arc<dyn Fn() + Send + Sync>,
+    waiting: Option<Receiver<Answer>>,
+}
+
+impl System {
+    /// Dialogs that call `wake` when they are answered.
+    pub(crate) fn new(wake: Arc<dyn Fn() + Send + Sync>) -> Self {
+        Self { wake, waiting: None }
+    }
+}
+
+impl Dialogs for System {
+    fn ask(&mut self, question: &Question) {
+        let (send, receive) = channel();
+        self.waiting = Some(receive);
+        let (name, endings) = question.purpose.endings();
+        let mut dialog = rfd::AsyncFileDialog::new()
+            .set_title(question.purpose.title())
+            .add_filter(name, endings);
+        if question.folder.is_dir() {
+            dialog = dialog.set_directory(&question.folder);
+        }
+        let wake = self.wake.clone();
+        let saves = question.purpose.saves();
+        if saves {
+            dialog = dialog.set_file_name(&question.name);
+        }
+        // Some systems want dialogs made on the thread of the window, and all may wait elsewhere.
+        type Chosen = std::pin::Pin<Box<dyn Future<Output = Option<rfd::FileHandle>> + Send>>;
+        let chosen: Chosen =
+            if saves { Box::pin(dialog.save_file()) } else { Box::pin(dialog.pick_file()) };
+        let spawned = std::thread::Builder::new().name("file dialog".to_owned()).spawn(move || {
+            let began = Instant::now();
+            let answer = match wait(chosen) {
+                Some(file) => Answer::Chosen(file.path().to_owned()),
+                None if began.elapsed() < UNSEEN => Answer::NoDialog,
+                None => Answer::Nothing,
+            };
+            // Nobody waits any more when another question was asked meanwhile.
+            let _ = send.send(answer);
+            wake();
+        });
+        if spawned.is_err() {
+            self.waiting = None;
+        }
+    }
+
+    fn answer(&mut self) -> Option<Answer> {
+        let answer = match self.waiting.as_ref()?.try_recv() {
+            Ok(answer) => answer,
+            Err(TryRecvError::Empty) => return None,
+            Err(TryRecvError::Disconnected) => Answer::NoDialog,
+        };
+        self.waiting = None;
+        Some(answer)
+    }
+}
+
+/// Waits on this thread for something.
+fn wait<T>(mut future: std::pin::Pin<Box<dyn Future<Output = T> + Send>>) -> T {
+    struct Unpark(Thread);
+    impl Wake for Unpark {
+        fn wake(self: Arc<Self>) {
+            self.0.unpark();
+        }
+    }
+    let waker = Arc::new(Unpark(std::thread::current())).into();
+    let mut cx = Context::from_waker(&waker);
+    loop {
+        match future.as_mut().poll(&mut cx) {
+            Poll::Ready(out) => return out,
+            Poll::Pending => std::thread::park(),
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod fake {
+    use super::*;
+    use std::sync::Mutex;
+
+    /// Answers that were laid out before, and the questions that were asked.
+    #[derive(Clone, Default)]
+    pub(crate) struct Fake {
+        pub(crate) answers: Arc<Mutex<Vec<Answer>>>,
+        pub(crate) asked: Arc<Mutex<Vec<Question>>>,
+        waits: bool,
+    }
+
+    impl Fake {
+        pub(crate) fn answers(&self, answer: Answer) {
+            self.answers.lock().unwrap().push(answer);
+        }
+    }
+
+    impl Dialogs for Fake {
+        fn ask(&mut self, question: &Question) {
+            self.asked.lock().unwrap().push(question.clone());
+            self.waits = true;
+        }
+        fn answer(&mut self) -> Option<Answer> {
+            let mut answers = self.answers.lock().unwrap();
+            let waits = std::mem::take(&mut self.waits);
+            (waits && !answers.is_empty()).then(|| answers.remove(0))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_get_the_ending_that_fits() {
+        let check = |purpose: Purpose, given: &str, whole: &str| {
+            assert_eq!(purpose.complete(given.into()), PathBuf::from(whole));
+        };
+        check(Purpose::Save, "/a/front rows", "/a/front rows.ron");
+        check(Purpose::Save, "/a/v1.2", "/a/v1.2.ron");
+        check(Purpose::Save, "/a/x.RON", "/a/x.RON");
+        check(Purpose::Export, "/a/x", "/a/x.usdc");
+        check(Purpose::Export, "/a/x.hair", "/a/x.hair");
+        check(Purpose::Open, "/a/x", "/a/x");
+    }
+
+    #[test]
+    fn endings_of_exports_are_those_that_can_be_written() {
+        use coif_nodes::formats::export::Format;
+        assert!(HAIR.iter().all(|ending| Format::of_extension(ending).is_some()));
+        assert_eq!(Format::EXTENSIONS.matches('.').count(), HAIR.len());
+    }
+}

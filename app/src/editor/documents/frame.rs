@@ -1,0 +1,179 @@
+//! What the documents' room does in every frame: answers and news are taken before the rooms are shown, its windows
+//! and bars are shown among them, and what changed is handed to the journal and the watch behind them.
+
+use super::dialogs::{Answer, MESHES};
+use super::export::Ended;
+use super::watch::Change;
+use super::{Browser, Changed, Event, bars, browser, home, own_head, paths, welcome};
+use crate::editor::Editor;
+use crate::editor::notes::Note;
+use egui::ViewportCommand;
+use std::path::{Path, PathBuf};
+
+/// Before the rooms are shown.
+pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
+    if ctx.input(|input| input.viewport().close_requested()) && !editor.documents.leaving {
+        editor.apply_to_file(Event::Close);
+        if !editor.documents.leaving {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+        }
+    } else if editor.documents.leaving {
+        ctx.send_viewport_cmd(ViewportCommand::Close);
+    }
+    let dropped: Vec<PathBuf> = ctx.input_mut(|input| {
+        let files = std::mem::take(&mut input.raw.dropped_files);
+        files.iter().map(|file| file.path().to_owned()).collect()
+    });
+    for path in dropped {
+        drop_file(editor, &path);
+    }
+    match editor.documents.dialogs.answer() {
+        Some(Answer::Chosen(path)) => editor.answered(Some(path)),
+        Some(Answer::Nothing) => editor.answered(None),
+        Some(Answer::NoDialog) => {
+            editor.documents.no_dialogs = true;
+            if let Some(asking) = &editor.documents.asking {
+                editor.documents.browser =
+                    Some(Browser::new(asking.question.clone(), editor.documents.wake.clone()));
+            }
+        }
+        None => {}
+    }
+    for change in editor.documents.watch.changes() {
+        changed(editor, &change);
+    }
+    if let Some(ended) = editor.documents.export.as_ref().and_then(super::Export::ended) {
+        editor.documents.export = None;
+        match ended {
+            Ended::Done(words, warnings) => {
+                for warning in warnings {
+                    editor.state.notes.say(Note::warning(warning));
+                }
+                editor.state.notes.say(Note::done(words));
+            }
+            Ended::Failed(lines) => {
+                lines.into_iter().for_each(|line| editor.state.notes.say(Note::error(line)));
+            }
+            Ended::Stopped => {
+                editor.state.notes.say(Note::done("the export was stopped; nothing was written"));
+            }
+        }
+    }
+}
+
+/// A file dropped on the window: a groom is opened, a mesh becomes the head.
+fn drop_file(editor: &mut Editor, path: &Path) {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let event = match ending.as_str() {
+        "ron" => Event::Open(path.to_owned()),
+        mesh if MESHES.contains(&mesh) || mesh.starts_with("usd") || mesh == "fbx" => {
+            // What is not read is refused by the reader, which says what to do instead.
+            Event::Mesh(path.to_owned())
+        }
+        _ => {
+            let text = format!(
+                "{}: drop a groom (.ron) or a mesh (.{})",
+                path.display(),
+                MESHES.join(", .")
+            );
+            return editor.state.notes.say(Note::warning(text));
+        }
+    };
+    editor.apply_to_file(event);
+}
+
+fn changed(editor: &mut Editor, change: &Change) {
+    let (path, gone) = match change {
+        Change::Content(path) => (path, false),
+        Change::Gone(path) => (path, true),
+    };
+    let shown = path.display();
+    if editor.state.file.path.as_ref() == Some(path) {
+        if gone {
+            editor.documents.changed = None;
+            let text = format!("{shown} is not there any more; saving writes it again");
+            editor.state.notes.say(Note::warning(text));
+        } else {
+            editor.documents.changed = Some(Changed { differences: None });
+        }
+        return;
+    }
+    // A file that a node names: evaluation reads it again by itself once it is asked.
+    editor.state.revision += 1;
+    let text =
+        if gone { "is not there any more" } else { "changed on the disk and was read again" };
+    editor.state.notes.say(Note::done(format!("{shown} {text}")));
+}
+
+/// Bars under the menu, and windows. What they say is applied at once.
+pub(crate) fn panels(editor: &mut Editor, ui: &mut egui::Ui) {
+    let ctx = ui.ctx().clone();
+    let mut out = vec![];
+    bars::show(&editor.documents, &editor.state, ui, &mut out);
+    bars::unsaved(&editor.documents, &editor.title(), &ctx, &mut out);
+    let documents = &mut editor.documents;
+    welcome::window(&mut documents.welcome, &documents.recent, &editor.state, &ctx, &mut out);
+    bars::hovering(&ctx);
+    if let Some(head) = &editor.documents.head {
+        own_head::window(head, &editor.state, &ctx, &mut out);
+    }
+    for event in out {
+        editor.apply(event);
+    }
+    let outcome = editor.documents.browser.as_mut().map(|browser| browser.ui(&ctx));
+    match outcome {
+        Some(browser::Outcome::Chosen(path)) => {
+            editor.documents.browser = None;
+            editor.answered(Some(path));
+        }
+        Some(browser::Outcome::Closed) => {
+            editor.documents.browser = None;
+            editor.answered(None);
+        }
+        Some(browser::Outcome::Open) | None => {}
+    }
+}
+
+/// Behind the rooms: what changed becomes safe, and is looked at.
+pub(crate) fn after(editor: &mut Editor, ctx: &egui::Context) {
+    own_head::settle(editor);
+    home::heed_settings(editor, ctx);
+    save_by_itself(editor, ctx);
+    editor.tell_journal();
+    let state = &editor.state;
+    let watched = (state.changes, state.file.path.clone());
+    if !state.gesture && editor.documents.watched.as_ref() != Some(&watched) {
+        let folder = &state.file.folder;
+        let mut files: Vec<PathBuf> = paths::named(&state.document)
+            .into_iter()
+            .map(|(.., path)| folder.join(&*path))
+            .collect();
+        files.extend(state.file.path.clone());
+        editor.documents.watch.files(files.iter().map(PathBuf::as_path));
+        editor.documents.watched = Some(watched);
+    }
+    let mark = if state.history.is_changed() { "*" } else { "" };
+    let title = format!("{}{mark} - coif", editor.title());
+    if title != editor.documents.title {
+        ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
+        editor.documents.title = title;
+    }
+}
+
+/// Saves a document that has a file, when somebody wants that and it was not saved for so long.
+fn save_by_itself(editor: &mut Editor, ctx: &egui::Context) {
+    let minutes = editor.state.settings.save_minutes;
+    let Some(path) = editor.state.file.path.clone() else { return };
+    let waits = editor.state.gesture || editor.documents.changed.is_some();
+    if !editor.state.history.is_changed() {
+        editor.documents.saved_at = editor.now;
+    } else if minutes > 0 && !waits {
+        let left = f64::from(minutes) * 60.0 - (editor.now - editor.documents.saved_at);
+        if left > 0.0 {
+            return ctx.request_repaint_after(std::time::Duration::from_secs_f64(left));
+        }
+        // Tried again after as long, when it fails.
+        editor.documents.saved_at = editor.now;
+        editor.save_to(&path);
+    }
+}

@@ -1,0 +1,109 @@
+//! What the editor keeps between runs: settings, layout, keys of one's own, recent files, recovery.
+
+use super::journal::{self, Journal};
+use super::kept;
+use super::places::Places;
+use super::recent::Recent;
+use crate::editor::notes::Note;
+use crate::editor::settings::Settings;
+use crate::editor::{Editor, rooms, theme};
+
+impl Editor {
+    /// Keeps what it keeps in these folders from now on, takes what was kept there, and offers what sessions left that did
+    /// not end by themselves.
+    pub fn keep_in(&mut self, ctx: &egui::Context, home: Places) {
+        let mut told = vec![];
+        let (settings, damage) = kept::load::<Settings>(&home.settings());
+        self.state.settings = settings.within_limits();
+        told.extend(damage);
+        let (layout, damage) = kept::load_with(&home.layout(), |text| {
+            rooms::read_layout(text).ok_or_else(|| "is no layout".to_owned())
+        });
+        told.extend(damage);
+        if let Some(layout) = layout {
+            self.dock = layout;
+        }
+        match std::fs::read_to_string(home.keys()) {
+            Ok(text) => told.extend(
+                self.keys.add(&text).err().map(|why| format!("{}: {why}", home.keys().display())),
+            ),
+            Err(err) if err.kind() == std::io::ErrorKind::NotFound => {}
+            Err(err) => told.push(format!("{}: {err}", home.keys().display())),
+        }
+        let documents = &mut self.documents;
+        let damage;
+        (documents.recent, damage) = Recent::load(home.recent());
+        told.extend(damage);
+        let recovery = home.recovery();
+        documents.leftovers = journal::leftovers(&recovery);
+        match Journal::open(&recovery) {
+            Ok(journal) => documents.journal = Some(journal),
+            Err(err) => told.push(format!(
+                "nothing can be recovered after a crash: {}: {err}",
+                recovery.display()
+            )),
+        }
+        documents.settings = Some(self.state.settings.clone());
+        documents.home = Some(home);
+        told.into_iter().for_each(|text| self.state.notes.say(Note::warning(text)));
+        if let Some(path) = self.state.file.path.clone() {
+            if let Err(why) = self.documents.recent.add(&path) {
+                self.state.notes.say(Note::warning(why));
+            }
+        }
+        show_settings(self, ctx);
+    }
+
+    /// Opens the welcome panel, unless somebody does not want it.
+    pub fn greet(&mut self) {
+        if self.state.settings.welcome {
+            self.apply_to_file(super::Event::Welcome(true));
+        }
+    }
+
+    /// Writes settings and layout.
+    pub(super) fn store_settings(&mut self) {
+        let Some(home) = &self.documents.home else { return };
+        let stored = kept::store(&home.settings(), &self.state.settings)
+            .and_then(|()| kept::store_text(&home.layout(), &rooms::write_layout(&self.dock)));
+        if let Err(why) = stored {
+            self.state.notes.say(Note::warning(why));
+        }
+    }
+
+    /// Whether hair can be exported now, or why not.
+    pub(crate) fn can_export(&self) -> Result<(), &'static str> {
+        let mut nodes = self.state.document.nodes.values();
+        match (&self.documents.export, nodes.any(|node| node.kind == "groom_output")) {
+            (Some(_), _) => Err("an export goes on"),
+            (None, false) => Err("the graph has no groom output"),
+            (None, true) => Ok(()),
+        }
+    }
+
+    /// Whether an export goes on.
+    pub(crate) fn exports(&self) -> Result<(), &'static str> {
+        self.documents.export.as_ref().map(|_| ()).ok_or("no export goes on")
+    }
+}
+
+/// Settings that changed are shown and kept.
+pub(super) fn heed_settings(editor: &mut Editor, ctx: &egui::Context) {
+    let now = Some(&editor.state.settings);
+    // While a slider is dragged nothing is written.
+    if editor.documents.settings.as_ref() == now || ctx.input(|input| input.pointer.any_down()) {
+        return;
+    }
+    editor.documents.settings = now.cloned();
+    show_settings(editor, ctx);
+    editor.store_settings();
+}
+
+fn show_settings(editor: &Editor, ctx: &egui::Context) {
+    let settings = &editor.state.settings;
+    theme::apply(ctx, settings.pen_mode);
+    if settings.strong_contrast {
+        theme::strengthen(ctx);
+    }
+    ctx.set_zoom_factor(settings.scale);
+}

@@ -1,0 +1,412 @@
+//! The life of a document: new, opened, saved, restored, closed. What [`super::Event`]s do.
+
+use super::dialogs::{Purpose, Question};
+use super::export::Export;
+use super::journal::About;
+use super::watch::hash_of;
+use super::{
+    Asking, Changed, Disk, Event, HeadChoice, Left, Next, Unsaved, differences, journal, own_head,
+    paths,
+};
+use crate::cli::files::{read_at_most, write_text};
+use crate::editor::Editor;
+use crate::editor::notes::Note;
+use crate::editor::state::OpenFile;
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::history::History;
+use coif_graphs::document::{Document, Node, NodeId, Point, Setting};
+use coif_graphs::{file, grooms};
+use coif_nodes::define::Value;
+use std::path::{Path, PathBuf};
+
+/// The largest document that is read: strokes take 20 bytes a sample, so this holds millions.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// The document that begins with nothing but a head.
+pub(super) fn empty_head() -> Document {
+    let mut document = Document { title: "Untitled".to_owned(), ..Document::default() };
+    let id = document.free_id("head");
+    let node = document.fresh_node("head", &id);
+    document.nodes.insert(id.clone(), node.into());
+    document.layout.insert(id, Point(0.0, 0.0));
+    document
+}
+
+impl Editor {
+    /// Does what happened to the document as a whole.
+    pub(crate) fn apply_to_file(&mut self, event: Event) {
+        match event {
+            Event::New(groom) => self.after_question(Next::New(groom)),
+            Event::Open(path) => self.after_question(Next::Open(path)),
+            Event::Close => self.after_question(Next::Close),
+            Event::Save => self.save(),
+            Event::SaveTo(path) => {
+                if self.save_to(&path)
+                    && let Some(next) = self.documents.after_save.take()
+                {
+                    self.go_on(next);
+                }
+            }
+            Event::Ask(purpose) => self.ask(purpose, None),
+            Event::Find(node, input) => self.ask(Purpose::Find, Some((node, input))),
+            Event::Mesh(path) => self.try_mesh(&path),
+            Event::Head(choice) => self.head_chosen(choice),
+            Event::Export(path) => self.export(path),
+            Event::StopExport => {
+                if let Some(export) = &self.documents.export {
+                    export.stop();
+                }
+            }
+            Event::Unsaved(answer) => self.unsaved(answer),
+            Event::Disk(answer) => self.changed_on_disk(answer),
+            Event::Left(at, answer) => self.left(at, answer),
+            Event::Forget(path) => {
+                if let Err(why) = self.documents.recent.remove(&path) {
+                    self.state.notes.say(Note::warning(why));
+                }
+            }
+            Event::Welcome(open) => {
+                self.documents.welcome.is_open = open;
+                if open {
+                    let wake = self.documents.wake.clone();
+                    self.documents.recent.look(move || wake());
+                }
+            }
+        }
+    }
+
+    /// Does something that loses the document: at once, or after a question where something is unsaved.
+    fn after_question(&mut self, next: Next) {
+        self.state.history.end(&self.state.document);
+        self.state.gesture = false;
+        if self.state.history.is_changed() {
+            self.documents.unsaved = Some(next);
+        } else {
+            self.go_on(next);
+        }
+    }
+
+    fn unsaved(&mut self, answer: Unsaved) {
+        let Some(next) = self.documents.unsaved.take() else { return };
+        match answer {
+            Unsaved::Cancel => {}
+            Unsaved::Discard => self.go_on(next),
+            Unsaved::Save => {
+                self.documents.after_save = Some(next);
+                self.save();
+            }
+        }
+    }
+
+    fn go_on(&mut self, next: Next) {
+        match next {
+            Next::New(groom) => self.begin(groom),
+            Next::Open(path) => {
+                self.open(&path);
+            }
+            Next::Restore(at) => self.restore(at),
+            Next::Close => self.leave(),
+        }
+    }
+
+    /// Another document is there, as it was opened or made.
+    fn put(&mut self, document: Document, file: OpenFile, history: History) {
+        self.replace(document, file, history);
+        self.documents.changed = None;
+        self.documents.head = None;
+        self.documents.welcome.is_open = false;
+    }
+
+    fn begin(&mut self, groom: Option<&'static str>) {
+        let document = match groom {
+            None => empty_head(),
+            Some(name) => match grooms::by_name(name).map(file::read) {
+                Some(Ok(loaded)) => loaded.document,
+                Some(Err(err)) => {
+                    return self.state.notes.say(Note::error(err.of_file(name)));
+                }
+                None => {
+                    let text = format!("there is no shipped groom {name:?}");
+                    return self.state.notes.say(Note::error(text));
+                }
+            },
+        };
+        self.put(document, OpenFile::default(), History::new());
+    }
+
+    /// Opens a file. Where it cannot be, everything stays as it is and somebody is told why.
+    fn open(&mut self, path: &Path) -> bool {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let shown = path.display().to_string();
+        let read = read_at_most(&path, MOST_BYTES)
+            .map_err(|why| format!("{shown}: {why}"))
+            .and_then(|bytes| {
+                let loaded = file::read_bytes(&bytes).map_err(|err| err.of_file(&shown))?;
+                Ok((loaded, hash_of(&bytes)))
+            });
+        let (loaded, hash) = match read {
+            Ok(read) => read,
+            Err(why) => {
+                self.state.notes.say(Note::error(why));
+                return false;
+            }
+        };
+        for warning in &loaded.warnings {
+            self.state.notes.say(Note::warning(warning.of_file(&shown)));
+        }
+        for comment in &loaded.dropped_comments {
+            let text = format!("{} (saving drops this comment)", comment.of_file(&shown));
+            self.state.notes.say(Note::warning(text));
+        }
+        self.documents.watch.knows(&path, hash);
+        self.remember(&path);
+        self.put(loaded.document, OpenFile::at(path), History::new());
+        true
+    }
+
+    fn remember(&mut self, path: &Path) {
+        if let Err(why) = self.documents.recent.add(path) {
+            self.state.notes.say(Note::warning(why));
+        }
+    }
+
+    fn save(&mut self) {
+        match self.state.file.path.clone() {
+            Some(path) => self.apply_to_file(Event::SaveTo(path)),
+            None => self.ask(Purpose::Save, None),
+        }
+    }
+
+    /// Saves; tells why where that failed. The file is the document's from then on.
+    pub(super) fn save_to(&mut self, path: &Path) -> bool {
+        let path = Purpose::Save.complete(path.to_owned());
+        let path = std::path::absolute(&path).unwrap_or(path);
+        // What stands in a link's place is what it leads to.
+        let target = path.canonicalize().unwrap_or_else(|_| path.clone());
+        let (state, documents) = (&mut self.state, &mut self.documents);
+        state.history.end(&state.document);
+        let file = OpenFile::at(path.clone());
+        let mut document = state.document.clone();
+        let mut history = state.history.clone();
+        paths::move_to(&mut document, &mut history, &state.file.folder, &file.folder);
+        let text = file::write(&document);
+        let before = documents.watched.take();
+        documents.watch.knows(&path, hash_of(text.as_bytes()));
+        if let Err(why) = write_text(&target, &text) {
+            documents.watched = before;
+            documents.after_save = None;
+            state.notes.say(Note::error(format!("{}: {why}; nothing was saved", path.display())));
+            return false;
+        }
+        history.mark_saved(&document);
+        if document != state.document {
+            state.changes += 1;
+        }
+        if file.folder != state.file.folder {
+            // The same files by other names: evaluation has to ask for them anew.
+            state.revision += 1;
+        }
+        (state.document, state.history, state.file) = (document, history, file);
+        documents.changed = None;
+        documents.saved_at = self.now;
+        state.notes.say(Note::done(format!("saved {}", path.display())));
+        self.remember(&path);
+        true
+    }
+
+    fn ask(&mut self, purpose: Purpose, input: Option<(NodeId, String)>) {
+        let file = &self.state.file;
+        let folder = match (&file.path, self.documents.recent.files().first()) {
+            (None, Some(last)) => last.parent().map(Path::to_owned).unwrap_or_default(),
+            _ => file.folder.clone(),
+        };
+        let stem = match &file.path {
+            Some(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            None => name_of_file(&self.state.document.title),
+        };
+        let ending = purpose.endings().1.first().copied().unwrap_or_default();
+        let question = Question { purpose, folder, name: format!("{stem}.{ending}") };
+        let documents = &mut self.documents;
+        if documents.no_dialogs {
+            documents.browser = Some(super::Browser::new(question.clone(), documents.wake.clone()));
+        } else {
+            documents.dialogs.ask(&question);
+        }
+        documents.asking = Some(Asking { question, input });
+    }
+
+    /// Somebody chose a file, or not.
+    pub(super) fn answered(&mut self, path: Option<PathBuf>) {
+        let Some(Asking { question, input }) = self.documents.asking.take() else { return };
+        let purpose = question.purpose;
+        let Some(path) = path.map(|path| purpose.complete(path)) else {
+            self.documents.after_save = None;
+            return;
+        };
+        match (purpose, input) {
+            (Purpose::Open, _) => self.apply_to_file(Event::Open(path)),
+            (Purpose::Save, _) => self.apply_to_file(Event::SaveTo(path)),
+            (Purpose::Export, _) => self.export(path),
+            (Purpose::Find, Some((node, input))) => {
+                let name = self.name_for(&path);
+                let setting = Setting::Known(Value::Text(name.into()));
+                self.apply(crate::editor::event::Event::Edit(Edit::SetInput {
+                    node,
+                    input,
+                    setting,
+                }));
+            }
+            (Purpose::Mesh | Purpose::Find, _) => self.try_mesh(&path),
+        }
+    }
+
+    /// How the document names a file: relative to its folder, when it has one.
+    pub(super) fn name_for(&self, path: &Path) -> String {
+        match &self.state.file.path {
+            Some(_) => paths::name_in(&self.state.file.folder, path),
+            None => {
+                let full = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+                full.to_string_lossy().into_owned()
+            }
+        }
+    }
+
+    fn export(&mut self, path: PathBuf) {
+        if self.documents.export.is_some() {
+            let text = "an export goes on; stop it or wait for its end";
+            return self.state.notes.say(Note::warning(text));
+        }
+        let wake = self.documents.wake.clone();
+        let folder = self.state.file.folder.clone();
+        match Export::start(self.state.document.clone(), folder, path, move || wake()) {
+            Ok(export) => self.documents.export = Some(export),
+            Err(why) => self.state.notes.say(Note::error(why)),
+        }
+    }
+
+    fn changed_on_disk(&mut self, answer: Disk) {
+        let Some(path) = self.state.file.path.clone() else { return };
+        match answer {
+            Disk::Keep => {
+                self.documents.changed = None;
+            }
+            Disk::Reload => {
+                if self.open(&path) {
+                    self.state.notes.say(Note::done(format!("opened again: {}", path.display())));
+                }
+            }
+            Disk::Compare => {
+                let Some(Changed { differences: shown }) = &mut self.documents.changed else {
+                    return;
+                };
+                if shown.take().is_some() {
+                    return;
+                }
+                let read = read_at_most(&path, MOST_BYTES)
+                    .and_then(|bytes| file::read_bytes(&bytes).map_err(|err| err.to_string()));
+                match read {
+                    Ok(loaded) => {
+                        *shown = Some(differences(&self.state.document, &loaded.document));
+                    }
+                    Err(why) => {
+                        let text = format!("{}: {why}", path.display());
+                        self.state.notes.say(Note::error(text));
+                    }
+                }
+            }
+        }
+    }
+
+    fn left(&mut self, at: usize, answer: Left) {
+        if at >= self.documents.leftovers.len() {
+            return;
+        }
+        match answer {
+            Left::Restore => self.after_question(Next::Restore(at)),
+            Left::Keep => drop(self.documents.leftovers.remove(at)),
+            Left::Discard => self.documents.leftovers.remove(at).discard(),
+        }
+    }
+
+    fn restore(&mut self, at: usize) {
+        if at >= self.documents.leftovers.len() {
+            return;
+        }
+        let left = self.documents.leftovers.remove(at);
+        let file = left.about.path.clone().map(OpenFile::at).unwrap_or_default();
+        let text = format!("restored {}: it is not saved yet", left.about.name);
+        // What was restored differs from its file, whatever was done to it since.
+        self.put(left.document.clone(), file, History::default());
+        self.state.notes.say(Note::done(text));
+        self.tell_journal();
+        if let Some(journal) = &self.documents.journal {
+            journal.forget(left);
+        }
+    }
+
+    /// Hands the document to the journal, when it is another than the last.
+    pub(super) fn tell_journal(&mut self) {
+        let (state, documents) = (&self.state, &self.documents);
+        let Some(journal) = &documents.journal else { return };
+        if let Some(why) = journal.fault() {
+            self.state.notes.say(Note::warning(format!("the last step is not safe: {why}")));
+            return;
+        }
+        let now = (state.changes, state.file.path.clone(), state.history.is_changed());
+        if state.gesture || documents.told.as_ref() == Some(&now) {
+            return;
+        }
+        if now.2 {
+            let about = About { path: now.1.clone(), name: self.title(), at: journal::now() };
+            journal.keep(about, state.document.clone());
+        } else {
+            journal.clear();
+        }
+        self.documents.told = Some(now);
+    }
+
+    /// What the document is called.
+    pub(crate) fn title(&self) -> String {
+        match &self.state.file.path {
+            None if !self.state.document.title.is_empty() => self.state.document.title.clone(),
+            _ => self.state.file.name(),
+        }
+    }
+
+    /// Nothing keeps the window from closing any more.
+    fn leave(&mut self) {
+        self.documents.leaving = true;
+        if let Some(journal) = self.documents.journal.take() {
+            journal.close();
+        }
+        self.store_settings();
+    }
+
+    fn head_chosen(&mut self, choice: HeadChoice) {
+        match choice {
+            HeadChoice::Try(placing, drags) => self.try_head(&placing, drags),
+            HeadChoice::Accept => self.documents.head = None,
+            HeadChoice::Cancel => self.cancel_head(),
+        }
+        own_head::settle(self);
+    }
+}
+
+/// A title as the name of a file.
+fn name_of_file(title: &str) -> String {
+    let plain: String = title
+        .chars()
+        .map(|c| if c.is_alphanumeric() || matches!(c, ' ' | '-' | '_') { c } else { '_' })
+        .take(80)
+        .collect();
+    let name = plain.trim().to_lowercase().replace(' ', "_");
+    if name.is_empty() { "groom".to_owned() } else { name }
+}
+
+/// The head that a mesh is meant for: the active one, else the first.
+pub(super) fn head_of(document: &Document, active: Option<&NodeId>) -> Option<NodeId> {
+    let is_head = |node: Option<&Node>| node.is_some_and(|node| node.kind == "head");
+    let active = active.filter(|id| is_head(document.node(id.as_str())));
+    let first = document.nodes.keys().find(|id| is_head(document.node(id.as_str())));
+    active.or(first).cloned()
+}

@@ -1,0 +1,251 @@
+//! Documents of the editor: new, open, save, export, recent files, recovery, and what happens to files on the disk.
+//!
+//! Guarantees: what is unsaved is asked about once before it goes; a file is written whole or not at all; whatever ends the
+//! process, the document after the last step that the [`journal`] has written is offered at the next start; nothing
+//! here waits for a dialog, an export or a folder that hangs. Saving itself is waited for.
+//!
+//! Without a home ([`Documents::new`]) nothing is kept between runs, so tests leave nothing behind;
+//! [`super::Editor::keep_in`] gives it one.
+
+pub(crate) mod actions;
+mod bars;
+mod browser;
+mod compare;
+pub(crate) mod dialogs;
+mod export;
+mod frame;
+mod home;
+mod journal;
+pub(crate) mod kept;
+mod life;
+mod own_head;
+mod paths;
+pub mod places;
+mod recent;
+#[cfg(test)]
+pub(crate) mod testing;
+#[cfg(test)]
+mod tests;
+mod watch;
+mod welcome;
+
+use super::settings::Settings;
+use browser::Browser;
+use coif_graphs::document::NodeId;
+use dialogs::{Dialogs, Question, System};
+use export::Export;
+use journal::{Journal, Leftover};
+use own_head::OwnHead;
+use places::Places;
+use recent::Recent;
+use std::path::PathBuf;
+use std::sync::Arc;
+use watch::Watch;
+use welcome::Welcome;
+
+pub use compare::{Difference, differences};
+pub use dialogs::Purpose;
+pub(crate) use frame::{after, before, panels};
+
+/// Something that happened to a document as a whole.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// A new document: a shipped groom by its name, or the empty head.
+    New(Option<&'static str>),
+    /// A file is opened.
+    Open(PathBuf),
+    /// Saves to its file; asks for one where there is none.
+    Save,
+    /// Saves to a file, which is the document's from then on.
+    SaveTo(PathBuf),
+    /// Asks for a file.
+    Ask(Purpose),
+    /// Asks for a file that a node's input is missing.
+    Find(NodeId, String),
+    /// A mesh becomes the head.
+    Mesh(PathBuf),
+    /// The head stands as it should, or is taken back.
+    Head(HeadChoice),
+    /// Hair is written to a file.
+    Export(PathBuf),
+    /// The export that goes on stops.
+    StopExport,
+    /// The window is to be closed.
+    Close,
+    /// What becomes of unsaved changes.
+    Unsaved(Unsaved),
+    /// What becomes of a file that others changed.
+    Disk(Disk),
+    /// What becomes of what a session left: its number in the list.
+    Left(usize, Left),
+    /// A file is not offered as recent any more.
+    Forget(PathBuf),
+    /// The welcome panel opens or closes.
+    Welcome(bool),
+}
+
+/// What becomes of unsaved changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unsaved {
+    /// They are saved first.
+    Save,
+    /// They are lost.
+    Discard,
+    /// Nothing happens at all.
+    Cancel,
+}
+
+/// What becomes of a file that others changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Disk {
+    /// It is opened again.
+    Reload,
+    /// The document stays; saving replaces the file.
+    Keep,
+    /// The nodes that differ are listed, or not any more.
+    Compare,
+}
+
+/// What becomes of what a session left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Left {
+    /// It is opened.
+    Restore,
+    /// It is offered again at the next start.
+    Keep,
+    /// It is removed for good.
+    Discard,
+}
+
+/// What becomes of a head that was just chosen.
+#[derive(Clone, Debug)]
+pub enum HeadChoice {
+    /// It stands otherwise. `true`: somebody drags.
+    Try(own_head::Placing, bool),
+    /// It stays as it stands.
+    Accept,
+    /// The head from before comes back.
+    Cancel,
+}
+
+/// What waits until unsaved changes are dealt with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Next {
+    New(Option<&'static str>),
+    Open(PathBuf),
+    Restore(usize),
+    Close,
+}
+
+/// A question for a file, and what it is for.
+struct Asking {
+    question: Question,
+    /// The node and input that a file is wanted for.
+    input: Option<(NodeId, String)>,
+}
+
+/// A file that others changed.
+struct Changed {
+    /// What differs, once somebody wants to know.
+    differences: Option<Vec<Difference>>,
+}
+
+/// What the editor knows about documents as files.
+pub struct Documents {
+    wake: Arc<dyn Fn() + Send + Sync>,
+    home: Option<Places>,
+    journal: Option<Journal>,
+    /// What the journal was told last: changes, file, whether anything is unsaved.
+    told: Option<(u64, Option<PathBuf>, bool)>,
+    recent: Recent,
+    watch: Watch,
+    /// The files that are looked at, as of this number of changes.
+    watched: Option<(u64, Option<PathBuf>)>,
+    dialogs: Box<dyn Dialogs>,
+    /// The system has no dialogs.
+    no_dialogs: bool,
+    asking: Option<Asking>,
+    browser: Option<Browser>,
+    /// Waits for an answer about unsaved changes.
+    unsaved: Option<Next>,
+    /// Waits for the document to be saved.
+    after_save: Option<Next>,
+    leftovers: Vec<Leftover>,
+    changed: Option<Changed>,
+    export: Option<Export>,
+    head: Option<OwnHead>,
+    welcome: Welcome,
+    title: String,
+    /// The settings that the window has, and that are kept.
+    settings: Option<Settings>,
+    /// When the document was saved or changed last, for saving by itself; seconds of the window.
+    saved_at: f64,
+    /// Nothing keeps the window from closing any more.
+    leaving: bool,
+}
+
+impl Documents {
+    /// Without a home: nothing is kept.
+    pub(crate) fn new(ctx: &egui::Context) -> Self {
+        let for_wake = ctx.clone();
+        let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(move || for_wake.request_repaint());
+        let for_watch = wake.clone();
+        Self {
+            home: None,
+            journal: None,
+            told: None,
+            recent: Recent::default(),
+            watch: Watch::start(move || for_watch()),
+            watched: None,
+            dialogs: Box::new(System::new(wake.clone())),
+            no_dialogs: false,
+            asking: None,
+            browser: None,
+            unsaved: None,
+            after_save: None,
+            leftovers: vec![],
+            changed: None,
+            export: None,
+            head: None,
+            welcome: Welcome::default(),
+            title: String::new(),
+            settings: None,
+            saved_at: 0.0,
+            leaving: false,
+            wake,
+        }
+    }
+
+    /// Whether something is open that takes the keys.
+    pub(crate) fn takes_keys(&self) -> bool {
+        self.unsaved.is_some() || self.browser.is_some()
+    }
+
+    /// Whether the document would be found again as it is now, whatever ended the process.
+    pub fn is_safe(&self) -> bool {
+        self.journal.as_ref().is_some_and(|journal| journal.is_done())
+    }
+
+    /// Whether the present file was changed by others and nothing was decided.
+    pub fn is_changed_on_disk(&self) -> bool {
+        self.changed.is_some()
+    }
+
+    /// Whether the welcome panel is open.
+    pub fn shows_welcome(&self) -> bool {
+        self.welcome.is_open
+    }
+}
+
+/// A number for people: 1,204.
+pub(crate) fn grouped(n: usize) -> String {
+    let digits = n.to_string();
+    let mut out = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
+}

@@ -1,0 +1,326 @@
+//! One's own head: a mesh takes the place of the head, and a panel shows how it was understood until somebody accepts it.
+//!
+//! Everything that is tried is one step: each try takes the last one back and is made anew, for as long as nothing else
+//! was done in between. What the head node finds (sphere, axes, units, hairline) is told in its own words.
+
+use super::life::head_of;
+use super::{Event as FileEvent, HeadChoice};
+use crate::editor::Editor;
+use crate::editor::event::Event;
+use crate::editor::notes::Note;
+use crate::editor::state::{Select, State};
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{NodeId, Setting};
+use coif_nodes::define::Value;
+use egui::{Button, DragValue, Grid, Slider};
+use std::path::Path;
+
+/// How a head is understood: the inputs of the head node that people may have to correct.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Placing {
+    /// Degrees about the up axis.
+    pub turn: f32,
+    /// The axis that the face looks along; empty finds the nose.
+    pub forward: &'static str,
+    /// Whether Z points up in the file.
+    pub z_up: bool,
+    /// Centimetres in one unit of the file; 0 finds them.
+    pub scale: f32,
+    /// Radius of the cranium, cm; 0 keeps the fitted sphere.
+    pub radius: f32,
+    /// Whether the mesh is no human head and keeps its own axes.
+    pub no_head: bool,
+}
+
+/// A head that was not accepted yet.
+pub(crate) struct OwnHead {
+    node: NodeId,
+    path: String,
+    placing: Placing,
+    /// How many steps were done when the last try was made.
+    done: usize,
+}
+
+/// Axes that a face may look along, for Y up and for Z up.
+const AXES: [[(&str, &str); 5]; 2] = [
+    [("", "find the nose"), ("+z", "+z"), ("-z", "-z"), ("+x", "+x"), ("-x", "-x")],
+    [("", "find the nose"), ("-y", "-y"), ("+y", "+y"), ("+x", "+x"), ("-x", "-x")],
+];
+
+impl Editor {
+    /// A mesh becomes the head: the active one, else the first; a document without gets one.
+    pub(super) fn try_mesh(&mut self, path: &Path) {
+        let state = &self.state;
+        let node = head_of(&state.document, state.active())
+            .unwrap_or_else(|| state.document.free_id("head"));
+        let path = self.name_for(path);
+        self.state.history.end(&self.state.document);
+        let before = self.state.history.done();
+        self.documents.head =
+            Some(OwnHead { node: node.clone(), path, placing: Placing::default(), done: before });
+        if self.make(&Placing::default(), false) {
+            self.documents.welcome.is_open = false;
+            self.apply(Event::Select(Select::Nodes(vec![node])));
+        } else {
+            self.documents.head = None;
+        }
+    }
+
+    /// Another way to understand the same mesh.
+    pub(super) fn try_head(&mut self, placing: &Placing, drags: bool) {
+        if self.documents.head.as_ref().is_some_and(|head| head.placing == *placing) {
+            self.state.gesture = drags;
+            return;
+        }
+        self.take_back();
+        self.make(placing, drags);
+    }
+
+    pub(super) fn cancel_head(&mut self) {
+        self.take_back();
+        self.documents.head = None;
+    }
+
+    /// Takes the last try back, when nothing was done since.
+    fn take_back(&mut self) {
+        let Some(head) = &self.documents.head else { return };
+        if head.done > 0 && head.done == self.state.history.done() && self.is_last(&head.node) {
+            self.apply(Event::Undo);
+        }
+    }
+
+    fn is_last(&self, node: &NodeId) -> bool {
+        let history = &self.state.history;
+        let last = history.done().checked_sub(1).and_then(|at| history.steps().nth(at));
+        last.is_some_and(|step| step.words.starts_with(WORDS) && step.nodes().contains(node))
+    }
+
+    fn make(&mut self, placing: &Placing, drags: bool) -> bool {
+        let Some(head) = &self.documents.head else { return false };
+        let (node, path) = (head.node.clone(), head.path.clone());
+        let mut edits = vec![];
+        let document = &self.state.document;
+        if !document.nodes.contains_key(&node) {
+            let fresh = document.fresh_node("head", &node).into();
+            edits.push(Edit::AddNode { id: node.clone(), node: fresh, at: None });
+        }
+        edits.extend(as_edits(&node, &path, placing));
+        // Masks and materials of another mesh say nothing of this one; a drawn hairline does.
+        let set = |input: &str| document.node(node.as_str())?.inputs.get(input);
+        if matches!(set("region"), Some(Setting::Known(Value::Text(by))) if matches!(&**by, "mask" | "material"))
+        {
+            edits.extend(
+                ["region", "region_name"]
+                    .map(|input| Edit::UnsetInput { node: node.clone(), input: input.to_owned() }),
+            );
+        }
+        let name = Path::new(&path).file_name().unwrap_or_default().to_string_lossy();
+        let before = self.state.changes;
+        self.apply(Event::Begin(format!("{WORDS}{name}")));
+        self.apply(Event::Edit(Edit::Several(edits)));
+        self.apply(Event::End);
+        let done = self.state.history.done();
+        if let Some(head) = &mut self.documents.head {
+            head.placing = placing.clone();
+            head.done = done;
+        }
+        self.state.gesture = drags;
+        self.state.changes != before
+    }
+}
+
+/// What the step is called, before the name of the file.
+const WORDS: &str = "own head: ";
+
+fn as_edits(node: &NodeId, path: &str, placing: &Placing) -> Vec<Edit> {
+    let mut edits = vec![];
+    let mut set = |input: &str, value: Option<Value>| {
+        let (node, input) = (node.clone(), input.to_owned());
+        edits.push(match value {
+            Some(value) => Edit::SetInput { node, input, setting: Setting::Known(value) },
+            None => Edit::UnsetInput { node, input },
+        });
+    };
+    let text = |text: &str| Value::Text(text.into());
+    let not_zero = |x: f32| (x != 0.0).then_some(Value::Float(x));
+    set("mesh", Some(text(path)));
+    set("turn", not_zero(placing.turn));
+    set("forward", (!placing.forward.is_empty()).then(|| text(placing.forward)));
+    set("up", placing.z_up.then(|| text("z")));
+    set("units", (placing.scale > 0.0).then(|| text("custom")));
+    set("scale", (placing.scale > 0.0).then_some(Value::Float(placing.scale)));
+    set("radius", not_zero(placing.radius));
+    set("fit", placing.no_head.then(|| text("none")));
+    set("centre", None);
+    edits
+}
+
+/// Forgets a head that is gone, by undo or by hand.
+pub(super) fn settle(editor: &mut Editor) {
+    let document = &editor.state.document;
+    let gone = editor.documents.head.as_ref().is_some_and(|head| {
+        let node = document.node(head.node.as_str());
+        let mesh = node.and_then(|node| node.inputs.get("mesh"));
+        !matches!(mesh, Some(Setting::Known(Value::Text(path))) if **path == *head.path)
+    });
+    if gone {
+        editor.documents.head = None;
+    }
+}
+
+/// The panel: what was found, and what can be corrected.
+pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &mut Vec<Event>) {
+    let mut placing = head.placing.clone();
+    let (mut drags, mut choice) = (false, None);
+    egui::Window::new("Your head")
+        .id("own head".into())
+        .default_pos([24.0, 90.0])
+        .resizable(false)
+        .collapsible(true)
+        .show(ctx, |ui| {
+            let name = Path::new(&head.path).file_name().unwrap_or_default().to_string_lossy();
+            ui.label(format!("{name}: is this how it stands?"));
+            found(head, state, ui);
+            ui.separator();
+            Grid::new("own head placing").num_columns(2).show(ui, |ui| {
+                ui.label("The face looks along");
+                ui.horizontal_wrapped(|ui| {
+                    for (axis, name) in AXES[usize::from(placing.z_up)] {
+                        if ui.selectable_label(placing.forward == axis, name).clicked() {
+                            placing.forward = axis;
+                        }
+                    }
+                });
+                ui.end_row();
+                ui.label("Up in the file");
+                ui.horizontal(|ui| {
+                    for (z_up, name) in [(false, "y"), (true, "z")] {
+                        if ui.selectable_label(placing.z_up == z_up, name).clicked() {
+                            placing.z_up = z_up;
+                            placing.forward = "";
+                        }
+                    }
+                });
+                ui.end_row();
+                ui.label("Turn");
+                ui.horizontal(|ui| {
+                    for (by, name) in [(-90.0, "-90°"), (90.0, "+90°")] {
+                        if ui.button(name).on_hover_text("Turns about the up axis").clicked() {
+                            placing.turn = wrapped(placing.turn + by);
+                        }
+                    }
+                    let turn = ui.add(Slider::new(&mut placing.turn, -180.0..=180.0).suffix("°"));
+                    drags |= turn.dragged();
+                });
+                ui.end_row();
+                ui.label("Scale");
+                ui.horizontal(|ui| {
+                    let mut found = placing.scale == 0.0;
+                    if ui.checkbox(&mut found, "find").on_hover_text(FIND_SCALE).changed() {
+                        placing.scale = if found { 0.0 } else { scale_now(head, state) };
+                    }
+                    if !found {
+                        let speed = placing.scale * 0.01;
+                        let field = DragValue::new(&mut placing.scale)
+                            .range(1e-6..=1e6)
+                            .speed(speed)
+                            .suffix(" cm a unit");
+                        drags |= ui.add(field).dragged();
+                    }
+                });
+                ui.end_row();
+                ui.label("Sphere");
+                ui.horizontal(|ui| {
+                    let mut found = placing.radius == 0.0;
+                    if ui.checkbox(&mut found, "find").on_hover_text(FIND_SPHERE).changed() {
+                        placing.radius = if found { 0.0 } else { radius_now(state) };
+                    }
+                    if !found {
+                        let field = DragValue::new(&mut placing.radius)
+                            .range(0.1..=1000.0)
+                            .speed(0.02)
+                            .suffix(" cm");
+                        drags |= ui.add(field).dragged();
+                    }
+                });
+                ui.end_row();
+                ui.label("No human head");
+                ui.checkbox(&mut placing.no_head, "keep the file's own axes").on_hover_text(
+                    "For animals and things: no sphere is fitted, and hair may grow everywhere",
+                );
+                ui.end_row();
+            });
+            ui.separator();
+            ui.horizontal(|ui| {
+                if ui.add(Button::new("Accept")).on_hover_text("The head stays as it is").clicked()
+                {
+                    choice = Some(HeadChoice::Accept);
+                }
+                if ui.button("Cancel").on_hover_text("The head from before comes back").clicked() {
+                    choice = Some(HeadChoice::Cancel);
+                }
+            });
+        });
+    if choice.is_none() && (placing != head.placing || drags != state.gesture) {
+        choice = Some(HeadChoice::Try(placing, drags));
+    }
+    out.extend(choice.map(|choice| Event::Documents(FileEvent::Head(choice))));
+}
+
+const FIND_SCALE: &str =
+    "Takes the units that the file states, else those that make the cranium a person's";
+const FIND_SPHERE: &str = "Takes the sphere that fits the cranium best";
+
+fn wrapped(degrees: f32) -> f32 {
+    if degrees > 180.0 {
+        degrees - 360.0
+    } else if degrees < -180.0 {
+        degrees + 360.0
+    } else {
+        degrees
+    }
+}
+
+fn scale_now(_: &OwnHead, state: &State) -> f32 {
+    state.shown.as_ref().and_then(|shown| Some(shown.scalp()?.cm_per_unit())).unwrap_or(1.0)
+}
+
+fn radius_now(state: &State) -> f32 {
+    state.shown.as_ref().and_then(|shown| Some(shown.scalp()?.frame().radius)).unwrap_or(9.0)
+}
+
+/// What the head node found, once it has run on this mesh.
+fn found(head: &OwnHead, state: &State, ui: &mut egui::Ui) {
+    let reports = &state.run.reports;
+    if reports.revision != state.revision {
+        ui.label("reading the mesh…");
+        return;
+    }
+    let refused = reports.refused.iter().filter(|bad| bad.node == head.node.as_str());
+    for bad in refused {
+        Note::error(bad.reason.clone()).show(ui);
+    }
+    let report = reports.nodes.get(&head.node);
+    if let Some(error) = report.and_then(|report| report.error.as_ref()) {
+        Note::error(error.to_string()).show(ui);
+    }
+    if let Some(scalp) = state.shown.as_ref().and_then(|shown| shown.scalp()) {
+        let (low, high) = scalp.surface().bounds();
+        let size = high - low;
+        ui.label(format!(
+            "{:.1} x {:.1} x {:.1} cm, {} triangles, {:.4} cm a unit",
+            size.x,
+            size.y,
+            size.z,
+            super::grouped(scalp.surface().triangles.len()),
+            scalp.cm_per_unit()
+        ));
+    }
+    for message in report.into_iter().flat_map(|report| &report.messages) {
+        let note = match message.warning {
+            true => Note::warning(message.to_string()),
+            false => Note::done(message.to_string()),
+        };
+        note.show(ui);
+    }
+}

@@ -1,0 +1,181 @@
+//! The welcome panel: shipped grooms with pictures, the empty head, one's own head, and what was open lately. It never blocks
+//! anything.
+
+use super::Event as FileEvent;
+use super::dialogs::Purpose;
+use super::recent::Recent;
+use crate::editor::event::Event;
+use crate::editor::settings::Settings;
+use crate::editor::state::State;
+use coif_graphs::grooms;
+use egui::{Align, Button, ColorImage, Image, Layout, RichText, ScrollArea, TextureHandle, Vec2};
+use std::collections::BTreeMap;
+
+/// Pictures of the shipped grooms, 160 x 120, drawn by `coif render`.
+const PICTURES: &[(&str, &[u8])] = &[
+    ("start", include_bytes!("thumbnails/start.png")),
+    ("cornrows", include_bytes!("thumbnails/cornrows.png")),
+    ("braids", include_bytes!("thumbnails/braids.png")),
+    ("curls", include_bytes!("thumbnails/curls.png")),
+    ("curls_3b", include_bytes!("thumbnails/curls_3b.png")),
+    ("coils_4a", include_bytes!("thumbnails/coils_4a.png")),
+    ("zigzag_4b", include_bytes!("thumbnails/zigzag_4b.png")),
+    ("afro_4c", include_bytes!("thumbnails/afro_4c.png")),
+    ("puffs", include_bytes!("thumbnails/puffs.png")),
+    ("clusters", include_bytes!("thumbnails/clusters.png")),
+];
+
+const SIZE: Vec2 = Vec2::new(160.0, 120.0);
+
+/// Whether the panel is open, and its pictures once it was.
+#[derive(Default)]
+pub(crate) struct Welcome {
+    pub(crate) is_open: bool,
+    pictures: BTreeMap<&'static str, TextureHandle>,
+}
+
+/// Shows it, when it is open.
+pub(super) fn window(
+    welcome: &mut Welcome,
+    recent: &Recent,
+    state: &State,
+    ctx: &egui::Context,
+    out: &mut Vec<Event>,
+) {
+    if !welcome.is_open {
+        return;
+    }
+    let mut said = vec![];
+    let mut say = |event: FileEvent| said.push(event);
+    let (mut open, mut shows) = (true, state.settings.welcome);
+    // The menu and the bars under it stay in sight.
+    let room = (ctx.content_rect().height() - 220.0).max(200.0);
+    egui::Window::new("Welcome")
+        .id("welcome".into())
+        .open(&mut open)
+        .collapsible(false)
+        .default_size([384.0, 560.0])
+        .default_pos([16.0, 64.0])
+        .show(ctx, |ui| {
+            ScrollArea::vertical().max_height(room).show(ui, |ui| {
+                ui.heading("Begin with");
+                ui.horizontal_wrapped(|ui| {
+                    let button = ui.button("Empty head").on_hover_text("A head without hair");
+                    if button.clicked() {
+                        say(FileEvent::New(None));
+                    }
+                    let tip = "A mesh (.obj, .glb, .gltf) instead of the built-in head";
+                    if ui.button("Your own head…").on_hover_text(tip).clicked() {
+                        say(FileEvent::Ask(Purpose::Mesh));
+                    }
+                    if ui.button("Open a groom…").on_hover_text("A .ron file").clicked() {
+                        say(FileEvent::Ask(Purpose::Open));
+                    }
+                });
+                ui.label(
+                    RichText::new("A mesh or a groom can also be dropped on the window.").weak(),
+                );
+                recent_files(recent, ui, &mut say);
+                ui.add_space(8.0);
+                ui.heading("Grooms");
+                ui.horizontal_wrapped(|ui| {
+                    for (name, text) in grooms::ALL {
+                        let picture = picture(&mut welcome.pictures, name, ctx);
+                        if card(ui, name, title_of(text), picture) {
+                            say(FileEvent::New(Some(name)));
+                        }
+                    }
+                });
+            });
+            ui.separator();
+            ui.checkbox(&mut shows, "Show this at every start");
+        });
+    out.extend(said.into_iter().map(Event::Documents));
+    if shows != state.settings.welcome {
+        let settings = Settings { welcome: shows, ..state.settings.clone() };
+        out.push(Event::Settings(Box::new(settings)));
+    }
+    if !open {
+        out.push(Event::Documents(FileEvent::Welcome(false)));
+    }
+}
+
+fn recent_files(recent: &Recent, ui: &mut egui::Ui, say: &mut dyn FnMut(FileEvent)) {
+    if recent.files().is_empty() {
+        return;
+    }
+    ui.add_space(8.0);
+    ui.heading("Recent");
+    for path in recent.files() {
+        ui.horizontal(|ui| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let missing = recent.is_missing(path);
+            let words = if missing { format!("{name} (missing)") } else { name.clone() };
+            let line = ui.add_enabled(!missing, Button::new(words).frame(false));
+            let shown = path.display().to_string();
+            if line.on_hover_text(&shown).on_disabled_hover_text(&shown).clicked() {
+                say(FileEvent::Open(path.clone()));
+            }
+            if missing
+                && ui.small_button("Forget").on_hover_text("Takes it off this list").clicked()
+            {
+                say(FileEvent::Forget(path.clone()));
+            }
+        });
+    }
+}
+
+/// A picture with its name, to press on.
+fn card(ui: &mut egui::Ui, name: &str, title: &str, picture: Option<&TextureHandle>) -> bool {
+    let mut clicked = false;
+    ui.allocate_ui_with_layout(SIZE + Vec2::new(12.0, 30.0), Layout::top_down(Align::Min), |ui| {
+        let button = match picture {
+            Some(picture) => {
+                let image = Image::from_texture((picture.id(), SIZE)).alt_text(title);
+                ui.add(Button::image(image))
+            }
+            None => ui.add_sized(SIZE, Button::new(title)),
+        };
+        clicked = button.on_hover_text(format!("New from {name}")).clicked();
+        ui.add(egui::Label::new(RichText::new(title).small()).truncate());
+    });
+    clicked
+}
+
+fn picture<'a>(
+    known: &'a mut BTreeMap<&'static str, TextureHandle>,
+    name: &str,
+    ctx: &egui::Context,
+) -> Option<&'a TextureHandle> {
+    let (name, bytes) = PICTURES.iter().find(|(known, _)| *known == name)?;
+    if !known.contains_key(name) {
+        let icon = eframe::icon_data::from_png_bytes(bytes).ok()?;
+        let size = [icon.width as usize, icon.height as usize];
+        let image = ColorImage::from_rgba_unmultiplied(size, &icon.rgba);
+        known.insert(name, ctx.load_texture(format!("groom {name}"), image, Default::default()));
+    }
+    known.get(name)
+}
+
+/// The title of a shipped groom, from its text.
+fn title_of(text: &str) -> &str {
+    let found = text.lines().find_map(|line| line.trim().strip_prefix("title: \""));
+    found.and_then(|rest| rest.strip_suffix("\",")).unwrap_or("Groom")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shipped_groom_has_a_small_picture_and_its_title() {
+        for (name, text) in grooms::ALL {
+            let (_, bytes) = PICTURES.iter().find(|(known, _)| known == name).unwrap();
+            assert!(bytes.len() <= 12 << 10, "{name}: {} bytes", bytes.len());
+            let icon = eframe::icon_data::from_png_bytes(bytes).unwrap();
+            assert_eq!((icon.width, icon.height), (160, 120), "{name}");
+            assert_eq!(title_of(text), coif_graphs::file::read(text).unwrap().document.title);
+        }
+        assert_eq!(PICTURES.len(), grooms::ALL.len());
+    }
+}

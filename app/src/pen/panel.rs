@@ -1,0 +1,212 @@
+//! The pen's bar over the picture, and the settings of each device with a strip to try them on.
+
+use super::settings::{Along, Curve, Feel, MOUSE, Settings, TOUCH};
+use super::{Pen, StrokeTool, recipes, target};
+use crate::editor::actions;
+use crate::editor::event::Event;
+use crate::editor::state::State;
+use crate::editor::theme;
+use egui::{Color32, ComboBox, Pos2, Sense, Shape, Slider, Stroke, Ui, Vec2};
+
+impl Pen {
+    /// The bar: tools, what they need, recipes. One row that wraps where it is narrow.
+    pub fn bar(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
+        ui.horizontal_wrapped(|ui| {
+            for tool in StrokeTool::ALL {
+                let tip = actions::by_id(tool.action()).map_or("", |action| action.tip);
+                let chosen = ui.selectable_label(self.tool == tool, tool.label());
+                if chosen.on_hover_text(tip).clicked() {
+                    out.push(Event::Act(tool.action()));
+                }
+            }
+            ui.separator();
+            let mut settings = state.settings.pen.clone();
+            self.tool_settings(&mut settings, ui);
+            let act = |ui: &mut Ui, on: bool, id: &'static str, out: &mut Vec<Event>| {
+                if let Some(action) = actions::by_id(id)
+                    && ui.selectable_label(on, action.label).on_hover_text(action.tip).clicked()
+                {
+                    out.push(Event::Act(id));
+                }
+            };
+            if self.tool != StrokeTool::Select {
+                let node = target::of(state);
+                let mirrored = node.and_then(|id| target::choice(&state.document, &id, "mirror"));
+                let on = mirrored.map_or(settings.symmetry, |word| word == "both");
+                act(ui, on, "pen.symmetry", out);
+            }
+            let menu = ui.menu_button("Recipes", |ui| {
+                for recipe in recipes::ALL {
+                    if ui.button(recipe.label).on_hover_text(recipe.tip).clicked() {
+                        out.push(Event::Act(recipe.action));
+                        ui.close();
+                    }
+                }
+            });
+            menu.response.on_hover_text("Whole pieces of a graph, ready to be drawn into.");
+            act(ui, self.settings_open, "pen.settings", out);
+            if settings != state.settings.pen {
+                let settings =
+                    crate::editor::settings::Settings { pen: settings, ..state.settings.clone() };
+                out.push(Event::Settings(settings.into()));
+            }
+        });
+    }
+
+    /// What the tool in hand needs.
+    fn tool_settings(&mut self, settings: &mut Settings, ui: &mut Ui) {
+        let number = |ui: &mut Ui, value: &mut f32, range, unit: &str, name: &str, tip: &str| {
+            let drag = egui::DragValue::new(value).range(range).speed(0.02).suffix(unit);
+            ui.add(drag.prefix(format!("{name} "))).on_hover_text(tip);
+        };
+        if self.tool.has_brush() {
+            number(
+                ui,
+                &mut settings.brush,
+                0.05..=20.0,
+                " cm",
+                "Size",
+                "Radius of the brush on the scalp.",
+            );
+        }
+        if matches!(self.tool, StrokeTool::Comb | StrokeTool::Smooth) {
+            let tip = "What one pass does. Pressure is on top of it.";
+            number(ui, &mut settings.strength, 0.01..=1.0, "", "Strength", tip);
+        }
+        if self.tool == StrokeTool::Draw {
+            let tip = "The pressure of a mouse. Shift is full pressure, the wheel changes it while drawing.";
+            number(ui, &mut settings.mouse_pressure, 0.0..=1.0, "", "Mouse pressure", tip);
+        }
+        if self.tool == StrokeTool::Points {
+            let name = |along: Along| match along {
+                Along::Scalp => "on the scalp",
+                Along::View => "in the view",
+                Along::Normal => "off the scalp",
+            };
+            let combo = ComboBox::from_id_salt("along").selected_text(name(settings.along));
+            let response = combo.show_ui(ui, |ui| {
+                for along in [Along::Scalp, Along::View, Along::Normal] {
+                    ui.selectable_value(&mut settings.along, along, name(along));
+                }
+            });
+            response.response.on_hover_text("What dragged points move along.");
+            let tip = "How far along a stroke its points go along with a dragged one.";
+            number(ui, &mut settings.falloff, 0.0..=50.0, " cm", "Falloff", tip);
+        }
+    }
+
+    /// The window with the settings of devices, when it is open.
+    pub fn settings_window(&mut self, state: &State, ctx: &egui::Context, out: &mut Vec<Event>) {
+        if !self.settings_open {
+            return;
+        }
+        let mut settings = state.settings.pen.clone();
+        let mut open = true;
+        egui::Window::new("Pen settings").open(&mut open).default_width(320.0).show(ctx, |ui| {
+            let mut names: Vec<String> = self.devices.pens().map(str::to_owned).collect();
+            names.extend([TOUCH.to_owned(), MOUSE.to_owned()]);
+            names.dedup();
+            if self.devices.pens().next().is_none() {
+                ui.label("No pen with pressure is plugged in.");
+                ui.label(self.devices.why_not());
+            }
+            for name in names {
+                let mut feel = settings.feel(&name);
+                let before = feel;
+                egui::CollapsingHeader::new(&name).default_open(true).show(ui, |ui| {
+                    self.feel(&mut feel, name == MOUSE, ui);
+                });
+                if feel != before {
+                    settings.devices.insert(name, feel);
+                }
+            }
+            ui.separator();
+            ui.checkbox(&mut settings.fingers_draw, "Fingers draw")
+                .on_hover_text("A finger works as a pen does, unless a pen is near.");
+            ui.label("Last touch");
+            strip(ui, &self.strip);
+        });
+        self.settings_open = open;
+        if settings != state.settings.pen {
+            let settings =
+                crate::editor::settings::Settings { pen: settings, ..state.settings.clone() };
+            out.push(Event::Settings(settings.into()));
+        }
+    }
+
+    fn feel(&self, feel: &mut Feel, mouse: bool, ui: &mut Ui) {
+        if !mouse {
+            ui.horizontal(|ui| {
+                curve(ui, &mut feel.curve);
+                ui.vertical(|ui| {
+                    for (name, curve) in
+                        [("Soft", Curve::SOFT), ("Linear", Curve::LINEAR), ("Firm", Curve::FIRM)]
+                    {
+                        if ui.selectable_label(feel.curve == curve, name).clicked() {
+                            feel.curve = curve;
+                        }
+                    }
+                });
+            });
+            ui.add(Slider::new(&mut feel.minimum, 0.0..=0.9).text("Minimum pressure"))
+                .on_hover_text("Less counts as none: for tips that never lift.");
+        }
+        ui.add(Slider::new(&mut feel.stabiliser, 0.0..=1.0).text("Stabiliser"))
+            .on_hover_text("How far the line lags behind a trembling hand; 1 is 150 ms.");
+        ui.add(Slider::new(&mut feel.double_tap, 0.0..=60.0).text("Double tap distance"))
+            .on_hover_text("How far apart two taps may be that count as a double tap.");
+        ui.checkbox(&mut feel.left_handed, "Left-handed")
+            .on_hover_text("Labels go to the left of the pen, where the hand does not cover them.");
+    }
+}
+
+/// A pressure curve whose two inner points are dragged.
+fn curve(ui: &mut Ui, curve: &mut Curve) {
+    let (response, painter) = ui.allocate_painter(Vec2::splat(120.0), Sense::click_and_drag());
+    let rect = response.rect.shrink(8.0);
+    let on = |(x, y): (f32, f32)| rect.left_bottom() + Vec2::new(x, -y) * rect.size();
+    let off = |p: Pos2| {
+        let v = (p - rect.left_bottom()) / rect.size();
+        (v.x.clamp(0.0, 1.0), (-v.y).clamp(0.0, 1.0))
+    };
+    let response =
+        response.on_hover_text("Pressure of the pen to the right, what becomes of it upwards.");
+    if let Some(p) = response.interact_pointer_pos() {
+        // A drag keeps the point that it took.
+        let id = response.id;
+        if response.drag_started() || response.clicked() {
+            let light = on(curve.light).distance(p) < on(curve.heavy).distance(p);
+            ui.data_mut(|data| data.insert_temp(id, light));
+        }
+        let light = ui.data(|data| data.get_temp(id)).unwrap_or(true);
+        *(if light { &mut curve.light } else { &mut curve.heavy }) = off(p);
+    }
+    painter.rect_filled(response.rect, 3.0, theme::SUNKEN);
+    let line = (0..=48).map(|k| k as f32 / 48.0).map(|x| on((x, curve.at(x)))).collect();
+    for (end, inner) in [((0.0, 0.0), curve.light), ((1.0, 1.0), curve.heavy)] {
+        painter.line_segment([on(end), on(inner)], Stroke::new(1.0, theme::LINE));
+    }
+    painter.add(Shape::line(line, Stroke::new(2.0, theme::ACCENT)));
+    for inner in [curve.light, curve.heavy] {
+        painter.circle(on(inner), 4.0, Color32::WHITE, Stroke::new(1.0, theme::GROUND));
+    }
+}
+
+/// The pressures of a touch, from its begin to its end.
+fn strip(ui: &mut Ui, pressures: &[f32]) {
+    let size = Vec2::new(ui.available_width(), 48.0);
+    let (response, painter) = ui.allocate_painter(size, Sense::hover());
+    let rect = response.rect;
+    painter.rect_filled(rect, 3.0, theme::SUNKEN);
+    let step = rect.width() / (pressures.len().max(2) - 1) as f32;
+    let at = |(i, p): (usize, &f32)| {
+        Pos2::new(rect.left() + step * i as f32, rect.bottom() - p * rect.height())
+    };
+    let line: Vec<Pos2> = pressures.iter().enumerate().map(at).collect();
+    for pair in line.windows(2) {
+        let below = |p: Pos2| Pos2::new(p.x, rect.bottom());
+        let filled = vec![pair[0], pair[1], below(pair[1]), below(pair[0])];
+        painter.add(Shape::convex_polygon(filled, theme::SELECTED, Stroke::NONE));
+        painter.line_segment([pair[0], pair[1]], Stroke::new(1.5, theme::ACCENT));
+    }
+}

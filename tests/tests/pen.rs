@@ -1,0 +1,90 @@
+//! A pen with pressure through a real X server, into the window, into the document, into its file.
+
+#![cfg(unix)]
+
+use coif_graphs::document::{Document, Node, NodeId, Point, Setting, Socket};
+use coif_graphs::file;
+use coif_nodes::data::strokes::Strokes;
+use coif_nodes::define::Value;
+use coif_tests::tablet::Tablet;
+use coif_tests::{Folder, adapter, coif};
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::Stdio;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// A head, and a stroke input on it that is displayed.
+fn document() -> Document {
+    let mut document = Document::default();
+    let id = |text: &str| NodeId::new(text).expect("an id");
+    for (name, kind, x) in [("head", "head", 0.0), ("rows", "stroke_input", 260.0)] {
+        let node = Node { kind: kind.to_owned(), ..Node::default() };
+        document.nodes.insert(id(name), Arc::new(node));
+        document.layout.insert(id(name), Point(x, 0.0));
+    }
+    let (from, to) = (Socket::new(id("head"), "scalp"), Socket::new(id("rows"), "scalp"));
+    document.links.insert(to, vec![from]);
+    document.display = Some(id("rows"));
+    document
+}
+
+fn strokes(path: &Path) -> Arc<Strokes> {
+    let text = std::fs::read_to_string(path).expect("the file is there");
+    let document = file::read(&text).expect("it reads").document;
+    let input = document.node("rows").and_then(|node| node.inputs.get("strokes").cloned());
+    match input {
+        Some(Setting::Known(Value::Strokes(strokes))) => strokes,
+        _ => Arc::default(),
+    }
+}
+
+#[test]
+fn a_pen_at_an_x_server_draws_with_three_pressures() {
+    const NAME: &str = "a_pen_at_an_x_server_draws_with_three_pressures";
+    if !adapter(NAME) {
+        return;
+    }
+    let Some(mut tablet) = Tablet::start(NAME) else { return };
+    let folder = Folder::new(NAME);
+    let path = folder.path("pen.ron");
+    std::fs::write(&path, file::write(&document())).expect("a document is written");
+    let mut editor = coif()
+        .args(["edit", &path.display().to_string()])
+        .env("DISPLAY", tablet.screen.display())
+        .env_remove("WAYLAND_DISPLAY")
+        .env("HOME", folder.path("home"))
+        .env("XDG_CONFIG_HOME", folder.path("home"))
+        .env("XDG_DATA_HOME", folder.path("home"))
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("the editor starts");
+    tablet.screen.focus("coif");
+    // The head is there when its picture is; the first evaluation of a head takes a moment.
+    std::thread::sleep(Duration::from_secs(4));
+    tablet.screen.key("p");
+    // Across the viewport, over the crown: light, middle, full.
+    let levels = [0.25, 0.5, 1.0];
+    let place = |k: u32| (440.0 + 3.0 * f64::from(k), 215.0, levels[(k / 20) as usize]);
+    let places: Vec<(f64, f64, f64)> = (0..60).map(place).collect();
+    tablet.draw(&places);
+    std::thread::sleep(Duration::from_millis(500));
+    if let Some(shot) = std::env::var_os("COIF_SHOTS") {
+        tablet.screen.shot(&Path::new(&shot).join("pen.png"));
+    }
+    tablet.screen.key("ctrl+s");
+    let began = Instant::now();
+    while strokes(&path).0.is_empty() && began.elapsed() < Duration::from_secs(10) {
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    let _ = editor.kill();
+    let _ = editor.wait();
+    let strokes = strokes(&path);
+    assert_eq!(strokes.0.len(), 1, "one stroke, and nothing by the pointer that the pen moves");
+    let told: BTreeSet<i32> =
+        strokes.0[0].samples.iter().map(|s| (s.pressure * 100.0).round() as i32).collect();
+    for level in levels {
+        let level = (level * 100.0) as i32;
+        assert!(told.iter().any(|p| (p - level).abs() <= 2), "{level} of {told:?}");
+    }
+}
