@@ -140,8 +140,16 @@ impl Tablet {
 
     /// Comes, taps a place, and goes.
     pub fn tap(&mut self, x: f64, y: f64) {
-        self.draw(&[(x, y, 0.5), (x, y, 0.5)]);
-        std::thread::sleep(Duration::from_millis(300));
+        for off in [2.0, 1.0, 0.0] {
+            self.hover(x - off, y);
+            std::thread::sleep(Duration::from_millis(200));
+        }
+        // As long as a finger stays on a button.
+        self.touch(x, y, 0.5, true);
+        std::thread::sleep(Duration::from_millis(150));
+        self.touch(x, y, 0.0, false);
+        std::thread::sleep(Duration::from_millis(200));
+        self.leave();
     }
 
     /// Draws through places (pixels), each with its pressure, at 200 reports a second.
