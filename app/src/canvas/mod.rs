@@ -301,12 +301,15 @@ impl Canvas {
             self.memory.wires.clear();
             self.memory.select_frame(None);
         }
+        if response.drag_started_by(egui::PointerButton::Primary) {
+            let from = ui.input(|i| i.pointer.press_origin());
+            self.memory.grabbed = from.map(|at| self.to_canvas(at));
+        }
+        // The crate's box takes nodes; with Shift it takes wires.
         let boxed = response.drag_stopped_by(egui::PointerButton::Primary);
-        if let (true, Some(from)) =
-            (boxed && ui.input(|i| i.modifiers.shift), ui.input(|i| i.pointer.press_origin()))
-        {
-            let rect =
-                Rect::from_two_pos(self.to_canvas(from), self.memory.pointer.unwrap_or_default());
+        if boxed && ui.input(|i| i.modifiers.shift) {
+            let ends = self.memory.grabbed.take().zip(self.memory.pointer);
+            let rect = ends.map_or(Rect::NOTHING, |(from, to)| Rect::from_two_pos(from, to));
             let touched = found.runs.iter().filter(|run| run.touches(rect));
             self.memory.wires.extend(touched.map(|run| run.wire.clone()));
         }

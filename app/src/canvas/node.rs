@@ -27,6 +27,8 @@ pub(super) enum End {
 pub(super) enum Detail {
     /// All of it.
     Full,
+    /// Name and sockets, for many nodes at once.
+    Plain,
     /// A box with a name, for views from far away.
     Far,
     /// A box.
@@ -34,13 +36,20 @@ pub(super) enum Detail {
 }
 
 impl Detail {
-    /// What can be read at a scale (points of the screen for a unit of the canvas).
-    pub(super) fn at(scale: f32) -> Self {
+    /// What can be read at a scale (points of the screen for a unit of the canvas), with so many
+    /// nodes in sight.
+    pub(super) fn at(scale: f32, nodes: usize) -> Self {
         match scale {
-            s if s >= 0.45 => Self::Full,
+            s if s >= 0.62 || (s >= 0.45 && nodes <= 60) => Self::Full,
+            s if s >= 0.38 => Self::Plain,
             s if s >= 0.2 => Self::Far,
             _ => Self::Speck,
         }
+    }
+
+    /// Whether sockets are drawn.
+    pub(super) fn has_sockets(self) -> bool {
+        matches!(self, Self::Full | Self::Plain)
     }
 }
 
@@ -61,6 +70,10 @@ pub(super) struct Mood {
     pub wiring: bool,
     /// Targets are large, for pens.
     pub pen: bool,
+    /// Points of the screen for a unit of the canvas.
+    pub scale: f32,
+    /// Sockets have their names.
+    pub named: bool,
 }
 
 /// What hands did to a node.
@@ -78,14 +91,18 @@ const FLAG: Vec2 = vec2(24.0, 26.0);
 pub(super) fn show(ui: &mut Ui, face: &Face, detail: Detail, mood: Mood) -> Touched {
     let (rect, _) = ui.allocate_exact_size(face.size(), Sense::hover());
     let mut touched = Touched { display: false, bypass: false, ends: vec![] };
-    if detail != Detail::Full {
+    if !detail.has_sockets() {
         far(ui, face, rect, detail, mood);
         return touched;
     }
     body(ui, face, rect, mood);
-    header(ui, face, rect, &mut touched);
-    if !face.collapsed {
-        footer(ui, face, rect, mood);
+    if detail == Detail::Full {
+        header(ui, face, rect, &mut touched);
+        if !face.collapsed {
+            footer(ui, face, rect, mood);
+        }
+    } else {
+        plain(ui, face, rect);
     }
     for number in 0..face.inputs.len() {
         let at = face.input_at(rect.min, number);
@@ -140,6 +157,8 @@ fn strength(face: &Face) -> f32 {
 }
 
 fn far(ui: &Ui, face: &Face, rect: Rect, detail: Detail, mood: Mood) {
+    // As large on the screen as letters and marks elsewhere.
+    let unit = 1.0 / mood.scale.max(0.1);
     let p = ui.painter();
     let fill = look::header_fill(face.stage);
     let fill = fill.lerp_to_gamma(look::stage_colour(face.stage), 0.2);
@@ -148,11 +167,24 @@ fn far(ui: &Ui, face: &Face, rect: Rect, detail: Detail, mood: Mood) {
         p.rect_filled(Rect::from_min_size(rect.min, vec2(8.0, rect.height())), 4.0, theme::ACCENT);
     }
     if detail == Detail::Far {
-        let text = line(ui, &face.label, 24.0, theme::TEXT, rect.width() - 24.0);
+        let text = line(ui, &face.label, 11.0 * unit, theme::TEXT, rect.width() - 4.0);
         let at = Align2::CENTER_CENTER.anchor_size(rect.center(), text.size());
         p.galley(at.min, text, theme::TEXT);
     }
-    trouble_mark(ui, face, rect.left_top(), 16.0);
+    trouble_mark(ui, face, rect.left_top(), 6.0 * unit);
+}
+
+/// The header where many nodes are in sight: a name in larger letters.
+fn plain(ui: &Ui, face: &Face, rect: Rect) {
+    let middle = rect.top() + face.header() / 2.0;
+    if face.displayed {
+        look::eye(ui.painter(), pos2(rect.right() - 14.0, middle), true, false);
+    }
+    let colour = if face.bypass { theme::QUIET } else { theme::TEXT };
+    let label = line(ui, &face.label, 17.0, colour, WIDTH - 36.0);
+    let at = pos2(rect.left() + 10.0, middle - label.size().y / 2.0);
+    ui.painter().galley(at, label, colour);
+    trouble_mark(ui, face, rect.left_top(), 9.0);
 }
 
 fn trouble_mark(ui: &Ui, face: &Face, at: Pos2, r: f32) {
@@ -166,8 +198,10 @@ fn trouble_mark(ui: &Ui, face: &Face, at: Pos2, r: f32) {
 
 fn body(ui: &Ui, face: &Face, rect: Rect, mood: Mood) {
     let p = ui.painter();
-    let shadow = rect.translate(vec2(0.0, 2.0)).expand(1.0);
-    p.rect_filled(shadow, 6.0, Color32::from_black_alpha(70));
+    if mood.named {
+        let shadow = rect.translate(vec2(0.0, 2.0)).expand(1.0);
+        p.rect_filled(shadow, 6.0, Color32::from_black_alpha(70));
+    }
     p.rect_filled(rect, 5.0, look::BODY.gamma_multiply(strength(face)));
     let header = Rect::from_min_size(rect.min, vec2(WIDTH, face.header()));
     let radius = if face.collapsed {
@@ -325,7 +359,7 @@ fn end(
         p.circle_stroke(at, look::SOCKET + 2.6, Stroke::new(1.0, look::EDGE));
     }
     look::socket(p, at, plug.ty, wired || matches!(end, End::Out(_)), bright);
-    if !face.collapsed {
+    if mood.named && !face.collapsed {
         let missing = plug.needed && !wired;
         let colour = match (missing, wired || matches!(end, End::Out(_))) {
             (true, _) => theme::WARNING,

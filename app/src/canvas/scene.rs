@@ -50,11 +50,16 @@ impl Scene<'_> {
         let mut found = Found::default();
         dots(ui, self.scale);
         self.comment_frames(ui);
+        let seen = ui.clip_rect();
+        let faces = self.faces;
+        let in_sight =
+            faces.all.keys().filter_map(|id| faces.rect(id)).filter(|r| seen.intersects(*r));
+        let detail = Detail::at(self.scale, in_sight.count());
         let scene = &mut self;
         show.nodes(ui, |nodes, ui| {
             for id in scene.state.document.nodes.keys() {
                 if let Some(face) = scene.faces.all.get(id) {
-                    scene.node(nodes, ui, face, &mut found);
+                    scene.node(nodes, ui, face, detail, &mut found);
                 }
             }
         });
@@ -140,6 +145,8 @@ impl Scene<'_> {
             aimed: aim.filter(|aim| aim.refused.is_none()).map(|aim| aim.end),
             wiring: matches!(self.memory.hand, Hand::Wire(_)),
             pen: self.state.settings.pen_mode,
+            scale: self.scale,
+            named: true,
         }
     }
 
@@ -148,13 +155,13 @@ impl Scene<'_> {
         nodes: &mut egui_graph::NodesCtx<'_>,
         ui: &mut Ui,
         face: &Face,
+        detail: Detail,
         found: &mut Found,
     ) {
-        let detail = Detail::at(self.scale);
         // From far away no socket can be hit: the crate need not know them.
-        let near = detail == Detail::Full;
+        let near = detail.has_sockets();
         let (inputs, outputs) = if near { (face.inputs.len(), face.outputs.len()) } else { (0, 0) };
-        let mood = self.mood(face);
+        let mood = Mood { named: detail == Detail::Full, ..self.mood(face) };
         let shown = egui_graph::node::Node::from_id(face.key)
             .inputs(inputs)
             .outputs(outputs)

@@ -3,14 +3,16 @@
 use super::drawing::HairHit;
 use super::options::{EXPOSURES, Options, SHOWS, label_of};
 use super::status::Facts;
-use super::{Viewport, status};
+use super::{Viewport, navigation, status};
 use crate::editor::event::Event;
 use crate::editor::rooms::Room;
 use crate::editor::state::{Select, State};
 use crate::editor::theme;
-use coif_graphs::document::NodeId;
+use coif_graphs::document::edit::Edit;
 use coif_graphs::document::graph::upstream;
+use coif_graphs::document::{NodeId, SavedView};
 use coif_nodes::data::attributes::{Column, Domain};
+use coif_shaders::Camera;
 use coif_shaders::camera::Viewpoint;
 use coif_shaders::view::Legend;
 use coif_shaders::{Model, Rig, Transform};
@@ -28,7 +30,7 @@ pub(super) fn ui(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out:
         UiBuilder::new().id_salt(id).max_rect(rect).layout(layout)
     };
     ui.scope_builder(part("tools", Layout::top_down(Align::LEFT)), |ui| {
-        ui.horizontal_wrapped(|ui| tools(&mut viewport.options, state, ui, out));
+        ui.horizontal_wrapped(|ui| tools(viewport, state, ui, out));
         banner(viewport, state, ui, out);
     });
     ui.scope_builder(part("status", Layout::bottom_up(Align::LEFT)), |ui| {
@@ -90,11 +92,7 @@ fn lines(viewport: &Viewport, state: &State, ui: &mut egui::Ui) {
 
 /// What is displayed, what the pen works on, and what is selected.
 pub(super) fn names(viewport: &Viewport, state: &State) -> String {
-    let label = |id: &NodeId| -> String {
-        let node = state.document.node(id.as_str());
-        let own = node.and_then(|node| node.label.clone());
-        own.unwrap_or_else(|| id.to_string())
-    };
+    let label = |id: &NodeId| state.document.name_of(id).to_owned();
     let sockets = state.shown.iter().flat_map(|shown| &shown.sockets);
     let displayed: Vec<String> = sockets.map(|socket| label(&socket.node)).collect();
     let mut text = match displayed.is_empty() {
@@ -149,7 +147,8 @@ fn banner(viewport: &Viewport, state: &State, ui: &mut egui::Ui, out: &mut Vec<E
 
 // --- menus --------------------------------------------------------------------------------------
 
-fn tools(options: &mut Options, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+fn tools(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+    let options = &mut viewport.options;
     ui.visuals_mut().widgets.inactive.weak_bg_fill = SHADE;
     let show = label_of(&options.show).to_owned();
     let menu = ui.menu_button(format!("{show} ⏷"), |ui| shows(options, state, ui));
@@ -169,28 +168,85 @@ fn tools(options: &mut Options, state: &State, ui: &mut egui::Ui, out: &mut Vec<
             .on_hover_text("Its attributes, when the pointer rests on it.");
     });
     menu.response.on_hover_text("What is drawn over the picture.");
-    let menu = ui.menu_button("From ⏷", |ui| {
-        for name in Viewpoint::NAMES {
-            if ui.button(view_label(name)).clicked() {
-                out.push(Event::Act(super::actions::view_action(name)));
-                ui.close();
-            }
+    let menu = ui.menu_button("From ⏷", |ui| views(viewport, state, ui, out));
+    menu.response.on_hover_text("Where it is seen from.");
+}
+
+fn views(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+    for name in Viewpoint::NAMES {
+        if ui.button(view_label(name)).clicked() {
+            out.push(Event::Act(super::actions::view_action(name)));
+            ui.close();
         }
-        ui.separator();
-        for (action, label, tip) in [
-            ("view.frame_all", "Frame all", "Fills the picture with everything."),
-            ("view.frame_selected", "Frame selected", "Fills the picture with what is selected."),
-            ("view.orthographic", "Parallel rays", "With perspective, or without."),
-            ("view.back", "View before", "Back to where the eye rested before."),
-            ("view.forward", "View after", "Forward again."),
-        ] {
-            if ui.button(label).on_hover_text(tip).clicked() {
-                out.push(Event::Act(action));
+    }
+    ui.separator();
+    for (action, label, tip) in [
+        ("view.frame_all", "Frame all", "Fills the picture with everything."),
+        ("view.frame_selected", "Frame selected", "Fills the picture with what is selected."),
+        ("view.orthographic", "Parallel rays", "With perspective, or without."),
+        ("view.back", "View before", "Back to where the eye rested before."),
+        ("view.forward", "View after", "Forward again."),
+    ] {
+        if ui.button(label).on_hover_text(tip).clicked() {
+            out.push(Event::Act(action));
+            ui.close();
+        }
+    }
+    let mut focal = viewport.camera.focal_mm;
+    let (low, high) = navigation::FOCALS;
+    let lens = Slider::new(&mut focal, low..=high).logarithmic(true).suffix(" mm").text("Lens");
+    let tip = "Focal length over a film 24 mm high; what is looked at keeps its size.";
+    if ui.add(lens).on_hover_text(tip).changed() {
+        viewport.camera = navigation::with_focal(&viewport.camera, focal);
+    }
+    ui.separator();
+    for (name, saved) in &state.document.views {
+        ui.horizontal(|ui| {
+            if ui.button(name).on_hover_text("Looks from this saved view.").clicked() {
+                viewport.look(camera_of(saved));
                 ui.close();
             }
+            if ui.button("✖").on_hover_text(format!("Forgets the view {name}.")).clicked() {
+                out.push(Event::Edit(Edit::SetView { name: name.clone(), view: None }));
+            }
+        });
+    }
+    ui.horizontal(|ui| {
+        let name = &mut viewport.view_name;
+        let field =
+            egui::TextEdit::singleline(name).desired_width(110.0).hint_text("name of this view");
+        ui.add(field).on_hover_text("coif render --camera takes this name.");
+        let save = ui.add_enabled(!name.trim().is_empty(), egui::Button::new("Save view"));
+        let tip = "Keeps this view in the groom under a name; another of that name is replaced.";
+        if save.on_hover_text(tip).clicked() {
+            let name = name.trim().to_owned();
+            viewport.view_name.clear();
+            let view = Some(saved_of(&viewport.camera));
+            out.push(Event::Edit(Edit::SetView { name, view }));
         }
     });
-    menu.response.on_hover_text("Where it is seen from.");
+}
+
+/// A saved view's camera.
+fn camera_of(saved: &SavedView) -> Camera {
+    Camera {
+        eye: saved.eye.into(),
+        target: saved.target.into(),
+        up: saved.up.into(),
+        focal_mm: saved.focal_mm,
+        orthographic: saved.orthographic,
+    }
+}
+
+/// A camera as it is saved.
+fn saved_of(camera: &Camera) -> SavedView {
+    SavedView {
+        eye: camera.eye.to_array(),
+        target: camera.target.to_array(),
+        up: camera.up.to_array(),
+        focal_mm: camera.focal_mm,
+        orthographic: camera.orthographic,
+    }
 }
 
 /// A view's name for people.

@@ -9,6 +9,7 @@
 pub mod actions;
 mod chrome;
 pub mod drawing;
+mod handles;
 pub mod input;
 pub mod navigation;
 pub mod options;
@@ -34,6 +35,7 @@ use coif_shaders::camera::{self, PORTRAIT_FOCAL, Subject, Viewpoint};
 use drawing::{Drawing, Drawn, HairHit, Pick, Picked, Wanted};
 use egui::{Key, PointerButton, Pos2, Rect, Response, Sense, TextureHandle, TextureOptions, Vec2};
 use glam::Vec3;
+use handles::Handles;
 use navigation::{Drag, Motion, Views};
 use options::Options;
 use overlay::Overlay;
@@ -81,6 +83,9 @@ pub struct Viewport {
     clicked: Option<Clicked>,
     followed: Followed,
     overlay: Overlay,
+    handles: Handles,
+    /// The name that the next saved view gets.
+    view_name: String,
 }
 
 /// What pictures cost.
@@ -170,6 +175,8 @@ impl Default for Viewport {
             clicked: None,
             followed: Followed::default(),
             overlay: Overlay::default(),
+            handles: Handles::default(),
+            view_name: String::new(),
         }
     }
 }
@@ -224,7 +231,9 @@ impl Viewport {
 
     /// Whether the picture at rest of what was asked for is on the screen.
     pub fn is_idle(&self) -> bool {
-        self.drawing.as_ref().is_none_or(Drawing::is_idle) && self.framing.is_none()
+        self.drawing.as_ref().is_none_or(Drawing::is_idle)
+            && self.framing.is_none()
+            && !self.overlay.is_finding()
     }
 
     /// Why there is no picture.
@@ -266,7 +275,7 @@ impl Viewport {
         self.navigate(state, ui, &response, out);
         self.ask(state, ui);
         self.paint(state, ui);
-        self.overlay_ui(state, ui);
+        self.overlay_ui(state, ui, out);
         chrome::ui(self, state, ui, out);
         self.hover(state, ui, &response, out);
     }
@@ -615,23 +624,14 @@ impl Viewport {
     }
 
     fn hover(&mut self, state: &State, ui: &egui::Ui, response: &Response, out: &mut Vec<Event>) {
-        let free = response.hovered() && self.drag.is_none() && !self.pen.pointer;
-        let at = response.hover_pos().filter(|_| free);
+        let held = self.drag.is_some() || self.handles.is_dragging() || self.pen.pointer;
+        let at = response.hover_pos().filter(|_| response.hovered() && !held);
         let Some(at) = at else {
             self.under = None;
             return;
         };
-        let space = ui.input(|input| input.key_down(Key::Space));
         let keys = ui.input(|input| input.modifiers);
-        let settings = &state.settings;
-        let of_view = input::motion(
-            settings.navigation,
-            settings.trackball,
-            PointerButton::Primary,
-            keys,
-            space,
-        );
-        if response.clicked() && of_view.is_none() {
+        if response.clicked() && !self.primary_moves(state, ui) {
             out.push(Event::Focus(Room::Viewport));
             self.question(at, Purpose::Click { more: keys.shift });
         } else if self.question.is_none()
@@ -714,9 +714,33 @@ impl Viewport {
         self.clicked.as_ref().map(|clicked| clicked.level)
     }
 
-    fn overlay_ui(&mut self, state: &State, ui: &egui::Ui) {
+    fn overlay_ui(&mut self, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
         let view = self.projection();
         self.overlay.ui(state, &self.options, &self.followed.curves, &view, ui);
+        // Keys that turn the view leave grips alone.
+        let turning = self.drag.is_some() || self.primary_moves(state, ui);
+        let free = !turning && !self.pen.pointer;
+        if self.options.handles && (free || self.handles.is_dragging()) {
+            self.handles.ui(state, &view, ui, out);
+        }
+    }
+
+    /// Whether the first button would move the eye now.
+    fn primary_moves(&self, state: &State, ui: &egui::Ui) -> bool {
+        let typing = ui.ctx().egui_wants_keyboard_input();
+        let space = !typing && ui.input(|input| input.key_down(Key::Space));
+        let keys = ui.input(|input| input.modifiers);
+        let settings = &state.settings;
+        let (preset, ball) = (settings.navigation, settings.trackball);
+        input::motion(preset, ball, PointerButton::Primary, keys, space).is_some()
+    }
+
+    /// What the picture is, in one line: for the metadata of saved pictures.
+    pub fn caption(&self, state: &State) -> String {
+        let facts = chrome::facts(self, state);
+        facts.map_or(String::new(), |facts| {
+            format!("{}; {}", facts.made(), chrome::names(self, state))
+        })
     }
 }
 

@@ -55,6 +55,11 @@ struct SkinLines {
 }
 
 impl Overlay {
+    /// Whether partings and roots are being found.
+    pub(super) fn is_finding(&self) -> bool {
+        self.finding.is_some()
+    }
+
     pub(super) fn ui(
         &mut self,
         state: &State,

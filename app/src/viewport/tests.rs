@@ -237,3 +237,243 @@ fn pictures_are_of_the_windows_size_but_never_too_large() {
     let [w, h] = pixels(Vec2::new(3840.0, 2160.0), 2.0);
     assert!(w <= 4096 && w * h <= 6_010_000 && (w as f32 / h as f32 - 16.0 / 9.0).abs() < 0.01);
 }
+
+// --- the room in a window that nobody sees, without a device -------------------------------------
+
+mod window {
+    use super::super::actions::ACTIONS;
+    use super::*;
+    use crate::editor::Editor;
+    use crate::editor::state::OpenFile;
+    use coif_graphs::document::{NodeId, Setting};
+    use coif_graphs::{file, grooms};
+    use egui::{Event as Input, Modifiers};
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    type Ui = Harness<'static, Editor>;
+
+    /// The editor on a shipped groom, evaluated and framed, without pictures.
+    fn on_groom(name: &str) -> Ui {
+        let text = grooms::by_name(name).expect("a shipped groom");
+        let mut document = file::read(text).expect("it reads").document;
+        // Little hair, for these tests are not about hair.
+        for node in document.nodes.values_mut() {
+            let inputs = &mut Arc::make_mut(node).inputs;
+            for name in ["count", "density"] {
+                match inputs.get_mut(name) {
+                    Some(Setting::Known(Value::Int(n))) => *n = (*n).min(60),
+                    Some(Setting::Known(Value::Float(x))) => *x = x.min(2.0),
+                    _ => {}
+                }
+            }
+        }
+        let editor = Editor::new(&egui::Context::default(), document, OpenFile::default());
+        let mut ui = Harness::builder()
+            .with_size(Vec2::new(1400.0, 900.0))
+            .with_max_steps(64)
+            .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
+        settle(&mut ui);
+        ui
+    }
+
+    fn settle(ui: &mut Ui) {
+        let began = Instant::now();
+        let mut calm = 0;
+        while calm < 3 {
+            ui.step();
+            let rests = ui.state().is_idle() && ui.state().viewport.is_idle();
+            calm = if rests { calm + 1 } else { 0 };
+            assert!(began.elapsed() < Duration::from_secs(120), "it comes to rest");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    fn drag(ui: &mut Ui, from: Pos2, to: Pos2, button: PointerButton, modifiers: Modifiers) {
+        ui.event(Input::PointerMoved(from));
+        ui.step();
+        ui.event_modifiers(
+            Input::PointerButton { pos: from, button, pressed: true, modifiers },
+            modifiers,
+        );
+        ui.step();
+        for k in 1..=8 {
+            ui.event_modifiers(Input::PointerMoved(from.lerp(to, k as f32 / 8.0)), modifiers);
+            ui.step();
+        }
+        ui.event_modifiers(
+            Input::PointerButton { pos: to, button, pressed: false, modifiers },
+            modifiers,
+        );
+        ui.step();
+    }
+
+    fn camera(ui: &Ui) -> Camera {
+        *ui.state().viewport.camera()
+    }
+
+    #[test]
+    fn hands_turn_carry_and_zoom_and_the_view_goes_back() {
+        let mut ui = on_groom("start");
+        let first = camera(&ui);
+        let middle = ui.state().viewport.rect.center();
+        let by = Vec2::new(120.0, -40.0);
+        let alt = Modifiers::ALT;
+        drag(&mut ui, middle, middle + by, PointerButton::Primary, alt);
+        let turned = camera(&ui);
+        assert!(turned.eye.distance(first.eye) > 5.0, "it turned");
+        assert!(turned.across_and_up().0.y.abs() < 1e-3, "the horizon is level");
+        drag(&mut ui, middle, middle + by, PointerButton::Middle, alt);
+        let carried = camera(&ui);
+        assert!(carried.ahead().distance(turned.ahead()) < 1e-4 && carried.eye != turned.eye);
+        ui.event(Input::PointerMoved(middle));
+        ui.step();
+        ui.event(Input::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: Vec2::new(0.0, 120.0),
+            modifiers: Modifiers::NONE,
+            phase: egui::TouchPhase::Move,
+        });
+        for _ in 0..60 {
+            ui.step();
+        }
+        let closer = camera(&ui);
+        assert!(closer.eye.distance(closer.target) < 0.95 * carried.eye.distance(carried.target));
+        for expected in [carried, turned, first] {
+            ui.state_mut().act("view.back");
+            let found = camera(&ui);
+            assert!(found.eye.distance(expected.eye) < 1e-3, "{found:?} {expected:?}");
+        }
+        ui.state_mut().act("view.forward");
+        assert!(camera(&ui).eye.distance(turned.eye) < 1e-3);
+        // A plain drag leaves the view alone.
+        drag(&mut ui, middle, middle + by, PointerButton::Primary, Modifiers::NONE);
+        assert!(camera(&ui).eye.distance(turned.eye) < 1e-3);
+        assert!(!ui.state().state.history.is_changed(), "views are no steps");
+    }
+
+    #[test]
+    fn menus_over_the_picture_change_how_it_is_looked_at() {
+        let mut ui = on_groom("start");
+        let pick = |ui: &mut Ui, menu: &str, entry: &str| {
+            ui.get_by_label_contains(menu).click();
+            ui.run_steps(3);
+            ui.get_by_label(entry).click();
+            ui.run_steps(3);
+        };
+        pick(&mut ui, "Hair ⏷", "Groom by braid");
+        assert_eq!(ui.state().viewport.options.show, "braid");
+        pick(&mut ui, "Over it ⏷", "Partings");
+        assert!(ui.state().viewport.options.partings);
+        ui.key_press(Key::Escape);
+        ui.run_steps(3);
+        pick(&mut ui, "From ⏷", "Back");
+        settle(&mut ui);
+        assert!(camera(&ui).eye.z < -20.0, "it is seen from behind");
+    }
+
+    #[test]
+    fn the_corner_says_what_the_picture_is_also_without_one() {
+        let mut ui = on_groom("start");
+        let strands = ui.state().state.shown.as_ref().expect("hair").curves.curve_count();
+        let text = format!("final, {} strands", status::grouped(strands));
+        ui.get_by_label(&text);
+        ui.get_by_label_contains("displayed: ");
+        ui.state_mut().state.revision += 1;
+        ui.step();
+        ui.get_by_label_contains("stale: ");
+        assert!(ui.state().viewport.caption(&ui.state().state).contains("strands"));
+    }
+
+    #[test]
+    fn every_action_of_the_room_can_be_done_or_says_why_not() {
+        let mut ui = on_groom("cornrows");
+        for round in 0..2 {
+            for action in ACTIONS {
+                ui.state_mut().act(action.id);
+                ui.step();
+            }
+            let id = |ui: &Ui| {
+                let shown = ui.state().state.shown.clone().expect("hair");
+                shown.curves.each().map(|(tuft, i)| tuft.id(i)).nth(7).expect("hair")
+            };
+            let chosen = [id(&ui)].into();
+            ui.state_mut().apply(Event::Select(Select::Curves(chosen)));
+            assert!(camera(&ui).eye.is_finite(), "round {round}");
+        }
+        settle(&mut ui);
+        assert!(!ui.state().state.history.is_changed());
+    }
+
+    #[test]
+    fn hair_is_isolated_hidden_and_shown_again() {
+        let mut ui = on_groom("cornrows");
+        let shown = ui.state().state.shown.clone().expect("hair");
+        let one = shown.curves.each().map(|(tuft, i)| tuft.id(i)).next().expect("hair");
+        ui.state_mut().apply(Event::Select(Select::Curves([one].into())));
+        ui.state_mut().act("view.isolate");
+        assert_eq!(ui.state().state.visibility.alone, [one].into());
+        ui.state_mut().act("view.isolate");
+        assert!(ui.state().state.visibility.shows_all());
+        ui.state_mut().act("view.hide");
+        assert!(ui.state().state.visibility.hidden.contains(&one));
+        assert!(ui.state().state.selection.curves.is_empty());
+        ui.state_mut().act("view.show_all");
+        assert!(ui.state().state.visibility.shows_all());
+        ui.state_mut().apply(Event::Select(Select::Curves([one].into())));
+        ui.state_mut().act("view.select_kin");
+        assert!(ui.state().state.selection.curves.len() > 10);
+        ui.state_mut().act("view.lock");
+        assert!(ui.state().state.visibility.locked.len() > 10);
+        ui.state_mut().act("view.lock");
+        assert!(ui.state().state.visibility.locked.is_empty());
+    }
+
+    #[test]
+    fn a_handle_drags_its_input_in_one_step() {
+        let mut ui = on_groom("puffs");
+        let node = NodeId::new("left").expect("an id");
+        ui.state_mut().apply(Event::Select(Select::Nodes(vec![node.clone()])));
+        settle(&mut ui);
+        let value =
+            |ui: &Ui| match ui.state().state.document.nodes[&node].inputs.get("sphere_radius") {
+                Some(Setting::Known(Value::Float(x))) => *x,
+                _ => 6.0,
+            };
+        let before = value(&ui);
+        let grip = ui.get_by_label("Handle of sphere_radius").rect().center();
+        let outwards = (grip - ui.state().viewport.rect.center()).normalized() * 30.0;
+        drag(&mut ui, grip, grip + outwards, PointerButton::Primary, Modifiers::NONE);
+        settle(&mut ui);
+        let after = value(&ui);
+        assert!(after != before && (0.1..=60.0).contains(&after), "{before} {after}");
+        assert_eq!(ui.state().state.history.done(), 1, "one step");
+        assert!(!ui.state().state.gesture);
+        ui.state_mut().act("edit.undo");
+        assert_eq!(value(&ui), before);
+    }
+
+    #[test]
+    fn views_are_saved_under_names_and_come_back() {
+        let mut ui = on_groom("start");
+        let saved = camera(&ui);
+        ui.state_mut().viewport.view_name = "hero".to_owned();
+        ui.get_by_label_contains("From ⏷").click();
+        ui.run_steps(3);
+        ui.get_by_label("Save view").click();
+        ui.run_steps(3);
+        assert!(ui.state().state.document.views.contains_key("hero"));
+        ui.state_mut().act("view.from_back");
+        settle(&mut ui);
+        assert!(camera(&ui).eye.distance(saved.eye) > 10.0);
+        if ui.query_by_label("hero").is_none() {
+            ui.get_by_label_contains("From ⏷").click();
+            ui.run_steps(3);
+        }
+        ui.get_by_label("hero").click();
+        ui.run_steps(3);
+        assert_eq!(camera(&ui), saved);
+        ui.state_mut().act("edit.undo");
+        assert!(ui.state().state.document.views.is_empty());
+    }
+}

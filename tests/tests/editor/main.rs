@@ -5,4 +5,5 @@ mod fuzz;
 mod grooms;
 mod harness;
 mod own_head;
+mod stories;
 mod tour;

@@ -46,6 +46,7 @@ impl Story {
             builder = builder.wgpu();
         }
         let ui = builder.build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
+        coif::editor::theme::apply(&ui.ctx, false);
         Self { ui, hand, actions: 0, time: 0.0, pictures, took: vec![] }
     }
 

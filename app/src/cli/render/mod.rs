@@ -4,6 +4,7 @@
 //! while the graph is evaluated. Files appear only when every picture is complete.
 
 mod options;
+mod place;
 
 use super::Exit;
 use super::files::{Pending, read_at_most};
@@ -13,13 +14,12 @@ use super::report::{Picture as About, Report, rounded};
 use crate::feeders::feeders;
 use crate::scene::{self, Dressed, Show};
 use clap::Args;
-use coif_graphs::document::{NodeId, Socket};
+use coif_graphs::document::Socket;
 use coif_graphs::schedule::result::document_hash;
 use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::{HeadFrame, Scalp};
-use coif_nodes::define::{Type, Value};
-use coif_shaders::camera::{self, Camera, Subject, Viewpoint};
+use coif_nodes::define::Value;
 use coif_shaders::display::Transform;
 use coif_shaders::hdri::Hdri;
 use coif_shaders::light::Rig;
@@ -28,6 +28,7 @@ use coif_shaders::surface::{RootGrid, Solid, Tone};
 use coif_shaders::view::{Paint, Shading, View};
 use coif_shaders::{Gpu, Look, Model, Precision, Renderer, chart};
 use options::{Format, within};
+use place::Place;
 use std::cell::Cell;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -49,13 +50,13 @@ pub(crate) struct RenderArgs {
         allow_hyphen_values = true
     )]
     size: String,
-    /// front, left, right, back, top, three-quarter, crown, nape, hairline, temple-left, temple-right, or close:NODE to fill
-    /// the picture with what NODE gives
-    #[arg(long, value_name = "NAME|close:NODE", default_value = "three-quarter")]
+    /// front, left, right, back, top, three-quarter, crown, nape, hairline, temple-left, temple-right, a view that was saved
+    /// in the graph, or close:NODE to fill the picture with what NODE gives
+    #[arg(long, value_name = "NAME|SAVED|close:NODE", default_value = "three-quarter")]
     camera: String,
-    /// Focal length over a film 24 mm high
-    #[arg(long, value_name = "MM", default_value_t = camera::PORTRAIT_FOCAL, allow_negative_numbers = true)]
-    focal: f32,
+    /// Focal length over a film 24 mm high: 85, or a saved view's own
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    focal: Option<f32>,
     /// This many pictures around the head; %04d in the file's name becomes their number, from 1
     #[arg(long, value_name = "N")]
     turntable: Option<u32>,
@@ -116,7 +117,8 @@ struct Asked {
     formats: Vec<Format>,
     frames: u32,
     samples: u32,
-    focal_mm: f32,
+    /// None where nobody asked for one.
+    focal_mm: Option<f32>,
     show: Show,
     rig: Rig,
     transform: Transform,
@@ -156,7 +158,10 @@ impl RenderArgs {
                 None => 1,
             },
             samples: options::counted("--samples", self.samples, MOST_SAMPLES)?,
-            focal_mm: within("--focal", self.focal, (1.0, 10_000.0), " mm")?,
+            focal_mm: self
+                .focal
+                .map(|focal| within("--focal", focal, (1.0, 10_000.0), " mm"))
+                .transpose()?,
             show,
             rig: self.rig()?,
             transform: options::named("--display", &self.display, &displays, display)?,
@@ -256,7 +261,7 @@ fn draw_opened(
             feeders(&opened.document, opened.outputs.iter().map(|output| &output.socket.node))
         }
     };
-    let more: Vec<Socket> = followed.iter().chain(&place.socket).cloned().collect();
+    let more: Vec<Socket> = followed.iter().chain(place.socket()).cloned().collect();
     if followed.is_empty() && !matches!(asked.show, Show::Hair(_)) {
         return Err(Stop::refused(format!(
             "--view {}: no node on the way to the outputs makes hair that follows curves",
@@ -298,7 +303,7 @@ fn draw_opened(
         ("graph".to_owned(), document_hash(&opened.document)),
         ("hair".to_owned(), hashes(report)),
         ("view".to_owned(), args.view.clone()),
-        ("camera".to_owned(), format!("{}, {} mm", place.name, asked.focal_mm)),
+        ("camera".to_owned(), place.in_words(asked)),
         ("light".to_owned(), args.lit_by()),
         ("samples".to_owned(), asked.samples.to_string()),
         ("adapter".to_owned(), adapter.clone()),
@@ -371,73 +376,6 @@ fn draw_opened(
         draw_ms: rounded(since(began)),
     });
     Ok(())
-}
-
-/// Where the picture is seen from.
-struct Place {
-    /// As it is called.
-    name: String,
-    /// A view of a head; none when `socket` gives the points to look at.
-    view: Option<Viewpoint>,
-    socket: Option<Socket>,
-}
-
-impl Place {
-    /// What a name means in a graph.
-    fn of(text: &str, opened: &Opened) -> Result<Self, Stop> {
-        let fault = |reason: String| Stop::refused(format!("--camera {text}: {reason}"));
-        let name = text.to_owned();
-        let Some(node) = text.strip_prefix("close:") else {
-            let view = Viewpoint::named(text).ok_or_else(|| {
-                let known = Viewpoint::NAMES.join(", ");
-                fault(format!(
-                    "is not one of {known}, close:NODE, and the graph has no saved cameras"
-                ))
-            })?;
-            return Ok(Self { name, view: Some(view), socket: None });
-        };
-        let id = NodeId::new(node).map_err(|err| fault(err.to_string()))?;
-        let found = opened.document.nodes.get(&id);
-        let found = found.ok_or_else(|| fault(format!("there is no node {node:?}")))?;
-        let def = coif_nodes::by_id(&found.kind)
-            .ok_or_else(|| fault(format!("its kind {:?} is not known", found.kind)))?;
-        let output = def.outputs.iter().find(|output| output.ty == Type::Curves);
-        let output = output.ok_or_else(|| {
-            fault(format!("a {} gives no curves that the picture could be filled with", def.id))
-        })?;
-        Ok(Self { name, view: None, socket: Some(Socket::new(id, output.name)) })
-    }
-}
-
-impl Place {
-    /// The camera there; `closest` is what `socket` gave.
-    fn camera(
-        &self,
-        asked: &Asked,
-        scene: &Scene,
-        closest: Option<&Value>,
-    ) -> Result<Camera, Stop> {
-        let points = match closest {
-            Some(Value::Curves(curves)) => {
-                curves.tufts().iter().flat_map(|tuft| tuft.points()).copied().collect()
-            }
-            _ => vec![],
-        };
-        let view = match &self.view {
-            Some(view) => view.clone(),
-            None if points.is_empty() => {
-                return Err(Stop::failed(format!("--camera {}: it gives no curves", self.name)));
-            }
-            None => Viewpoint::Close(points),
-        };
-        let subject = Subject {
-            frame: scene.frame,
-            surface: scene.scalp.as_deref().map(Scalp::surface),
-            hair: &scene.hair,
-        };
-        let [width, height] = asked.size.map(|side| side as f32);
-        Ok(camera::frame(&view, &subject, asked.focal_mm, width / height))
-    }
 }
 
 /// What stands before the camera.

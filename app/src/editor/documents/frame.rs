@@ -27,7 +27,7 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
     for path in dropped {
         drop_file(editor, &path);
     }
-    match editor.documents.dialogs.answer() {
+    match editor.documents.dialogs.as_mut().and_then(|dialogs| dialogs.answer()) {
         Some(Answer::Chosen(path)) => editor.answered(Some(path)),
         Some(Answer::Nothing) => editor.answered(None),
         Some(Answer::NoDialog) => {

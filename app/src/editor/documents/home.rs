@@ -1,5 +1,6 @@
 //! What the editor keeps between runs: settings, layout, keys of one's own, recent files, recovery.
 
+use super::dialogs::System;
 use super::journal::{self, Journal};
 use super::kept;
 use super::places::Places;
@@ -43,6 +44,8 @@ impl Editor {
                 recovery.display()
             )),
         }
+        let wake = documents.wake.clone();
+        documents.dialogs.get_or_insert_with(|| Box::new(System::new(wake)));
         documents.settings = Some(self.state.settings.clone());
         documents.home = Some(home);
         told.into_iter().for_each(|text| self.state.notes.say(Note::warning(text)));

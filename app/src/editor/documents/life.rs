@@ -114,6 +114,8 @@ impl Editor {
     /// Another document is there, as it was opened or made.
     fn put(&mut self, document: Document, file: OpenFile, history: History) {
         self.replace(document, file, history);
+        // What was said is about the one before.
+        self.state.notes.clear();
         self.documents.changed = None;
         self.documents.head = None;
         self.documents.frames = Some(self.state.revision);
@@ -154,6 +156,9 @@ impl Editor {
                 return false;
             }
         };
+        self.documents.watch.knows(&path, hash);
+        self.put(loaded.document, OpenFile::at(path.clone()), History::new());
+        self.remember(&path);
         for warning in &loaded.warnings {
             self.state.notes.say(Note::warning(warning.of_file(&shown)));
         }
@@ -161,9 +166,6 @@ impl Editor {
             let text = format!("{} (saving drops this comment)", comment.of_file(&shown));
             self.state.notes.say(Note::warning(text));
         }
-        self.documents.watch.knows(&path, hash);
-        self.remember(&path);
-        self.put(loaded.document, OpenFile::at(path), History::new());
         true
     }
 
@@ -233,7 +235,8 @@ impl Editor {
         if documents.no_dialogs {
             documents.browser = Some(super::Browser::new(question.clone(), documents.wake.clone()));
         } else {
-            documents.dialogs.ask(&question);
+            let Some(dialogs) = &mut documents.dialogs else { return };
+            dialogs.ask(&question);
         }
         documents.asking = Some(Asking { question, input });
     }

@@ -1,0 +1,491 @@
+//! Handles of the active node: what of its inputs can be dragged in the picture.
+//!
+//! Declarations say which inputs have one. Grips have the same size at any distance. A drag is one undo step; Escape takes it
+//! back. Inputs that are wired, unset or vary over the hair have none.
+//!
+//! Where they stand: points where they are; everything else about the node's own point, else about the first curve that it
+//! gives. Guaranteed: what a drag gives lies within the input's hard limits, and a grip that is let go where it was taken
+//! leaves the value as it was.
+
+use super::projection::Projection;
+use crate::editor::evaluation::{Shown, first_output};
+use crate::editor::event::Event;
+use crate::editor::state::State;
+use crate::editor::theme;
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{Document, NodeId, Setting};
+use coif_nodes::data::attributes::NORMAL;
+use coif_nodes::data::field::Field;
+use coif_nodes::data::scalp::{HeadFrame, Scalp};
+use coif_nodes::define::{Handle, InputDef, Type, Unit, Value};
+use egui::{Color32, Key, Pos2, Sense, Shape, Stroke, Vec2};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// How far from a grip's middle it is taken, points.
+const TARGET: f32 = 12.0;
+/// The radius of a grip, points.
+const GRIP: f32 = 5.0;
+/// The radius of the arc of an angle, points.
+const ARC: f32 = 44.0;
+/// An angle's grip is not turned by less than this distance from its middle, points.
+const DEAD: f32 = 4.0;
+
+/// A value that can be dragged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Number {
+    /// A number, or a field that is the same everywhere.
+    One(f32),
+    /// A point in head units.
+    Point(Vec3),
+}
+
+/// One grip.
+#[derive(Clone)]
+struct Grip {
+    input: &'static InputDef,
+    handle: Handle,
+    value: Number,
+    /// What it stands about, cm.
+    anchor: Vec3,
+    /// Unit: away from the skin there.
+    out: Vec3,
+    /// Which of the node's grips of its kind.
+    number: usize,
+    /// The curve that the value runs along.
+    curve: Arc<[Vec3]>,
+    /// The frame that points are in.
+    frame: HeadFrame,
+    /// Points stay on the skin.
+    on_skin: bool,
+}
+
+/// What is being dragged.
+struct Drag {
+    node: NodeId,
+    grip: Grip,
+    /// From the grip to where it was taken, points.
+    off: Vec2,
+    last: Number,
+}
+
+/// The grips of the active node.
+#[derive(Default)]
+pub(super) struct Handles {
+    drag: Option<Drag>,
+}
+
+impl Handles {
+    /// Whether one is being dragged.
+    pub(super) fn is_dragging(&self) -> bool {
+        self.drag.is_some()
+    }
+
+    /// Draws the grips and takes drags of them.
+    pub(super) fn ui(
+        &mut self,
+        state: &State,
+        view: &Projection,
+        ui: &mut egui::Ui,
+        out: &mut Vec<Event>,
+    ) {
+        let (Some(shown), Some(node)) = (state.shown.as_ref(), state.active()) else {
+            self.drag = None;
+            return;
+        };
+        if self.drag.as_ref().is_some_and(|drag| drag.node != *node) {
+            self.drag = None;
+        }
+        let scalps: Vec<&Scalp> = shown.scalps.iter().map(|scalp| &**scalp).collect();
+        for grip in grips(&state.document, shown, node) {
+            let Some(at) = grip.place(view, &scalps) else { continue };
+            grip.draw(view, at, ui);
+            let id = ui.id().with(("handle", node.as_str(), grip.input.name));
+            let target = egui::Rect::from_center_size(at, Vec2::splat(2.0 * TARGET));
+            let response = ui.interact(target, id, Sense::drag());
+            response.widget_info(|| {
+                let label = format!("Handle of {}", grip.input.name);
+                egui::WidgetInfo::labeled(egui::WidgetType::Slider, true, label)
+            });
+            let held =
+                self.drag.as_ref().is_some_and(|drag| drag.grip.input.name == grip.input.name);
+            let colour = if held || response.hovered() { Color32::WHITE } else { theme::ACCENT };
+            ui.painter().circle(at, GRIP, theme::GROUND, Stroke::new(2.0, colour));
+            if held || response.hovered() {
+                let text = format!("{} {}", grip.input.name.replace('_', " "), grip.words());
+                let font = egui::FontId::proportional(12.0);
+                let galley = ui.painter().layout_no_wrap(text, font, theme::TEXT);
+                let from = at + Vec2::new(12.0, -18.0);
+                let back = egui::Rect::from_min_size(from, galley.size()).expand(2.0);
+                ui.painter().rect_filled(back, 2.0, Color32::from_black_alpha(190));
+                ui.painter().galley(from, galley, theme::TEXT);
+            }
+            if response.drag_started() {
+                let pressed = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
+                out.push(Event::Begin(String::new()));
+                let last = grip.value;
+                self.drag = Some(Drag { node: node.clone(), grip, off: pressed - at, last });
+            }
+        }
+        self.follow(view, &scalps, ui, out);
+    }
+
+    /// Gives the dragged input what the pointer says.
+    fn follow(
+        &mut self,
+        view: &Projection,
+        scalps: &[&Scalp],
+        ui: &egui::Ui,
+        out: &mut Vec<Event>,
+    ) {
+        let Some(drag) = &mut self.drag else { return };
+        if ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape)) {
+            out.push(Event::Abort);
+            self.drag = None;
+            return;
+        }
+        let (pointer, down) =
+            ui.input(|input| (input.pointer.interact_pos(), input.pointer.any_down()));
+        if let Some(at) = pointer
+            && let Some(value) = drag.grip.value_at(view, scalps, at - drag.off)
+            && value != drag.last
+        {
+            drag.last = value;
+            let value = match value {
+                Number::One(x) if drag.grip.input.ty == Type::Field => {
+                    Value::Field(Arc::new(Field::Constant(x)))
+                }
+                Number::One(x) => Value::Float(x),
+                Number::Point(p) => Value::Vec3(p),
+            };
+            let input = drag.grip.input.name.to_owned();
+            let setting = Setting::Known(value);
+            out.push(Event::Edit(Edit::SetInput { node: drag.node.clone(), input, setting }));
+        }
+        if !down {
+            out.push(Event::End);
+            self.drag = None;
+        }
+    }
+}
+
+/// The value of an input as it is set, where it can be dragged.
+fn number(document: &Document, node: &NodeId, input: &InputDef) -> Option<Number> {
+    if !document.wires(node, input.name).is_empty() {
+        return None;
+    }
+    let set = document.node(node.as_str())?.inputs.get(input.name);
+    let value = match set {
+        Some(Setting::Known(value)) => value.clone(),
+        Some(Setting::Raw(_)) => return None,
+        None => input.default?(),
+    };
+    match value {
+        Value::Float(x) => Some(Number::One(x)),
+        Value::Field(field) => field.constant().map(Number::One),
+        Value::Vec3(p) => Some(Number::Point(p)),
+        _ => None,
+    }
+}
+
+/// The grips of a node, in the order of its inputs.
+fn grips(document: &Document, shown: &Shown, node: &NodeId) -> Vec<Grip> {
+    let kind = document.node(node.as_str()).and_then(|node| coif_nodes::by_id(&node.kind));
+    let Some(def) = kind else { return vec![] };
+    let on_head = def
+        .inputs
+        .iter()
+        .any(|input| input.ty == Type::Scalp && !document.wires(node, input.name).is_empty());
+    let scalp = shown.scalp().filter(|_| on_head);
+    let frame = scalp.map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
+    let curve = first_output(document, node).and_then(|socket| {
+        let (tuft, i) = shown.curves_of(&socket)?.each().next()?;
+        let normal = tuft.view(NORMAL).at(i, tuft.range(i).start);
+        Some((Arc::<[Vec3]>::from(tuft.curve(i)), normal))
+    });
+    let point = def.inputs.iter().find_map(|input| match number(document, node, input)? {
+        Number::Point(p) if input.handle == Some(Handle::Point) => {
+            Some((p, input.unit != Unit::Length))
+        }
+        _ => None,
+    });
+    let (anchor, normal) = match (point, &curve) {
+        (Some((p, on_skin)), _) => match scalp.filter(|_| on_skin) {
+            Some(scalp) => on_skin_of(scalp, frame.vector_from_head(p)),
+            None => (frame.point_from_head(p), Vec3::ZERO),
+        },
+        (None, Some((curve, normal))) if !curve.is_empty() => (curve[curve.len() / 2], *normal),
+        _ => return vec![],
+    };
+    let out = normal
+        .try_normalize()
+        .or_else(|| (anchor - frame.origin).try_normalize())
+        .unwrap_or(frame.up);
+    let line: Arc<[Vec3]> = curve.map_or_else(|| Arc::from([]), |(curve, _)| curve);
+    let mut all: Vec<Grip> = vec![];
+    for input in def.inputs {
+        let (Some(handle), Some(value)) = (input.handle, number(document, node, input)) else {
+            continue;
+        };
+        let fits = matches!(value, Number::Point(_)) == (handle == Handle::Point);
+        if !fits || (handle == Handle::Along && line.len() < 2) {
+            continue;
+        }
+        all.push(Grip {
+            input,
+            handle,
+            value,
+            anchor,
+            out,
+            number: all.iter().filter(|grip| grip.handle == handle).count(),
+            curve: line.clone(),
+            frame,
+            on_skin: scalp.is_some() && input.unit != Unit::Length,
+        });
+    }
+    all
+}
+
+/// The skin in a direction from the head's middle, and its normal; a ball where there is none.
+fn on_skin_of(scalp: &Scalp, direction: Vec3) -> (Vec3, Vec3) {
+    let frame = scalp.frame();
+    let out = direction.normalize_or(frame.up);
+    let hit = scalp.surface().ray(frame.origin, out, 4.0 * frame.radius);
+    hit.map_or((frame.origin + out * frame.radius, out), |hit| {
+        (hit.point, scalp.surface().smooth_normal(hit.triangle, hit.bary))
+    })
+}
+
+impl Grip {
+    /// Across the picture, for radii: each of a node's circles is held at another place.
+    fn across(&self, view: &Projection) -> Vec3 {
+        let [across, up, _] = view.axes();
+        let angle = 0.5 + 0.9 * self.number as f32;
+        across * angle.cos() + up * angle.sin()
+    }
+
+    /// The line that a length runs along: beside the lines of other lengths.
+    fn foot(&self, view: &Projection) -> Vec3 {
+        let aside = view.cm_per_point(view.depth(self.anchor)) * 22.0 * self.number as f32;
+        self.anchor + view.axes()[0] * aside
+    }
+
+    /// Where the grip is drawn.
+    fn place(&self, view: &Projection, scalps: &[&Scalp]) -> Option<Pos2> {
+        match (self.handle, self.value) {
+            (Handle::Point, Number::Point(p)) => {
+                let place = match scalps.first().filter(|_| self.on_skin) {
+                    Some(scalp) => on_skin_of(scalp, self.frame.vector_from_head(p)).0,
+                    None => self.frame.point_from_head(p),
+                };
+                view.screen(place)
+            }
+            (Handle::Radius, Number::One(r)) => {
+                view.screen(self.anchor + self.across(view) * r.max(0.0))
+            }
+            (Handle::Length, Number::One(x)) => view.screen(self.foot(view) + self.out * x),
+            (Handle::Angle, Number::One(degrees)) => {
+                let middle = view.screen(self.anchor)?;
+                Some(middle + self.turned(degrees))
+            }
+            (Handle::Along, Number::One(u)) => view.screen(along(&self.curve, u)?),
+            _ => None,
+        }
+    }
+
+    /// From an arc's middle to its grip: 0 degrees is to the right, positive turns left.
+    fn turned(&self, degrees: f32) -> Vec2 {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        Vec2::new(cos, -sin) * (ARC + 14.0 * self.number as f32)
+    }
+
+    /// What the value is with the grip at a place of the screen.
+    fn value_at(&self, view: &Projection, scalps: &[&Scalp], at: Pos2) -> Option<Number> {
+        let ray = view.ray(at);
+        let value = match self.handle {
+            Handle::Point => {
+                let on_skin = || {
+                    let hits = scalps
+                        .iter()
+                        .filter_map(|s| s.surface().ray(ray.origin, ray.direction, 1e5));
+                    hits.min_by(|a, b| a.distance.total_cmp(&b.distance)).map(|hit| hit.point)
+                };
+                let place = match self.on_skin {
+                    true => on_skin()?,
+                    false => view.at_depth(at, view.depth(self.anchor)),
+                };
+                return Some(Number::Point(self.frame.head_from_point(place)));
+            }
+            Handle::Radius => {
+                let depth = view.depth(self.anchor);
+                view.at_depth(at, depth).distance(self.anchor)
+            }
+            Handle::Length => {
+                let foot = self.foot(view);
+                (view.on_line(at, foot, self.out)? - foot).dot(self.out)
+            }
+            Handle::Angle => {
+                let off = at - view.screen(self.anchor)?;
+                if off.length() < DEAD {
+                    return None;
+                }
+                let Number::One(old) = self.value else { return None };
+                // The turn nearest to the value that it had, so that an arc may be turned more than once around.
+                let degrees = (-off.y).atan2(off.x).to_degrees();
+                degrees + ((old - degrees) / 360.0).round() * 360.0
+            }
+            Handle::Along => nearest_along(&self.curve, view, at)?,
+        };
+        let (low, high) = self.input.hard.unwrap_or((f64::MIN, f64::MAX));
+        value.is_finite().then(|| Number::One((f64::from(value)).clamp(low, high) as f32))
+    }
+
+    /// The value for people.
+    fn words(&self) -> String {
+        match self.value {
+            Number::One(x) => format!("{x:.2}{}", self.input.unit.suffix()),
+            Number::Point(p) => format!("{:.2} {:.2} {:.2}", p.x, p.y, p.z),
+        }
+    }
+
+    fn draw(&self, view: &Projection, at: Pos2, ui: &egui::Ui) {
+        let painter = ui.painter_at(view.rect);
+        let stroke = Stroke::new(1.2, theme::ACCENT.gamma_multiply(0.75));
+        let line = |points: Vec<Pos2>| painter.add(Shape::line(points, stroke));
+        match (self.handle, self.value) {
+            (Handle::Radius, Number::One(r)) => {
+                let [across, up, _] = view.axes();
+                let place = |k: usize| {
+                    let angle = std::f32::consts::TAU * k as f32 / 64.0;
+                    view.screen(
+                        self.anchor + (across * angle.cos() + up * angle.sin()) * r.max(0.0),
+                    )
+                };
+                line((0..=64).filter_map(place).collect());
+            }
+            (Handle::Length, _) => {
+                line(view.screen(self.foot(view)).into_iter().chain([at]).collect());
+            }
+            (Handle::Angle, Number::One(degrees)) => {
+                let Some(middle) = view.screen(self.anchor) else { return };
+                let degrees = degrees % 360.0;
+                let part = |k: usize| middle + self.turned(degrees * k as f32 / 32.0);
+                line([middle].into_iter().chain((0..=32).map(part)).collect());
+            }
+            (Handle::Along, _) => {
+                line(self.curve.iter().filter_map(|p| view.screen(*p)).collect());
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The point of a line at a fraction of its length.
+fn along(curve: &[Vec3], u: f32) -> Option<Vec3> {
+    let length: f32 = curve.windows(2).map(|w| w[0].distance(w[1])).sum();
+    let mut left = u.clamp(0.0, 1.0) * length;
+    for w in curve.windows(2) {
+        let step = w[0].distance(w[1]);
+        if left <= step {
+            return Some(w[0].lerp(w[1], if step > 0.0 { left / step } else { 0.0 }));
+        }
+        left -= step;
+    }
+    curve.last().copied()
+}
+
+/// The fraction of a line's length at which it is drawn nearest to a place of the screen.
+fn nearest_along(curve: &[Vec3], view: &Projection, at: Pos2) -> Option<f32> {
+    let length: f32 = curve.windows(2).map(|w| w[0].distance(w[1])).sum();
+    let mut before = 0.0;
+    let mut best: Option<(f32, f32)> = None;
+    for w in curve.windows(2) {
+        let step = w[0].distance(w[1]);
+        if let (Some(a), Some(b)) = (view.screen(w[0]), view.screen(w[1])) {
+            let t = ((at - a).dot(b - a) / (b - a).length_sq().max(1e-6)).clamp(0.0, 1.0);
+            let far = at.distance(a + (b - a) * t);
+            if best.is_none_or(|(least, _)| far < least) {
+                best = Some((far, before + step * t));
+            }
+        }
+        before += step;
+    }
+    best.map(|(_, at)| at / length.max(1e-6))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::projection::tests::{any_camera, any_rect};
+    use super::*;
+    use coif_nodes::maths::hash::Dice;
+
+    fn grip(handle: Handle, input: &'static str, kind: &str, value: Number, anchor: Vec3) -> Grip {
+        let (_, input) = coif_nodes::by_id(kind).unwrap().input(input).unwrap();
+        assert_eq!(input.handle, Some(handle));
+        Grip {
+            input,
+            handle,
+            value,
+            anchor,
+            out: Vec3::Y,
+            number: 1,
+            curve: (0..20).map(|k| anchor + Vec3::new(k as f32 * 0.5, 0.0, 0.1)).collect(),
+            frame: HeadFrame::IDENTITY,
+            on_skin: false,
+        }
+    }
+
+    #[test]
+    fn a_grip_that_is_held_where_it_is_keeps_its_value() {
+        for seed in 0..300 {
+            let view = Projection::new(any_camera(seed), any_rect(seed));
+            let dice = Dice::new(seed, 8, "grips");
+            let anchor = view.at_depth(view.rect.center(), dice.range(0, 0, 20.0, 60.0));
+            let x = dice.range(0, 1, 0.5, 6.0);
+            let point = Number::Point(anchor);
+            for (handle, input, kind, value) in [
+                (Handle::Radius, "sphere_radius", "sphere_puff", Number::One(x)),
+                (Handle::Length, "tie_height", "sphere_puff", Number::One(x)),
+                (Handle::Angle, "coverage", "sphere_puff", Number::One(20.0 * x)),
+                (Handle::Along, "tie", "lissajous_braid", Number::One(0.1 + 0.1 * x)),
+                (Handle::Point, "pivot", "transform", point),
+            ] {
+                let grip = grip(handle, input, kind, value, anchor);
+                let Some(at) = grip.place(&view, &[]) else { continue };
+                let steep = view.axes()[2].dot(Vec3::Y).abs() > 0.95
+                    || (handle == Handle::Along && view.axes()[2].x.abs() > 0.9);
+                let Some(back) = grip.value_at(&view, &[], at).filter(|_| !steep) else { continue };
+                match (value, back) {
+                    (Number::One(a), Number::One(b)) => {
+                        assert!((a - b).abs() < 0.02 * (1.0 + a.abs()), "{seed} {input}: {a} {b}");
+                    }
+                    (Number::Point(a), Number::Point(b)) => {
+                        assert!(a.distance(b) < 0.01 * (1.0 + a.length()), "{seed}: {a} {b}");
+                    }
+                    other => panic!("{other:?}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn drags_end_at_the_hard_limits() {
+        let view = Projection::new(any_camera(3), any_rect(3));
+        let anchor = view.at_depth(view.rect.center(), 40.0);
+        let grip = grip(Handle::Radius, "sphere_radius", "sphere_puff", Number::One(6.0), anchor);
+        let far = view.rect.center() + Vec2::new(1e6, 0.0);
+        assert_eq!(grip.value_at(&view, &[], far), Some(Number::One(60.0)));
+        let middle = view.screen(anchor).unwrap();
+        assert_eq!(grip.value_at(&view, &[], middle), Some(Number::One(0.1)));
+    }
+
+    #[test]
+    fn places_along_a_line_are_fractions_of_its_length() {
+        let line = [Vec3::ZERO, Vec3::X * 3.0, Vec3::new(3.0, 1.0, 0.0)];
+        assert_eq!(along(&line, 0.0), Some(line[0]));
+        assert_eq!(along(&line, 0.75), Some(line[1]));
+        assert_eq!(along(&line, 1.0), Some(line[2]));
+        assert_eq!(along(&[], 0.5), None);
+        assert_eq!(along(&[Vec3::Y, Vec3::Y], 0.5), Some(Vec3::Y));
+    }
+}
