@@ -45,10 +45,10 @@ impl Tablet {
     pub fn start(test: &str) -> Option<Self> {
         let root = std::fs::metadata("/proc/self").is_ok_and(|me| me.uid() == 0);
         let there = [XORG].iter().chain(&DRIVERS).all(|path| Path::new(path).exists());
-        if !(root && there && has("xdotool")) {
+        if !(root && there && has("xdotool") && has("import")) {
             println!(
                 "skipped: {test} needs root and Xorg with its dummy and inputtest drivers \
-                 (xserver-xorg-core xserver-xorg-video-dummy xdotool)"
+                 (xserver-xorg-core xserver-xorg-video-dummy xdotool imagemagick)"
             );
             return None;
         }
@@ -136,6 +136,20 @@ impl Tablet {
         let at = valuators(0.0, 0.0, 0.0);
         self.send(PROXIMITY, &[&0u32.to_le_bytes()[..], &[0; 4], &at].concat());
         self.sync();
+    }
+
+    /// Comes, taps a place, and goes.
+    pub fn tap(&mut self, x: f64, y: f64) {
+        for off in [2.0, 1.0, 0.0] {
+            self.hover(x - off, y);
+            std::thread::sleep(Duration::from_millis(200));
+        }
+        // As long as a finger stays on a button.
+        self.touch(x, y, 0.5, true);
+        std::thread::sleep(Duration::from_millis(150));
+        self.touch(x, y, 0.0, false);
+        std::thread::sleep(Duration::from_millis(200));
+        self.leave();
     }
 
     /// Draws through places (pixels), each with its pressure, at 200 reports a second.

@@ -62,6 +62,22 @@ fn a_pen_at_an_x_server_draws_with_three_pressures() {
     tablet.screen.focus("coif");
     // The head is there when its picture is; the first evaluation of a head takes a moment.
     std::thread::sleep(Duration::from_secs(4));
+    // A tap on the first menu opens it, and another closes it: pens work on ordinary widgets.
+    let closed = tablet.screen.shot(&folder.path("closed.png"));
+    tablet.tap(20.0, 14.0);
+    let differ = |a: &[u8], b: &[u8]| a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) > 16).count();
+    let under_it = 3 * 1440 * 30..3 * 1440 * 130;
+    let began = Instant::now();
+    loop {
+        let open = tablet.screen.shot(&folder.path("open.png"));
+        let changed = differ(&closed.rgb[under_it.clone()], &open.rgb[under_it.clone()]);
+        if changed > 3000 {
+            break;
+        }
+        let waits = began.elapsed() < Duration::from_secs(5);
+        assert!(waits, "a menu opens under the pen: {changed} bytes differ");
+    }
+    tablet.tap(20.0, 14.0);
     tablet.screen.key("p");
     // Across the viewport, over the crown: light, middle, full.
     let levels = [0.25, 0.5, 1.0];

@@ -61,6 +61,7 @@ fn wrong_words_are_refused_in_one_line_and_nothing_is_touched() {
         (&["--size", "99999x1"], "16384"),
         (&["--size", "-5x5"], "WIDTHxHEIGHT"),
         (&["--camera", "upside-down"], "three-quarter"),
+        (&["--camera", "upside-down"], "no saved views"),
         (&["--camera", "close:nobody"], "nobody"),
         (&["--camera", "close:head"], "curves"),
         (&["--focal", "0"], "mm"),
@@ -167,6 +168,39 @@ fn a_picture_has_its_size_and_says_what_it_shows() {
         assert!(report["picture"][field].as_f64().unwrap() > 0.0, "{field}: {report}");
     }
     assert_eq!(folder.names(), ["hair.png", "report.json"]);
+}
+
+#[test]
+fn a_saved_view_is_a_camera_and_others_are_listed() {
+    let folder = Folder::new("render-saved");
+    let graph = folder.path("saved.ron");
+    let start = coif_graphs::grooms::by_name("start").unwrap();
+    let views = r#"    views: {
+        "flat": (eye: (0, 4, 60), target: (0, 4, 0), up: (0, 1, 0), focal_mm: 50, orthographic: 30),
+        "hero": (eye: (30, 8, 42), target: (0, 1, 0), up: (0, 1, 0), focal_mm: 70),
+    },
+    layout: {"#;
+    std::fs::write(&graph, start.replace("    layout: {", views)).unwrap();
+    let (graph, out) = (graph.display().to_string(), folder.path("hair.png").display().to_string());
+    let seen = |camera: &[&str]| {
+        let mut args = small(&["--out", &out]);
+        args[1] = &graph;
+        run(args.iter().chain(camera).copied())
+    };
+    let ran = seen(&["--camera", "herp"]);
+    assert_eq!(ran.code, 2);
+    assert!(ran.err.contains("none of the graph's saved views (flat, hero)"), "{}", ran.err);
+    if !adapter("a_saved_view_is_a_camera_and_others_are_listed") {
+        return;
+    }
+    for (camera, said) in [
+        (&["--camera", "hero"][..], "hero, 70 mm"),
+        (&["--camera", "flat"], "flat, parallel, 30 cm high"),
+    ] {
+        let ran = seen(camera);
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        assert_eq!(png(&folder.path("hair.png")).1["camera"], said);
+    }
 }
 
 #[test]

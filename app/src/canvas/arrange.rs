@@ -21,6 +21,14 @@ pub(super) fn point(pos: Pos2) -> Point {
     Point(pos.x.round(), pos.y.round())
 }
 
+/// How far from the middle things are drawn. Files may say more.
+const FARTHEST: f32 = 1e6;
+
+/// A place as it is drawn: no farther away than makes sense.
+pub(super) fn sound(at: Pos2) -> Pos2 {
+    at.clamp(pos2(-FARTHEST, -FARTHEST), pos2(FARTHEST, FARTHEST))
+}
+
 /// The corner of every node: the document's, else one beside what feeds it.
 pub(super) fn corners(
     document: &Document,
@@ -29,7 +37,7 @@ pub(super) fn corners(
     let finite = |point: &Point| point.0.is_finite() && point.1.is_finite();
     let placed = document.layout.iter().filter(|(id, at)| faces.contains_key(*id) && finite(at));
     let mut corners: BTreeMap<NodeId, Pos2> =
-        placed.map(|(id, at)| (id.clone(), pos(*at))).collect();
+        placed.map(|(id, at)| (id.clone(), sound(pos(*at)))).collect();
     let missing: BTreeSet<NodeId> =
         faces.keys().filter(|id| !corners.contains_key(*id)).cloned().collect();
     if corners.is_empty() {

@@ -222,7 +222,8 @@ pub(super) fn frame(document: &Document, round: Rect) -> (Edit, String) {
 
 /// The box of a frame.
 pub(super) fn frame_rect(frame: &Frame) -> Rect {
-    Rect::from_min_size(arrange::pos(frame.at), vec2(frame.size.0, frame.size.1))
+    let far = arrange::pos(frame.at) + vec2(frame.size.0, frame.size.1);
+    Rect::from_min_max(arrange::sound(arrange::pos(frame.at)), arrange::sound(far))
 }
 
 /// The nodes that lie in a frame whole.

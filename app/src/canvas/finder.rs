@@ -8,7 +8,7 @@ use super::wires::Wire;
 use crate::editor::theme;
 use coif_graphs::document::{Document, NodeId, Socket, wiring};
 use coif_nodes::define::{NodeDef, Type};
-use egui::{Align2, Area, Frame, Id, Key, Modifiers, Order, Pos2, Rect, RichText, TextEdit, vec2};
+use egui::{Align2, Area, Frame, Id, Key, Modifiers, Order, Pos2, RichText, Sense, TextEdit, vec2};
 use std::collections::BTreeMap;
 
 /// What is looked for.
@@ -78,11 +78,10 @@ impl Finder {
         Self { task, at, typed: String::new(), chosen: 0, fresh: true }
     }
 
-    /// Shows it within `bounds`.
+    /// Shows it.
     pub(super) fn show(
         &mut self,
         ui: &egui::Ui,
-        bounds: Rect,
         document: &Document,
         faces: &Faces,
         recent: &[String],
@@ -107,7 +106,7 @@ impl Finder {
             .order(Order::Foreground)
             .fixed_pos(self.at)
             .pivot(Align2::LEFT_TOP)
-            .constrain_to(bounds)
+            .constrain(true)
             .show(ctx, |ui| {
                 Frame::popup(ui.style()).show(ui, |ui| {
                     ui.set_width(WIDTH);
@@ -161,16 +160,7 @@ impl Finder {
         list.show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             for (i, line) in lines.iter().enumerate() {
-                let row = ui.selectable_label(i == self.chosen, &line.label);
-                let row = row.on_hover_text(&line.tip);
-                let beside = RichText::new(&line.beside).small().color(theme::QUIET);
-                let right = egui::pos2(ui.max_rect().right() - 4.0, row.rect.center().y);
-                let room = Rect::from_min_max(row.rect.right_top(), right + vec2(0.0, 10.0));
-                ui.put(room, |ui: &mut egui::Ui| {
-                    let layout = egui::Layout::right_to_left(egui::Align::Center);
-                    ui.with_layout(layout, |ui| ui.add(egui::Label::new(beside).selectable(false)))
-                        .inner
-                });
+                let row = row(ui, line, i == self.chosen).on_hover_text(&line.tip);
                 if i == self.chosen && moved {
                     row.scroll_to_me(None);
                 }
@@ -247,6 +237,27 @@ impl Finder {
             }
         }
     }
+}
+
+/// Draws a line of the list, over its whole width.
+fn row(ui: &mut egui::Ui, line: &Line, chosen: bool) -> egui::Response {
+    let (rect, row) = ui.allocate_exact_size(vec2(ui.available_width(), 24.0), Sense::click());
+    row.widget_info(|| {
+        egui::WidgetInfo::selected(egui::WidgetType::SelectableLabel, true, chosen, &line.label)
+    });
+    if chosen || row.hovered() {
+        let fill = if chosen { theme::SELECTED } else { theme::RAISED };
+        ui.painter().rect_filled(rect, 3.0, fill);
+    }
+    let beside = super::node::line(ui, &line.beside, 11.0, theme::QUIET, rect.width() / 2.0);
+    let room = rect.width() - beside.size().x - 24.0;
+    let label = super::node::line(ui, &line.label, 13.0, theme::TEXT, room);
+    let height = |galley: &egui::Galley| rect.center().y - galley.size().y / 2.0;
+    let at = egui::pos2(rect.right() - 8.0 - beside.size().x, height(&beside));
+    ui.painter().galley(at, beside, theme::QUIET);
+    let at = egui::pos2(rect.left() + 8.0, height(&label));
+    ui.painter().galley(at, label, theme::TEXT);
+    row
 }
 
 fn kind_line(def: &'static NodeDef) -> Line {

@@ -19,6 +19,7 @@ mod look;
 mod menu;
 mod naming;
 mod node;
+mod overlays;
 mod scene;
 mod search;
 #[cfg(test)]
@@ -38,9 +39,9 @@ use crate::editor::theme;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{NodeId, wiring};
 use edits::Link;
-use egui::{Align2, FontId, Pos2, Rect, Ui, Vec2, pos2, vec2};
+use egui::{Pos2, Rect, Ui, Vec2, vec2};
 use faces::{FaceCache, Faces};
-use finder::{Finder, Outcome, Pick, Task};
+use finder::{Finder, Task};
 use hand::{Aim, Fixed, Hand, Loose};
 use naming::{Named, Naming};
 use scene::{Found, Scene};
@@ -300,12 +301,15 @@ impl Canvas {
             self.memory.wires.clear();
             self.memory.select_frame(None);
         }
+        if response.drag_started_by(egui::PointerButton::Primary) {
+            let from = ui.input(|i| i.pointer.press_origin());
+            self.memory.grabbed = from.map(|at| self.to_canvas(at));
+        }
+        // The crate's box takes nodes; with Shift it takes wires.
         let boxed = response.drag_stopped_by(egui::PointerButton::Primary);
-        if let (true, Some(from)) =
-            (boxed && ui.input(|i| i.modifiers.shift), ui.input(|i| i.pointer.press_origin()))
-        {
-            let rect =
-                Rect::from_two_pos(self.to_canvas(from), self.memory.pointer.unwrap_or_default());
+        if boxed && ui.input(|i| i.modifiers.shift) {
+            let ends = self.memory.grabbed.take().zip(self.memory.pointer);
+            let rect = ends.map_or(Rect::NOTHING, |(from, to)| Rect::from_two_pos(from, to));
             let touched = found.runs.iter().filter(|run| run.touches(rect));
             self.memory.wires.extend(touched.map(|run| run.wire.clone()));
         }
@@ -498,94 +502,6 @@ impl Canvas {
         }
     }
 
-    /// What lies over the canvas: the reason why not, the map, the search, names being typed.
-    fn overlays(
-        &mut self,
-        state: &State,
-        faces: &Faces,
-        found: &Found,
-        ui: &Ui,
-        area: Rect,
-        out: &mut Vec<Event>,
-    ) {
-        if let Some(why) = self.memory.aim.as_ref().and_then(|aim| aim.refused.as_deref())
-            && let Some(at) = ui.input(|i| i.pointer.latest_pos())
-        {
-            reason(ui, area, at, why);
-        }
-        if state.document.nodes.is_empty() && self.memory.finder.is_none() {
-            let text = "Tab adds a node";
-            let font = FontId::proportional(14.0);
-            ui.painter().text(area.center(), Align2::CENTER_CENTER, text, font, theme::QUIET);
-        }
-        if let Some(to) = frames::map(ui, area, faces, &found.corners, self.seen()) {
-            self.center_on(to);
-        }
-        if let Some((wire, at)) = self.memory.insert_at.take() {
-            let screen = self.to_screen(at);
-            self.memory.finder = Some(Finder::new(Task::Insert(wire, at), screen));
-        }
-        if let Some(mut finder) = self.memory.finder.take() {
-            match finder.show(ui, area, &state.document, faces, &self.memory.recent) {
-                Outcome::Open => self.memory.finder = Some(finder),
-                Outcome::Done(Some(pick)) => self.picked(state, faces, &finder.task, pick, out),
-                Outcome::Done(None) => {}
-            }
-        }
-        if let Some(mut naming) = self.memory.naming.take() {
-            let spot = naming.place(&state.document, faces, &found.corners);
-            let spot = spot.map_or(area.center(), |at| self.to_screen(at));
-            if naming.show(ui, area, spot, out) {
-                self.memory.naming = Some(naming);
-            }
-        }
-    }
-
-    /// Something was picked in the search.
-    fn picked(
-        &mut self,
-        state: &State,
-        faces: &Faces,
-        task: &Task,
-        pick: Pick,
-        out: &mut Vec<Event>,
-    ) {
-        let document = &state.document;
-        match (task, pick) {
-            (Task::Add { at, link, dropped }, Pick::Kind(def, wired)) => {
-                let link = link.as_ref().filter(|_| wired);
-                let at = commands::place_new(faces, def, *at, link, *dropped);
-                let (edit, id) = edits::add(document, def, at, link);
-                self.memory.used(def);
-                out.push(Event::Edit(edit));
-                out.push(Event::Select(Select::Nodes(vec![id])));
-            }
-            (Task::Insert(wire, at), Pick::Kind(def, _)) => {
-                let at = *at - vec2(faces::WIDTH / 2.0, faces::HEADER);
-                match edits::insert_new(document, def, at, wire) {
-                    Ok((edit, id)) => {
-                        self.memory.used(def);
-                        out.push(Event::Edit(edit));
-                        out.push(Event::Select(Select::Nodes(vec![id])));
-                    }
-                    Err(why) => out.push(Event::Say(Note::warning(why))),
-                }
-            }
-            (Task::Swap(id), Pick::Kind(def, _)) => {
-                match wiring::change_kind(document, id, def.id) {
-                    Ok(edit) => out.push(Event::Edit(edit)),
-                    Err(why) => out.push(Event::Say(Note::error(why).of(id.clone()))),
-                }
-            }
-            (Task::Connect(_), Pick::Plug(from, node, number)) => {
-                let plug = faces.all.get(&node).and_then(|face| face.inputs.get(number));
-                let edit = plug.and_then(|plug| edits::connect(document, &from, plug, None));
-                out.extend(edit.map(Event::Edit));
-            }
-            _ => {}
-        }
-    }
-
     /// Copy, cut and paste, as keys or menus say them.
     fn clipboard(&mut self, state: &State, faces: &Faces, ui: &Ui, out: &mut Vec<Event>) {
         let asked = self.memory.clipboard.take();
@@ -620,31 +536,4 @@ fn escaped(ui: &Ui) -> bool {
         matches!(event, egui::Event::Key { key: egui::Key::Escape, pressed: true, .. })
     };
     ui.input(|i| i.raw.events.iter().any(is_escape))
-}
-
-/// Why a wire cannot go where it points, at the pointer.
-fn reason(ui: &Ui, area: Rect, at: Pos2, why: &str) {
-    let layer = egui::LayerId::new(egui::Order::Tooltip, egui::Id::new("canvas reason"));
-    let p = ui.ctx().layer_painter(layer);
-    let font = FontId::proportional(12.0);
-    let text = p.layout(why.to_owned(), font, theme::ERROR, 280.0);
-    let size = text.size() + vec2(30.0, 12.0);
-    let mut rect = Rect::from_min_size(at + vec2(14.0, 12.0), size);
-    rect = rect.translate(vec2(
-        (area.right() - rect.right()).min(0.0),
-        (area.bottom() - rect.bottom()).min(0.0),
-    ));
-    p.rect(
-        rect,
-        4.0,
-        theme::GROUND,
-        egui::Stroke::new(1.0, theme::ERROR),
-        egui::StrokeKind::Inside,
-    );
-    look::error_mark(&p, pos2(rect.left() + 13.0, rect.top() + 14.0), 6.5);
-    p.galley(rect.min + vec2(24.0, 6.0), text, theme::ERROR);
-    // Told to screen readers as well.
-    let id = egui::Id::new("canvas reason text");
-    let response = ui.interact(Rect::from_min_size(rect.min, Vec2::ZERO), id, egui::Sense::hover());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, why));
 }

@@ -27,6 +27,8 @@ pub(super) enum End {
 pub(super) enum Detail {
     /// All of it.
     Full,
+    /// Name and sockets, for many nodes at once.
+    Plain,
     /// A box with a name, for views from far away.
     Far,
     /// A box.
@@ -34,13 +36,20 @@ pub(super) enum Detail {
 }
 
 impl Detail {
-    /// What can be read at a scale (points of the screen for a unit of the canvas).
-    pub(super) fn at(scale: f32) -> Self {
+    /// What can be read at a scale (points of the screen for a unit of the canvas), with so many
+    /// nodes in sight.
+    pub(super) fn at(scale: f32, nodes: usize) -> Self {
         match scale {
-            s if s >= 0.45 => Self::Full,
+            s if s >= 0.62 || (s >= 0.45 && nodes <= 60) => Self::Full,
+            s if s >= 0.38 => Self::Plain,
             s if s >= 0.2 => Self::Far,
             _ => Self::Speck,
         }
+    }
+
+    /// Whether sockets are drawn.
+    pub(super) fn has_sockets(self) -> bool {
+        matches!(self, Self::Full | Self::Plain)
     }
 }
 
@@ -59,6 +68,12 @@ pub(super) struct Mood {
     pub aimed: Option<End>,
     /// A wire is in the hand.
     pub wiring: bool,
+    /// Targets are large, for pens.
+    pub pen: bool,
+    /// Points of the screen for a unit of the canvas.
+    pub scale: f32,
+    /// Sockets have their names.
+    pub named: bool,
 }
 
 /// What hands did to a node.
@@ -70,20 +85,24 @@ pub(super) struct Touched {
     pub ends: Vec<(End, Response)>,
 }
 
-const FLAG: Vec2 = vec2(20.0, 24.0);
+const FLAG: Vec2 = vec2(24.0, 26.0);
 
 /// Draws a node at the cursor and says what was done to it.
 pub(super) fn show(ui: &mut Ui, face: &Face, detail: Detail, mood: Mood) -> Touched {
     let (rect, _) = ui.allocate_exact_size(face.size(), Sense::hover());
     let mut touched = Touched { display: false, bypass: false, ends: vec![] };
-    if detail != Detail::Full {
+    if !detail.has_sockets() {
         far(ui, face, rect, detail, mood);
         return touched;
     }
     body(ui, face, rect, mood);
-    header(ui, face, rect, &mut touched);
-    if !face.collapsed {
-        footer(ui, face, rect, mood);
+    if detail == Detail::Full {
+        header(ui, face, rect, &mut touched);
+        if !face.collapsed {
+            footer(ui, face, rect, mood);
+        }
+    } else {
+        plain(ui, face, rect);
     }
     for number in 0..face.inputs.len() {
         let at = face.input_at(rect.min, number);
@@ -97,8 +116,16 @@ pub(super) fn show(ui: &mut Ui, face: &Face, detail: Detail, mood: Mood) -> Touc
 }
 
 /// Tells screen readers what a node is.
-pub(super) fn describe(ctx: &egui::Context, id: egui::Id, face: &Face, selected: bool) {
-    ctx.accesskit_node_builder(id, |node| {
+pub(super) fn describe(ctx: &egui::Context, response: &Response, face: &Face, selected: bool) {
+    ctx.accesskit_node_builder(response.id, |node| {
+        // The crate makes its widget before its size is known.
+        let (min, max) = (response.rect.min, response.rect.max);
+        node.set_bounds(egui::accesskit::Rect {
+            x0: min.x.into(),
+            y0: min.y.into(),
+            x1: max.x.into(),
+            y1: max.y.into(),
+        });
         node.set_role(Role::Group);
         node.set_label(format!("{}: node", face.label));
         let kind = face.kind.as_deref().unwrap_or(&face.label);
@@ -130,6 +157,8 @@ fn strength(face: &Face) -> f32 {
 }
 
 fn far(ui: &Ui, face: &Face, rect: Rect, detail: Detail, mood: Mood) {
+    // As large on the screen as letters and marks elsewhere.
+    let unit = 1.0 / mood.scale.max(0.1);
     let p = ui.painter();
     let fill = look::header_fill(face.stage);
     let fill = fill.lerp_to_gamma(look::stage_colour(face.stage), 0.2);
@@ -138,11 +167,24 @@ fn far(ui: &Ui, face: &Face, rect: Rect, detail: Detail, mood: Mood) {
         p.rect_filled(Rect::from_min_size(rect.min, vec2(8.0, rect.height())), 4.0, theme::ACCENT);
     }
     if detail == Detail::Far {
-        let text = line(ui, &face.label, 24.0, theme::TEXT, rect.width() - 24.0);
+        let text = line(ui, &face.label, 11.0 * unit, theme::TEXT, rect.width() - 4.0);
         let at = Align2::CENTER_CENTER.anchor_size(rect.center(), text.size());
         p.galley(at.min, text, theme::TEXT);
     }
-    trouble_mark(ui, face, rect.left_top(), 16.0);
+    trouble_mark(ui, face, rect.left_top(), 6.0 * unit);
+}
+
+/// The header where many nodes are in sight: a name in larger letters.
+fn plain(ui: &Ui, face: &Face, rect: Rect) {
+    let middle = rect.top() + face.header() / 2.0;
+    if face.displayed {
+        look::eye(ui.painter(), pos2(rect.right() - 14.0, middle), true, false);
+    }
+    let colour = if face.bypass { theme::QUIET } else { theme::TEXT };
+    let label = line(ui, &face.label, 17.0, colour, WIDTH - 36.0);
+    let at = pos2(rect.left() + 10.0, middle - label.size().y / 2.0);
+    ui.painter().galley(at, label, colour);
+    trouble_mark(ui, face, rect.left_top(), 9.0);
 }
 
 fn trouble_mark(ui: &Ui, face: &Face, at: Pos2, r: f32) {
@@ -156,8 +198,10 @@ fn trouble_mark(ui: &Ui, face: &Face, at: Pos2, r: f32) {
 
 fn body(ui: &Ui, face: &Face, rect: Rect, mood: Mood) {
     let p = ui.painter();
-    let shadow = rect.translate(vec2(0.0, 2.0)).expand(1.0);
-    p.rect_filled(shadow, 6.0, Color32::from_black_alpha(70));
+    if mood.named {
+        let shadow = rect.translate(vec2(0.0, 2.0)).expand(1.0);
+        p.rect_filled(shadow, 6.0, Color32::from_black_alpha(70));
+    }
     p.rect_filled(rect, 5.0, look::BODY.gamma_multiply(strength(face)));
     let header = Rect::from_min_size(rect.min, vec2(WIDTH, face.header()));
     let radius = if face.collapsed {
@@ -178,8 +222,8 @@ fn body(ui: &Ui, face: &Face, rect: Rect, mood: Mood) {
 fn header(ui: &mut Ui, face: &Face, rect: Rect, touched: &mut Touched) {
     let middle = rect.top() + face.header() / 2.0;
     look::stage(ui.painter(), pos2(rect.left() + 15.0, middle), face.stage);
-    let flags = [("display", 13.0), ("bypass", 34.0)];
-    let mut room = WIDTH - 28.0 - 46.0;
+    let flags = [("display", 14.0), ("bypass", 38.0)];
+    let mut room = WIDTH - 28.0 - 50.0;
     for (name, from_right) in flags {
         let at = pos2(rect.right() - from_right, middle);
         let set = if name == "display" { face.displayed } else { face.bypass };
@@ -199,7 +243,7 @@ fn header(ui: &mut Ui, face: &Face, rect: Rect, touched: &mut Touched) {
             response.on_hover_text("Pass its input through (B)");
         }
     }
-    let mut right = rect.right() - 50.0;
+    let mut right = rect.right() - 56.0;
     if face.pinned {
         look::pen(ui.painter(), pos2(right, middle));
         (right, room) = (right - 14.0, room - 14.0);
@@ -258,6 +302,9 @@ fn footer(ui: &Ui, face: &Face, rect: Rect, mood: Mood) {
     }
 }
 
+/// The most letters of a line that are laid out.
+const LONGEST: usize = 160;
+
 /// One line of text, cut off with dots where there is no more room.
 pub(super) fn line(
     ui: &Ui,
@@ -266,9 +313,9 @@ pub(super) fn line(
     colour: Color32,
     room: f32,
 ) -> std::sync::Arc<egui::Galley> {
-    let text = text.lines().next().unwrap_or_default();
+    let text: String = text.lines().next().unwrap_or_default().chars().take(LONGEST).collect();
     let format = TextFormat::simple(FontId::proportional(size), colour);
-    let mut job = LayoutJob::single_section(text.to_owned(), format);
+    let mut job = LayoutJob::single_section(text, format);
     job.wrap = TextWrapping {
         max_width: room.max(1.0),
         max_rows: 1,
@@ -287,9 +334,16 @@ fn end(
     mood: Mood,
     touched: &mut Touched,
 ) {
+    // An input of very many wires is longer than the window.
+    if !ui.clip_rect().expand(ROW).contains(at) {
+        return;
+    }
     let inward = if matches!(end, End::In(_)) { 1.0 } else { -1.0 };
     let height = if face.collapsed { 14.0 } else { ROW + 2.0 };
-    let reach = Rect::from_center_size(at + vec2(4.0 * inward, 0.0), vec2(26.0, height));
+    let reach = Rect::from_center_size(
+        at + vec2(4.0 * inward, 0.0),
+        vec2(if mood.pen { 40.0 } else { 26.0 }, height),
+    );
     let id = ui.id().with((face.key, end_name(end)));
     let response = ui.interact(reach, id, Sense::click_and_drag());
     let side = if matches!(end, End::In(_)) { "input" } else { "output" };
@@ -305,7 +359,7 @@ fn end(
         p.circle_stroke(at, look::SOCKET + 2.6, Stroke::new(1.0, look::EDGE));
     }
     look::socket(p, at, plug.ty, wired || matches!(end, End::Out(_)), bright);
-    if !face.collapsed {
+    if mood.named && !face.collapsed {
         let missing = plug.needed && !wired;
         let colour = match (missing, wired || matches!(end, End::Out(_))) {
             (true, _) => theme::WARNING,
@@ -383,6 +437,6 @@ pub(super) fn node_tip(ui: &mut Ui, face: &Face) {
     }
     if !face.note.is_empty() {
         ui.separator();
-        ui.label(&face.note);
+        ui.label(face.note.chars().take(1000).collect::<String>());
     }
 }

@@ -50,11 +50,16 @@ impl Scene<'_> {
         let mut found = Found::default();
         dots(ui, self.scale);
         self.comment_frames(ui);
+        let seen = ui.clip_rect();
+        let faces = self.faces;
+        let in_sight =
+            faces.all.keys().filter_map(|id| faces.rect(id)).filter(|r| seen.intersects(*r));
+        let detail = Detail::at(self.scale, in_sight.count());
         let scene = &mut self;
         show.nodes(ui, |nodes, ui| {
             for id in scene.state.document.nodes.keys() {
                 if let Some(face) = scene.faces.all.get(id) {
-                    scene.node(nodes, ui, face, &mut found);
+                    scene.node(nodes, ui, face, detail, &mut found);
                 }
             }
         });
@@ -126,13 +131,12 @@ impl Scene<'_> {
         }
     }
 
-    fn mood(&self, ui: &Ui, face: &Face) -> Mood {
+    fn mood(&self, face: &Face) -> Mood {
         let selection = &self.state.selection;
         let run = &self.state.run;
         let runs = run.since.is_some() && run.node == face.id.as_str();
         let share = run.pieces.0 as f32 / run.pieces.1.max(1) as f32;
         let aim = self.memory.aim.as_ref().filter(|aim| aim.node == face.id);
-        let _ = ui;
         Mood {
             selected: selection.nodes.contains(&face.id),
             active: selection.active.as_ref() == Some(&face.id),
@@ -140,6 +144,9 @@ impl Scene<'_> {
             running: runs.then_some(share),
             aimed: aim.filter(|aim| aim.refused.is_none()).map(|aim| aim.end),
             wiring: matches!(self.memory.hand, Hand::Wire(_)),
+            pen: self.state.settings.pen_mode,
+            scale: self.scale,
+            named: true,
         }
     }
 
@@ -148,14 +155,13 @@ impl Scene<'_> {
         nodes: &mut egui_graph::NodesCtx<'_>,
         ui: &mut Ui,
         face: &Face,
+        detail: Detail,
         found: &mut Found,
     ) {
-        let detail = Detail::at(self.scale);
         // From far away no socket can be hit: the crate need not know them.
-        let near = detail == Detail::Full;
+        let near = detail.has_sockets();
         let (inputs, outputs) = if near { (face.inputs.len(), face.outputs.len()) } else { (0, 0) };
-        let mood = self.mood(ui, face);
-        let graph = nodes.graph_id;
+        let mood = Mood { named: detail == Detail::Full, ..self.mood(face) };
         let shown = egui_graph::node::Node::from_id(face.key)
             .inputs(inputs)
             .outputs(outputs)
@@ -181,7 +187,7 @@ impl Scene<'_> {
             });
         let response: egui::Response = (*shown).clone();
         found.corners.insert(face.id.clone(), response.rect.min);
-        node::describe(ui.ctx(), egui_graph::node::egui_id(graph, face.key), face, mood.selected);
+        node::describe(ui.ctx(), &response, face, mood.selected);
         if let Some(touched) = shown.into_inner().inner {
             self.flags(face, &touched);
             for (end, socket) in touched.ends {
@@ -481,7 +487,8 @@ impl Scene<'_> {
         }
         for (from, to, ty) in ends {
             let colour = if refused { theme::ERROR } else { look::type_colour(ty) };
-            let points = wires::path(from, &[], to).flatten(6.0).collect::<Vec<_>>();
+            let apart = ((to - from).abs().max_elem() / 200.0).max(6.0);
+            let points: Vec<Pos2> = wires::path(from, &[], to).flatten(apart).collect();
             let stroke = Stroke::new(2.4, colour);
             if refused {
                 p.extend(Shape::dashed_line(&points, stroke, 6.0, 5.0));
@@ -533,7 +540,8 @@ fn dots(ui: &Ui, scale: f32) {
     }
     let seen = ui.clip_rect();
     let size = Vec2::splat(1.4 / scale);
-    let (columns, rows) = ((seen.width() / step) as i32 + 2, (seen.height() / step) as i32 + 2);
+    let count = |length: f32| (length / step) as u32 + 2;
+    let (columns, rows) = (count(seen.width().min(9e6)), count(seen.height().min(9e6)));
     if columns.saturating_mul(rows) > 20_000 {
         return;
     }

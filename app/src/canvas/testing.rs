@@ -83,6 +83,7 @@ pub(super) fn sized(document: Document, size: Vec2) -> Window {
     let mut window = Harness::builder()
         .with_size(size)
         .with_max_steps(64)
+        .with_step_dt(1.0 / 60.0)
         .build_ui_state(|ui, desk: &mut Desk| desk.ui(ui), desk);
     crate::editor::theme::apply(&window.ctx, false);
     window.run_steps(3);

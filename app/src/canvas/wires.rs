@@ -1,7 +1,7 @@
 //! Wires on the canvas: which there are, the way they run, and which of them something touches.
 //! Pure.
 
-use super::arrange::pos;
+use super::arrange::{pos, sound};
 use super::faces::Faces;
 use coif_graphs::document::{Document, NodeId, Socket};
 use coif_nodes::define::Type;
@@ -66,16 +66,20 @@ impl Run {
         Self { wire, from, ty, bends, path, bounds }
     }
 
-    /// Points along it, about so far apart.
+    /// Points along it, about so far apart; farther where it is very long.
     pub(super) fn points(&self, apart: f32) -> Vec<Pos2> {
-        self.path.flatten(apart).collect()
+        self.path.flatten(self.apart(apart)).collect()
+    }
+
+    fn apart(&self, wanted: f32) -> f32 {
+        wanted.max(self.bounds.size().max_elem() / 400.0)
     }
 
     /// How far a place is from it, and before which bend a new one would go.
     pub(super) fn distance(&self, to: Pos2) -> (f32, usize) {
         let mut best = (f32::INFINITY, 0);
         for (bend, piece) in self.path.segments().iter().enumerate() {
-            let points: Vec<Pos2> = piece.flatten(6.0).collect();
+            let points: Vec<Pos2> = piece.flatten(self.apart(6.0)).collect();
             for pair in points.windows(2) {
                 let d = distance_to_line(to, pair[0], pair[1]);
                 if d < best.0 {
@@ -102,7 +106,7 @@ impl Run {
 
     /// Whether it runs through a box.
     pub(super) fn touches(&self, rect: Rect) -> bool {
-        self.bounds.intersects(rect) && self.path.intersects_rect(6.0, rect)
+        self.bounds.intersects(rect) && self.path.intersects_rect(self.apart(6.0), rect)
     }
 }
 
@@ -129,7 +133,7 @@ pub(super) fn runs(
             let wire = Wire { to: to.clone(), at };
             let bends = match bent {
                 Some((moved, bends)) if *moved == wire => bends.to_vec(),
-                _ => document.bends_of(to, at).iter().map(|p| pos(*p)).collect(),
+                _ => document.bends_of(to, at).iter().map(|p| sound(pos(*p))).collect(),
             };
             let ends = (other.output_at(start, out), face.input_at(end, plug));
             runs.push(Run::new(wire, from.clone(), other.outputs[out].ty, ends, bends));

@@ -2,7 +2,7 @@
 
 use super::files::Pending;
 use super::groom::{GroomArgs, Stop, carry_out};
-use super::progress::Bar;
+use super::progress::{Bar, Tell};
 use super::report::Report;
 use super::{Exit, extension_of};
 use clap::Args;

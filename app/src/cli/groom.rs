@@ -176,14 +176,26 @@ impl GroomArgs {
         cancel: &CancelToken,
         report: &mut Report,
     ) -> Result<Evaluated, Stop> {
+        let bar = Bar::new("nodes");
+        let evaluated = self.evaluate_telling(opened, more, cancel, &bar, report);
+        bar.clear();
+        evaluated
+    }
+
+    /// The same, telling how far it is.
+    pub(crate) fn evaluate_telling(
+        &self,
+        opened: &Opened,
+        more: &[Socket],
+        cancel: &CancelToken,
+        progress: &dyn Progress,
+        report: &mut Report,
+    ) -> Result<Evaluated, Stop> {
         let quality = match self.quality {
             QualityArg::Preview => Quality::Preview,
             QualityArg::Final => Quality::Final,
         };
-        let bar = Bar::new("nodes");
-        let evaluated = opened.evaluate(quality, self.threads, more, cancel, &bar, report);
-        bar.clear();
-        evaluated
+        opened.evaluate(quality, self.threads, more, cancel, progress, report)
     }
 }
 

@@ -11,9 +11,9 @@ pub(crate) mod files;
 pub(crate) mod groom;
 mod measure;
 mod nodes;
-mod progress;
+pub(crate) mod progress;
 #[cfg(feature = "render")]
-mod render;
+pub(crate) mod render;
 pub(crate) mod report;
 mod unreal;
 

@@ -4,16 +4,27 @@ use coif_graphs::schedule::run::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 
+/// Is told how far long work is: a bar on a terminal, or one in the window.
+pub(crate) trait Tell: Progress {
+    /// What is counted from now on.
+    fn counts(&self, what: &'static str);
+    /// So many are done.
+    fn count(&self, done: usize, of: usize);
+    /// Says what goes on.
+    fn say(&self, text: String);
+}
+
 /// Shows how long work goes.
 pub(crate) struct Bar(Option<ProgressBar>);
 
 impl Bar {
     /// A bar that counts `of` something, on stderr when that is a terminal.
-    pub(crate) fn new(of: &str) -> Self {
+    pub(crate) fn new(of: &'static str) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
-            let style =
-                ProgressStyle::with_template(&format!("{{bar:30}} {{pos}}/{{len}} {of}  {{msg}}"));
-            ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+            let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {prefix}  {msg}");
+            ProgressBar::new(0)
+                .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+                .with_prefix(of)
         });
         Self(bar)
     }
@@ -23,15 +34,21 @@ impl Bar {
             bar.finish_and_clear();
         }
     }
-    /// So many are done.
-    pub(crate) fn count(&self, done: usize, of: usize) {
+}
+
+impl Tell for Bar {
+    fn counts(&self, what: &'static str) {
+        if let Some(bar) = &self.0 {
+            bar.set_prefix(what);
+        }
+    }
+    fn count(&self, done: usize, of: usize) {
         if let Some(bar) = &self.0 {
             bar.set_length(of as u64);
             bar.set_position(done as u64);
         }
     }
-    /// Says what goes on.
-    pub(crate) fn say(&self, text: String) {
+    fn say(&self, text: String) {
         if let Some(bar) = &self.0 {
             bar.set_message(text);
         }

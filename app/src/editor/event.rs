@@ -51,6 +51,8 @@ pub enum Event {
     Settings(Box<Settings>),
     /// Something is said.
     Say(Note),
+    /// What was said is forgotten; what nodes say is not.
+    Hush,
     /// The graph is evaluated now.
     Evaluate,
     /// Whatever runs stops; the last picture stays.

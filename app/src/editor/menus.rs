@@ -20,8 +20,10 @@ pub(crate) fn bar(editor: &mut Editor, ui: &mut egui::Ui) {
                     for action in entries {
                         let allowed = (action.when)(editor);
                         let keys = editor.keys.of(action.id).map(|k| name_of(&k));
-                        let button =
-                            Button::new(action.label).shortcut_text(keys.unwrap_or_default());
+                        let mut button = Button::new(action.label);
+                        if let Some(keys) = keys {
+                            button = button.shortcut_text(keys);
+                        }
                         let response = ui
                             .add_enabled(allowed.is_ok(), button)
                             .on_hover_text(action.tip)

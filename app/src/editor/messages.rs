@@ -202,6 +202,11 @@ impl Messages {
             if copy.on_hover_text("Copies what is listed, a line each").clicked() {
                 ui.ctx().copy_text(lines.join("\n"));
             }
+            let said = !state.notes.all().is_empty();
+            let clear = ui.add_enabled(said, egui::Button::new("Clear"));
+            if clear.on_hover_text("Forgets what was done; what is wrong stays").clicked() {
+                out.push(Event::Hush);
+            }
         });
         ui.separator();
         let chosen: Vec<&Message> = self.chosen(&all).collect();

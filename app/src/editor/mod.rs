@@ -286,7 +286,10 @@ impl Editor {
             Event::Visibility(visibility) => state.visibility = visibility,
             Event::Settings(settings) => state.settings = *settings,
             Event::Say(note) => state.notes.say(note),
+            Event::Hush => state.notes.clear(),
             Event::Evaluate => self.forced = true,
+            // The hand is taken back first; what runs for it is stopped by what comes next.
+            Event::Stop if state.gesture => self.apply(Event::Abort),
             Event::Stop => {
                 if let Some(evaluation) = &self.evaluation {
                     evaluation.stop();

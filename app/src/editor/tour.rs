@@ -28,7 +28,7 @@ const STEPS: &[Step] = &[
     },
     Step {
         title: "Draw a row",
-        text: "Take the stroke tool (2) and draw on the scalp from the hairline to the nape. Hair follows while you draw; Ctrl+Z takes the stroke back.",
+        text: "Take the stroke tool (P) and draw on the scalp from the hairline to the nape. Hair follows while you draw; Ctrl+Z takes the stroke back.",
         done: |before, editor| strokes(&editor.state.document) > before.strokes,
     },
     Step {

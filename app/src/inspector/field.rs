@@ -8,7 +8,10 @@ use super::text::{icon_button, set_name, text_field};
 use coif_graphs::document::values::DEEPEST_FIELD;
 use coif_nodes::data::field::Field;
 use coif_nodes::data::ramp::{Blend, Ramp};
-use egui::{ComboBox, Ui};
+use egui::{
+    Align2, Color32, ComboBox, Popup, Rect, Sense, Shape, Stroke, TextStyle, Ui, Vec2, WidgetInfo,
+    WidgetType, vec2,
+};
 
 /// The names that there are to choose from.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -89,15 +92,16 @@ impl FieldEditor<'_> {
     pub(crate) fn source_menu(&self, ui: &mut Ui, field: &Field) -> Option<Field> {
         let at = source(field);
         let mut new = None;
-        let sign = ["1", "∿", "A", "◐", "×"][at];
-        let size = egui::Vec2::splat(ui.spacing().interact_size.y);
-        let button = egui::Button::new(sign).min_size(size);
-        let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        let size = Vec2::splat(ui.spacing().interact_size.y);
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+        let visuals = ui.style().interact(&response);
+        ui.painter().rect_filled(rect, visuals.corner_radius, visuals.weak_bg_fill);
+        sign(ui, rect, at, visuals.text_color());
+        let name = format!("{} source", self.name);
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, ui.is_enabled(), &name));
+        Popup::menu(&response).show(|ui| {
             for (to, (label, tip)) in SOURCES.iter().enumerate() {
-                let can = match to {
-                    3 => !self.known.masks.is_empty() || at == 3,
-                    _ => true,
-                };
+                let can = to != 3 || at == 3 || !self.known.masks.is_empty();
                 let chosen =
                     ui.add_enabled_ui(can, |ui| ui.selectable_label(at == to, *label)).inner;
                 let chosen = chosen.on_hover_text(*tip);
@@ -107,7 +111,6 @@ impl FieldEditor<'_> {
                 }
             }
         });
-        set_name(ui, &response, &format!("{} source", self.name));
         response.on_hover_text(format!("{}: {} Click to switch.", SOURCES[at].0, SOURCES[at].1));
         new
     }
@@ -123,7 +126,7 @@ impl FieldEditor<'_> {
             Field::Constant(x) => {
                 let x = f64::from(*x);
                 let (name, scale) = (self.name, self.scale);
-                let field = NumberField { name, value: Some(x), instead: None, scale };
+                let field = NumberField { name, value: Some(x), instead: None, unset: None, scale };
                 let (to, how) = match field.show(ui, width).1? {
                     Done::Dragged(to) => (to, How::Drag),
                     Done::Typed(entry) => (self.scale.clamp(entry.apply(x)).0, How::Once),
@@ -235,6 +238,33 @@ fn with(parts: &[Field], i: usize, part: Option<Field>) -> Field {
         0 => Field::Constant(1.0),
         1 => parts.remove(0),
         _ => Field::Product(parts),
+    }
+}
+
+/// The sign of a source.
+fn sign(ui: &Ui, rect: Rect, source: usize, colour: Color32) {
+    let (painter, centre) = (ui.painter(), rect.center());
+    let font = TextStyle::Body.resolve(ui.style());
+    let letter = |text: &str| {
+        painter.text(centre, Align2::CENTER_CENTER, text, font.clone(), colour);
+    };
+    match source {
+        0 => letter("1"),
+        1 => {
+            let at = |x: f32| {
+                let y = x * x * (3.0 - 2.0 * x);
+                centre + vec2(12.0 * x - 6.0, 5.0 - 10.0 * y)
+            };
+            let line = (0..=8).map(|i| at(i as f32 / 8.0)).collect();
+            painter.add(Shape::line(line, Stroke::new(1.6, colour)));
+        }
+        2 => letter("A"),
+        3 => {
+            painter.circle_stroke(centre, 5.5, Stroke::new(1.4, colour));
+            let half = rect.with_max_x(centre.x);
+            painter.with_clip_rect(half).circle_filled(centre, 5.5, colour);
+        }
+        _ => letter("×"),
     }
 }
 

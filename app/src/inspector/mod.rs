@@ -63,6 +63,8 @@ impl Inspector {
             self.filter.clear();
         }
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            // Room for the scroll bar, which would lie over what is at the right.
+            ui.set_max_width((ui.available_width() - 8.0).max(1.0));
             ui.spacing_mut().item_spacing.y = 3.0;
             match state.active().and_then(|id| Some((id, state.document.node(id.as_str())?))) {
                 Some((id, node)) => self.node(state, ui, id, node, out),
@@ -73,8 +75,11 @@ impl Inspector {
         self.gesture.settle(ui, out);
     }
 
-    /// Looks up, where something changed, what is wrong and which names there are.
+    /// Looks up, where something changed, what is wrong and which names there are; not at every move of the hand.
     fn learn(&mut self, state: &State) {
+        if state.gesture && self.problems.is_some() {
+            return;
+        }
         if self.problems.as_ref().is_none_or(|(changes, _)| *changes != state.changes) {
             self.problems = Some((state.changes, graph::check(&state.document)));
         }

@@ -261,7 +261,7 @@ impl Parser<'_> {
                     continue;
                 }
                 (true, a, b) => product.with_unit = a || b,
-                (false, a, b) => product.with_unit = ratio && (a || b) || a && !b,
+                (false, a, b) => product.with_unit = if ratio { a || b } else { a && !b },
             }
             product.x = if times { product.x * by.x } else { product.x / by.x };
         }

@@ -1,7 +1,7 @@
 //! The ramp editor: root left, tip right.
 //!
-//! Double click adds a stop, a drag moves it (Shift the value only, Ctrl fine), Delete removes it, arrows nudge it; the
-//! numbers of the selected stop stand below. Values may go beyond what is shown, up to the input's hard range; what is
+//! Double click adds a stop, a drag moves it (Shift the value only, Ctrl fine), Delete removes it, arrows nudge it, Ctrl+C
+//! and Ctrl+V copy and paste the ramp as text; the numbers of the selected stop stand below. Values may go beyond what is shown, up to the input's hard range; what is
 //! shown does not move under the hand.
 
 use super::number::Scale;
@@ -156,6 +156,9 @@ impl RampField<'_> {
         if !response.has_focus() {
             return None;
         }
+        if let Some(new) = self.pasted(ui, ramp) {
+            return Some((new, How::Once));
+        }
         let i = memory.selected?;
         let pressed =
             |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key)) as i32 as f32;
@@ -172,6 +175,31 @@ impl RampField<'_> {
         let step = self.scale.step(f64::from(y)) as f32;
         let new = stops::put(ramp, i, (x + right * 0.01, y + up * step), limits);
         Some((new, How::Nudge))
+    }
+
+    /// Copies the ramp as text, or gives what is pasted; for the plot that has the keyboard.
+    fn pasted(&self, ui: &Ui, ramp: &Ramp) -> Option<Ramp> {
+        let mut new = None;
+        let mut copied = false;
+        ui.input(|input| {
+            for event in &input.events {
+                match event {
+                    egui::Event::Copy => copied = true,
+                    egui::Event::Paste(text) => new = self.read(text),
+                    _ => {}
+                }
+            }
+        });
+        if copied {
+            ui.ctx().copy_text(write_value(&Value::from(ramp.clone())));
+        }
+        new
+    }
+
+    /// A ramp from text, within the limits.
+    fn read(&self, text: &str) -> Option<Ramp> {
+        let Ok(Value::Ramp(read)) = parse_value(Type::Ramp, text) else { return None };
+        Some(stops::scale(&read, 1.0, self.limits()))
     }
 
     /// The line below the plot: how it blends, what it can begin with, the selected stop.
@@ -247,7 +275,8 @@ impl RampField<'_> {
         {
             let name = format!("{} {name}", self.name);
             let value = f64::from(value);
-            let field = NumberField { name: &name, value: Some(value), instead: None, scale };
+            let field =
+                NumberField { name: &name, value: Some(value), instead: None, unset: None, scale };
             let (response, done) = field.show(ui, width);
             response.on_hover_text(match is_x {
                 true => "Where the point lies, from root (0 %) to tip (100 %).",
@@ -300,11 +329,7 @@ impl RampField<'_> {
             ui.data_mut(|data| data.insert_temp(line, text));
         } else if edit.lost_focus() {
             ui.data_mut(|data| data.remove::<String>(line));
-            if let Ok(Value::Ramp(read)) = parse_value(Type::Ramp, &text) {
-                let (blend, all) = (read.blend, read.stops().to_vec());
-                let kept = all.into_iter().map(|(x, y)| (x, y.max(limits.0).min(limits.1)));
-                new = Ramp::new(blend, kept.collect()).ok();
-            }
+            new = self.read(&text).or(new);
         }
         if new.is_some() {
             ui.close();

@@ -3,7 +3,7 @@
 use super::number::Scale;
 use super::slider::{Done, NumberField};
 use super::target::How;
-use super::text::{icon_button, set_name, spoken};
+use super::text::{set_name, spoken};
 use crate::editor::theme;
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};
 use coif_nodes::define::Unit;
@@ -165,7 +165,7 @@ fn row(
             ui.spacing_mut().item_spacing.y = 2.0;
             ui.horizontal(|ui| {
                 let tiers = ComboBox::from_id_salt("tier")
-                    .width(30.0)
+                    .width(26.0)
                     .selected_text(format!("{tier:?}"))
                     .show_ui(ui, |ui| {
                         for (other, tip) in [
@@ -181,7 +181,7 @@ fn row(
                     });
                 set_name(ui, &tiers.response, &format!("{name} tier"));
                 let kinds = ComboBox::from_id_salt("kind")
-                    .width(78.0)
+                    .width(62.0)
                     .selected_text(KINDS[kind(section)].0)
                     .show_ui(ui, |ui| {
                         for (k, (label, tip)) in KINDS.iter().enumerate() {
@@ -192,22 +192,8 @@ fn row(
                         }
                     });
                 set_name(ui, &kinds.response, &format!("{name} shape"));
-                let mut moved = list.0.clone();
-                if i > 0 && icon_button(ui, "⏶", &format!("{name}: up")).clicked() {
-                    moved.swap(i, i - 1);
-                }
-                if i + 1 < list.0.len() && icon_button(ui, "⏷", &format!("{name}: down")).clicked()
-                {
-                    moved.swap(i, i + 1);
-                }
-                let last = list.0.len() == 1;
-                let remove =
-                    ui.add_enabled_ui(!last, |ui| icon_button(ui, "✖", &format!("{name}: remove")));
-                if remove.inner.clicked() {
-                    moved.remove(i);
-                }
-                if moved != list.0 {
-                    new = Some((ShapeList(moved), How::Once));
+                if let Some(list) = row_menu(ui, name, list, i) {
+                    new = Some((list, How::Once));
                 }
             });
             let rest = (width - THUMBNAIL - 3.0).max(60.0);
@@ -219,6 +205,27 @@ fn row(
     new
 }
 
+/// What can be done with a shape of the list as a whole.
+fn row_menu(ui: &mut Ui, name: &str, list: &ShapeList, i: usize) -> Option<ShapeList> {
+    let (mut all, last) = (list.0.clone(), list.0.len() - 1);
+    let menu = ui.menu_button("…", |ui| {
+        if ui.add_enabled(i > 0, egui::Button::new("Move up")).clicked() {
+            all.swap(i, i - 1);
+        }
+        if ui.add_enabled(i < last, egui::Button::new("Move down")).clicked() {
+            all.swap(i, i + 1);
+        }
+        if ui.button("Duplicate").clicked() {
+            all.insert(i, all[i].clone());
+        }
+        if ui.add_enabled(last > 0, egui::Button::new("Remove")).clicked() {
+            all.remove(i);
+        }
+    });
+    set_name(ui, &menu.response, &format!("{name}: more"));
+    (all != list.0).then_some(ShapeList(all))
+}
+
 /// The numbers of a section, or its drawing.
 fn numbers(ui: &mut Ui, name: &str, section: &Section, width: f32) -> Option<(Section, How)> {
     let number = |ui: &mut Ui, what: &str, x: f32, hard: (f64, f64), whole: bool, width: f32| {
@@ -226,7 +233,8 @@ fn numbers(ui: &mut Ui, name: &str, section: &Section, width: f32) -> Option<(Se
         let scale = Scale::new(unit, Some(hard), Some(hard), whole);
         let name = format!("{name} {what}");
         let x = f64::from(x);
-        let field = NumberField { name: &name, value: Some(x), instead: None, scale: &scale };
+        let field =
+            NumberField { name: &name, value: Some(x), instead: None, unset: None, scale: &scale };
         let (response, done) = field.show(ui, width);
         let range = scale.range(hard);
         response.on_hover_text(format!("{}, {range}", spoken(what)));
@@ -326,7 +334,7 @@ fn drawing(ui: &mut Ui, name: &str, points: &[Point], width: f32) -> Option<(Sec
     }
     response.on_hover_text("Drag the points. Double click adds one, right click removes it.");
     let usable = ShapeList(vec![(Tier::A, Section::Custom(new.clone()))]).fault().is_none();
-    (usable && new != points).then(|| (Section::Custom(new), how))
+    (usable && new != points).then_some((Section::Custom(new), how))
 }
 
 #[cfg(test)]

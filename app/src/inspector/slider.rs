@@ -32,8 +32,10 @@ pub(crate) struct NumberField<'a> {
     pub(crate) name: &'a str,
     /// The number; none when it is not set.
     pub(crate) value: Option<f64>,
-    /// What is shown when it is not set, or instead of the number where several nodes differ.
+    /// What is shown instead of the number, where several nodes differ.
     pub(crate) instead: Option<&'a str>,
+    /// What is shown when it is not set.
+    pub(crate) unset: Option<&'a str>,
     /// How it is shown and limited.
     pub(crate) scale: &'a Scale,
 }
@@ -104,7 +106,7 @@ impl NumberField<'_> {
         match (self.instead, self.value) {
             (Some(instead), _) => instead.to_owned(),
             (None, Some(x)) => self.scale.text(x),
-            (None, None) => "unset".to_owned(),
+            (None, None) => self.unset.unwrap_or("unset").to_owned(),
         }
     }
 
@@ -126,6 +128,7 @@ impl NumberField<'_> {
             TextEdit::singleline(&mut typing.text)
                 .id(id)
                 .margin(egui::Margin::symmetric(6, 2))
+                .horizontal_align(egui::Align::Max)
                 .vertical_align(egui::Align::Center)
                 .font(FontSelection::from(TextStyle::Body)),
         );
@@ -240,8 +243,8 @@ impl NumberField<'_> {
         painter.rect_stroke(rect, rounding, Stroke::new(1.0, line), StrokeKind::Inside);
         let quiet = self.value.is_none() || self.instead.is_some();
         painter.text(
-            pos2(rect.left() + 7.0, rect.center().y),
-            Align2::LEFT_CENTER,
+            pos2(rect.right() - 7.0, rect.center().y),
+            Align2::RIGHT_CENTER,
             self.text(),
             TextStyle::Body.resolve(ui.style()),
             if quiet { theme::QUIET } else { theme::TEXT },

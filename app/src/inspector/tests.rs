@@ -339,6 +339,14 @@ fn stops_of_ramps_are_added_moved_and_removed() {
     hands.key_press(Key::Delete);
     hands.run_steps(3);
     assert_eq!(ramp(&hands).stops().len(), 2);
+    // Text is pasted into the plot that has the keyboard; values stay in range.
+    hands.event(egui::Event::Paste("Linear([(0.0, 0.5), (0.5, 0.25), (1.0, 1.0)])".into()));
+    hands.run_steps(3);
+    assert_eq!(ramp(&hands).at(0.5), 0.25);
+    hands.event(egui::Event::Paste("Linear([(0, 0), (1, 1)])".into()));
+    hands.event(egui::Event::Paste("no ramp".into()));
+    hands.run_steps(3);
+    assert_eq!(ramp(&hands).stops().len(), 2);
     // Blending and shapes.
     hands.get_by_label("Profile blending").click();
     hands.run_steps(3);
@@ -402,11 +410,15 @@ fn shapes_are_added_edited_ordered_and_removed() {
     drag(&mut hands, right, vec2(-20.0, 0.0), Modifiers::NONE);
     let Section::Custom(points) = &list(&hands)[1].1 else { panic!() };
     assert!(points[0].x < 0.8, "{points:?}");
-    hands.get_by_label("Shapes 2: up").click();
-    hands.run_steps(3);
+    let more = |hands: &mut Hands, what: &str| {
+        hands.get_by_label("Shapes 2: more").click();
+        hands.run_steps(3);
+        hands.get_by_label(what).click();
+        hands.run_steps(3);
+    };
+    more(&mut hands, "Move up");
     assert!(matches!(list(&hands)[1].1, Section::Circle));
-    hands.get_by_label("Shapes 2: remove").click();
-    hands.run_steps(3);
+    more(&mut hands, "Remove");
     // The list has no shape of tier A now: the document refuses it, and says so.
     hands.get_by_label_contains("at least one shape in tier A");
     assert_eq!(list(&hands).len(), 2);

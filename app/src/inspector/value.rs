@@ -150,7 +150,9 @@ fn number(
         let width = if seed { width - button - 3.0 } else { width };
         let value = value.map(|value| as_number(&Held::Value(value.clone()))).unwrap_or_default();
         let instead = target.differ(input).then_some("differ");
-        let field = NumberField { name, value, instead, scale: &scale };
+        let doc = input.doc();
+        let unset = unset_words(&doc);
+        let field = NumberField { name, value, instead, unset, scale: &scale };
         let (response, done) = field.show(ui, width.max(30.0));
         if let Some(done) = done {
             apply(target, input, &scale, done);
@@ -166,6 +168,13 @@ fn number(
             target.set_each(input, How::Once, of);
         }
     });
+}
+
+/// What a declaration says that an unset input means: "Unset: the preset's."
+fn unset_words(doc: &str) -> Option<&str> {
+    let (_, words) = doc.split_once("Unset: ")?;
+    let end = words.find(['.', ';', ',']).unwrap_or(words.len());
+    Some(&words[..end]).filter(|words| words.len() < 24)
 }
 
 /// Another seed tag from 1 to 99,999, the same for the same one.
@@ -275,7 +284,7 @@ fn three(
         let name = format!("{name} {part}");
         let x = f64::from(v[i]);
         let instead = target.differ(input).then_some("differ");
-        let field = NumberField { name: &name, value: Some(x), instead, scale };
+        let field = NumberField { name: &name, value: Some(x), instead, unset: None, scale };
         let (response, done) = field.show(ui, each);
         response.on_hover_text(spoken(part));
         let (to, how) = match done {
@@ -401,6 +410,12 @@ fn drawn(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, strokes
 mod tests {
     use super::*;
     use coif_nodes::data::ramp::Ramp;
+
+    #[test]
+    fn what_unset_means_is_said() {
+        assert_eq!(unset_words("Diameter. Unset: the preset's."), Some("the preset's"));
+        assert_eq!(unset_words("Diameter."), None);
+    }
 
     #[test]
     fn seeds_change_and_stay_tags() {

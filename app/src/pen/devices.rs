@@ -13,13 +13,14 @@ use super::settings::{self, Feel, Settings};
 use super::x11::{self, Told};
 use eframe::wgpu::rwh::{HasWindowHandle, RawWindowHandle};
 use egui::{Event, PointerButton, Pos2, TouchPhase};
+use std::collections::VecDeque;
 use std::sync::mpsc::Receiver;
 
 /// How long after its last word a pen that has not said that it left counts as near, seconds. A held pen trembles and
 /// so goes on telling.
 const NEAR_FOR: f64 = 1.0;
-/// How far egui's pointer may be from the pen and be the pen's own, points: it trails by what one frame moves.
-pub(super) const SAME_PLACE: f32 = 24.0;
+/// How far egui's pointer may be from where a pen was and be the pen's own, points.
+pub(super) const SAME_PLACE: f32 = 8.0;
 /// How soon the second tap of a double tap comes, seconds.
 const DOUBLE_TAP: f64 = 0.4;
 
@@ -31,8 +32,10 @@ pub struct Devices {
     pens: Vec<x11::Pen>,
     /// Reports that wait for the next frame.
     waiting: Vec<PenSample>,
-    /// The pen that spoke last: when on egui's clock, and where.
-    near: Option<(f64, Pos2)>,
+    /// The pen that spoke last: when on egui's clock.
+    near: Option<f64>,
+    /// Where pens were of late, and when: egui's pointer follows them, a frame or more behind.
+    trail: VecDeque<(f64, Pos2)>,
     finger: Option<u64>,
     fingers: usize,
     mouse: Mouse,
@@ -63,7 +66,8 @@ fn counts(tool: Tool, pen_near: bool, at_the_pen: bool, fingers_draw: bool) -> b
     match tool {
         Tool::Tip | Tool::Eraser => true,
         Tool::Finger => fingers_draw && !pen_near,
-        Tool::Mouse => !(pen_near && at_the_pen),
+        // Also just after the pen has left: the pointer comes late.
+        Tool::Mouse => !at_the_pen,
     }
 }
 
@@ -115,7 +119,7 @@ impl Devices {
 
     /// Whether a pen was near when the last frame was made.
     pub fn is_near(&self) -> bool {
-        self.near.is_some_and(|(when, _)| self.mouse.before - when < NEAR_FOR)
+        self.near.is_some_and(|when| self.mouse.before - when < NEAR_FOR)
     }
 
     /// Hands in a report, as a backend does. `pos` is in points.
@@ -137,17 +141,22 @@ impl Devices {
         let mut reports = std::mem::take(&mut self.waiting);
         for sample in &reports {
             if matches!(sample.tool, Tool::Tip | Tool::Eraser) {
-                self.near = (sample.phase != Phase::Out).then_some((frame.time, sample.pos));
+                self.near = (sample.phase != Phase::Out).then_some(frame.time);
+                self.trail.push_back((frame.time, sample.pos));
             }
         }
+        while self.trail.front().is_some_and(|(when, _)| frame.time - when >= NEAR_FOR) {
+            self.trail.pop_front();
+        }
         self.of_egui(frame, settings, &mut reports);
-        let near = self.near.filter(|(when, _)| frame.time - when < NEAR_FOR);
+        let near = self.near.is_some_and(|when| frame.time - when < NEAR_FOR);
         let mut inputs = vec![];
         for sample in reports {
-            let at_the_pen = near.is_some_and(|(_, pos)| pos.distance(sample.pos) < SAME_PLACE);
+            let on_trail = |(_, pos): &(f64, Pos2)| pos.distance(sample.pos) < SAME_PLACE;
+            let at_the_pen = sample.tool == Tool::Mouse && self.trail.iter().any(on_trail);
             // What has begun ends, whatever comes near meanwhile.
             let begun = self.hand.holds == Some(sample.device);
-            if begun || counts(sample.tool, near.is_some(), at_the_pen, settings.fingers_draw) {
+            if begun || counts(sample.tool, near, at_the_pen, settings.fingers_draw) {
                 let feel = self.feel(&sample, settings);
                 inputs.extend(self.hand.take(sample, &feel));
             }
@@ -379,6 +388,7 @@ mod tests {
             (Tool::Finger, false, false, false, false),
             (Tool::Mouse, false, false, true, true),
             (Tool::Mouse, true, true, true, false),
+            (Tool::Mouse, false, true, true, false),
             // Another hand on the mouse while the pen lies on the tablet.
             (Tool::Mouse, true, false, true, true),
         ];
@@ -405,6 +415,24 @@ mod tests {
         for (told, expected) in told.iter().zip([0.0, 0.3, 0.6, 0.6]) {
             assert!((told - expected).abs() < 1e-3, "{told} {expected}");
         }
+    }
+
+    #[test]
+    fn a_pointer_that_comes_a_slow_frame_late_is_still_the_pens() {
+        let (mut devices, settings) = (Devices::default(), plain());
+        devices.push(pen(0.0, Phase::Down, 10.0, 0.5));
+        for k in 1..20 {
+            devices.push(pen(0.01 * f64::from(k), Phase::Move, 10.0 + 10.0 * k as f32, 0.5));
+        }
+        devices.push(pen(0.2, Phase::Up, 200.0, 0.0));
+        devices.push(pen(0.2, Phase::Out, 200.0, 0.0));
+        let events = [press(10.0, true)];
+        assert_eq!(devices.poll(&frame(1.0, &events), &settings).len(), 22);
+        let events = [Event::PointerMoved(Pos2::new(110.0, 50.0)), press(200.0, false)];
+        let late = devices.poll(&frame(1.3, &events), &settings);
+        assert!(late.is_empty(), "{late:?}");
+        // Half a minute later the same place is the mouse's.
+        assert_eq!(devices.poll(&frame(30.0, &[press(200.0, true)]), &settings).len(), 1);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use coif_graphs::document::strokes::cvs::placed;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::data::strokes::Stroke;
 use glam::Vec3;
+use std::collections::BTreeSet;
 
 /// A point of the world moved by `by`; on the scalp it keeps its height.
 fn moved(scalp: &Scalp, p: Vec3, by: Vec3, on_scalp: bool) -> Vec3 {
@@ -38,6 +39,27 @@ pub(crate) fn dragged(
         }
     }
     placed(stroke, &places)
+}
+
+/// How high a point of the world is over the scalp, cm; negative under it.
+pub(crate) fn height(scalp: &Scalp, p: Vec3) -> Option<f32> {
+    scalp.closest_root(p).map(|root| (p - root.point).dot(root.normal))
+}
+
+/// The stroke with some points put to a height over the scalp (cm), above where they are.
+pub(crate) fn raised(
+    scalp: &Scalp,
+    stroke: &Stroke,
+    points: &BTreeSet<usize>,
+    height: f32,
+) -> Stroke {
+    let mut path = path(scalp, stroke);
+    for (_, p) in path.iter_mut().enumerate().filter(|(i, _)| points.contains(i)) {
+        if let Some(root) = scalp.closest_root(*p) {
+            *p = root.point + root.normal * height;
+        }
+    }
+    put(scalp, stroke, &path)
 }
 
 /// A pass of a brush.

@@ -399,7 +399,7 @@ impl Gesture {
     }
 
     /// The touch is over.
-    pub(super) fn end(mut self, scene: &mut Scene, shapes: &Shapes, picked: &mut Picked) {
+    pub(super) fn end(&mut self, scene: &mut Scene, shapes: &Shapes, picked: &mut Picked) {
         if let Work::Outline { line, lasso, add } = &self.work {
             take_outline(line, *lasso, *add, shapes, picked);
             return;

@@ -33,7 +33,7 @@ use coif_nodes::data::scalp::Scalp;
 use coif_nodes::data::strokes::Strokes;
 use devices::{Devices, Frame, Input};
 use egui::{Key, Pos2, Rect};
-use gestures::Gesture;
+use gestures::{Gesture, Work};
 use sample::Phase;
 use shapes::Shapes;
 use std::collections::BTreeSet;
@@ -143,6 +143,8 @@ pub struct Pen {
     /// Whether new nodes hold strokes in space.
     pub free: bool,
     gesture: Option<Gesture>,
+    /// What ended in this frame: it is painted until the document, in the next one, has it.
+    ended: Option<Work>,
     hover: Option<Input>,
     /// The strokes before the eye.
     shapes: Shapes,
@@ -255,6 +257,7 @@ impl Pen {
             reach: if state.settings.pen_mode { 16.0 } else { 12.0 },
             out,
         };
+        self.ended = None;
         let stopped = ctx.input(|input| input.key_down(Key::Escape));
         if stopped && let Some(gesture) = self.gesture.take() {
             gesture.abort(&mut scene);
@@ -274,6 +277,9 @@ impl Pen {
             self.wheel(ctx, &mut scene);
         }
         self.paint(ui, &scene);
+        if self.ended.is_some() {
+            ctx.request_repaint();
+        }
     }
 
     /// Without a tool in hand the strokes whose curves are selected in other rooms are picked.
@@ -318,6 +324,7 @@ impl Pen {
                 if let Some(mut gesture) = self.gesture.take() {
                     gesture.go_on(&sample, scene, &self.shapes, &mut self.picked);
                     gesture.end(scene, &self.shapes, &mut self.picked);
+                    self.ended = Some(gesture.work);
                 }
             }
             (Phase::Out, Some(_)) => {

@@ -37,7 +37,7 @@ impl Pen {
                 painter.circle_stroke(p, POINT + 3.0, Stroke::new(1.5, theme::ACCENT));
             }
         }
-        match self.gesture.as_ref().map(|gesture| &gesture.work) {
+        match self.gesture.as_ref().map(|gesture| &gesture.work).or(self.ended.as_ref()) {
             Some(Work::Draw(line) | Work::Redraw { line, .. }) => {
                 let pressures = line.samples().iter().map(|sample| sample.pressure);
                 let widths: Vec<f32> = pressures.map(|p| 1.0 + 4.0 * p).collect();

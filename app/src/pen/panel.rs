@@ -1,11 +1,12 @@
 //! The pen's bar over the picture, and the settings of each device with a strip to try them on.
 
 use super::settings::{Along, Curve, Feel, MOUSE, Settings, TOUCH};
-use super::{Pen, StrokeTool, recipes, target};
+use super::{Pen, StrokeTool, edits, recipes, target};
 use crate::editor::actions;
 use crate::editor::event::Event;
 use crate::editor::state::State;
 use crate::editor::theme;
+use coif_graphs::document::edit::Edit;
 use egui::{Color32, ComboBox, Pos2, Sense, Shape, Slider, Stroke, Ui, Vec2};
 
 impl Pen {
@@ -22,6 +23,7 @@ impl Pen {
             ui.separator();
             let mut settings = state.settings.pen.clone();
             self.tool_settings(&mut settings, ui);
+            self.height(state, ui, out);
             let act = |ui: &mut Ui, on: bool, id: &'static str, out: &mut Vec<Event>| {
                 if let Some(action) = actions::by_id(id)
                     && ui.selectable_label(on, action.label).on_hover_text(action.tip).clicked()
@@ -93,6 +95,35 @@ impl Pen {
             let tip = "How far along a stroke its points go along with a dragged one.";
             number(ui, &mut settings.falloff, 0.0..=50.0, " cm", "Falloff", tip);
         }
+    }
+
+    /// How high the picked points are over the scalp, as a number. What is typed or dragged holds for all of them.
+    fn height(&self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
+        let scalp = state.shown.as_ref().and_then(|shown| shown.scalp());
+        let (Some(scalp), Some(node), Some((id, at)), StrokeTool::Points) =
+            (scalp, target::of(state), self.picked.points.first(), self.tool)
+        else {
+            return;
+        };
+        let strokes = target::strokes(&state.document, &node);
+        let first = strokes.0.iter().find(|stroke| stroke.id == *id);
+        let Some(p) = first.and_then(|stroke| edits::path(scalp, stroke).get(*at).copied()) else {
+            return;
+        };
+        let Some(mut height) = edits::height(scalp, p) else { return };
+        let drag = egui::DragValue::new(&mut height).range(-20.0..=100.0).speed(0.02).suffix(" cm");
+        let tip = "How high the picked points are over the scalp.";
+        if !ui.add(drag.prefix("Height ")).on_hover_text(tip).changed() {
+            return;
+        }
+        let kind = state.document.node(node.as_str()).map_or("", |node| &node.kind);
+        let Some(input) = target::strokes_input(kind) else { return };
+        let touched = self.picked.touched();
+        let raised = strokes.0.iter().filter(|stroke| touched.contains(&stroke.id)).map(|stroke| {
+            let stroke = edits::raised(scalp, stroke, &self.picked.points_of(stroke.id), height);
+            Edit::ReplaceStroke { node: node.clone(), input: input.to_owned(), stroke }
+        });
+        out.push(Event::Nudge(Edit::Several(raised.collect())));
     }
 
     /// The window with the settings of devices, when it is open.

@@ -167,7 +167,7 @@ impl Recipe {
         let head = target::head(document)?;
         let idle = |id: &&NodeId| {
             let takes = document.links.values().flatten().any(|from| from.node == **id);
-            !takes && !self.free
+            !takes && !self.free && target::draws_curves(document, id)
         };
         let (rows, edits) = match strokes.filter(idle) {
             Some(rows) => (rows.clone(), vec![]),

@@ -31,7 +31,7 @@ fn holds_strokes(document: &Document, id: &NodeId) -> bool {
 
 /// Whether strokes of a node become curves. A head holds strokes, too, its hairline; the pen works on them only when
 /// that is asked for by pinning the head.
-fn draws_curves(document: &Document, id: &NodeId) -> bool {
+pub(crate) fn draws_curves(document: &Document, id: &NodeId) -> bool {
     let kind = document.node(id.as_str()).map(|node| node.kind.as_str());
     let def = kind.and_then(coif_nodes::by_id);
     let gives = def.is_some_and(|def| def.outputs.iter().any(|output| output.ty == Type::Curves));

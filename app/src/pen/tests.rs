@@ -354,6 +354,30 @@ fn what_is_picked_can_be_changed_by_name_each_in_one_step() {
 }
 
 #[test]
+fn points_are_raised_over_the_scalp_by_number() {
+    let (mut table, id) = with_a_row();
+    let before = table.strokes().0[0].clone();
+    let scalp = table.editor().state.shown.as_ref().and_then(|s| s.scalp().cloned()).expect("one");
+    let raised = edits::raised(&scalp, &before, &BTreeSet::from([2, 3]), 1.5);
+    let path = edits::path(&scalp, &raised);
+    for (i, p) in path.iter().enumerate() {
+        let height = edits::height(&scalp, *p).expect("a surface");
+        let expected = if i == 2 || i == 3 { 1.5 } else { 0.0 };
+        assert!((height - expected).abs() < 0.03, "{i}: {height}");
+    }
+    // The field is there for picked points.
+    let numbers = |table: &mut Table| {
+        use egui_kittest::kittest::Queryable;
+        table.step();
+        table.harness.get_all_by_role(egui::accesskit::Role::SpinButton).count()
+    };
+    let none = numbers(&mut table);
+    let at = table.point(id, 2);
+    table.click(at);
+    assert_eq!(numbers(&mut table), none + 1);
+}
+
+#[test]
 fn two_strokes_become_one_and_a_part_is_drawn_anew() {
     let (mut table, _) = with_a_row();
     table.editor().act("pen.draw");

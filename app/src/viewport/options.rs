@@ -75,6 +75,22 @@ impl Options {
     pub fn shown(&self) -> Show {
         self.show.parse().unwrap_or(Show::Hair(View::Hair))
     }
+    /// The same in the words of `coif render`.
+    pub fn words(&self) -> Vec<String> {
+        let skin = if self.skin == 0 { "clay".to_owned() } else { self.skin.min(10).to_string() };
+        let mut words = vec![
+            format!("--view={}", self.show),
+            format!("--light={}", self.rig()),
+            format!("--exposure={}", self.exposure),
+            format!("--display={}", self.transform.to_lowercase().replace('.', "")),
+            format!("--model={}", self.model),
+            format!("--skin={skin}"),
+            format!("--opacity={}", self.opacity),
+            format!("--share={}", self.share),
+        ];
+        words.extend((!self.head).then(|| "--no-head".to_owned()));
+        words
+    }
     /// The lights' name as the shaders know it.
     pub fn rig(&self) -> &'static str {
         Rig::NAMES.into_iter().find(|name| *name == self.rig).unwrap_or(Rig::NAMES[0])

@@ -2,7 +2,8 @@
 //!
 //! Everything here is for people; evaluation never looks at it, and [`document_hash`] leaves it out.
 //!
-//! **Invariants:** names are not empty and at most [`LONGEST_NAME`] letters; every number is finite;
+//! **Invariants:** names are not empty and at most [`LONGEST_NAME`] letters; every number is finite, views are within
+//! 10 km;
 //! bends belong to a wire that is there, and a list of bends does not end in an empty one.
 //!
 //! [`document_hash`]: crate::schedule::result::document_hash
@@ -12,6 +13,9 @@ use std::collections::BTreeMap;
 
 /// The most letters of a frame's or a view's name: it is a word of a menu.
 pub const LONGEST_NAME: usize = 64;
+
+/// Farther away than any head that is looked at, cm.
+const FARTHEST: f32 = 1e6;
 
 /// A box behind nodes that belong together.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -50,13 +54,13 @@ impl SavedView {
     /// Why it cannot be kept under this name; none when it can.
     pub fn fault(&self, name: &str) -> Option<&'static str> {
         let numbers = [self.eye, self.target, self.up].concat();
-        let is_length = |x: f32| x.is_finite() && x > 0.0;
+        let is_length = |x: f32| x > 0.0 && x <= FARTHEST;
         if let Some(fault) = name_fault(name) {
             Some(fault)
-        } else if !numbers.iter().all(|x| x.is_finite()) {
-            Some("it has a number that is not finite")
+        } else if !numbers.iter().all(|x| x.abs() <= FARTHEST) {
+            Some("it is farther than 1000000 cm away")
         } else if !is_length(self.focal_mm) || !self.orthographic.is_none_or(is_length) {
-            Some("its focal length and its height must be over 0")
+            Some("its focal length and its height must be over 0 and at most 1000000")
         } else if self.eye == self.target {
             Some("its eye is where it looks")
         } else {
@@ -163,11 +167,11 @@ mod tests {
             (SavedView { eye: [0.0; 3], ..view }.fault("x"), Some("its eye is where it looks")),
             (
                 SavedView { up: [f32::NAN; 3], ..view }.fault("x"),
-                Some("it has a number that is not finite"),
+                Some("it is farther than 1000000 cm away"),
             ),
             (
                 SavedView { orthographic: Some(0.0), ..view }.fault("x"),
-                Some("its focal length and its height must be over 0"),
+                Some("its focal length and its height must be over 0 and at most 1000000"),
             ),
             (frame.fault("front"), None),
             (

@@ -295,11 +295,12 @@ impl Random {
                 Edit::SetFrame { name: self.text(), frame: (!self.chance(4)).then_some(frame) }
             }
             26 => {
+                let mut near = || [self.number(), self.unit(), -self.unit()].map(|x| x % 2e6);
                 let view = SavedView {
-                    eye: self.vec3().to_array(),
-                    target: self.vec3().to_array(),
-                    up: self.vec3().to_array(),
-                    focal_mm: 1.0 + self.number().abs(),
+                    eye: near(),
+                    target: near(),
+                    up: near(),
+                    focal_mm: 1.0 + self.unit(),
                     orthographic: self.chance(2).then(|| self.unit()),
                 };
                 Edit::SetView { name: self.text(), view: (!self.chance(4)).then_some(view) }

@@ -4,4 +4,6 @@ mod frames;
 mod fuzz;
 mod grooms;
 mod harness;
+mod own_head;
+mod stories;
 mod tour;

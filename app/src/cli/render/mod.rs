@@ -4,22 +4,22 @@
 //! while the graph is evaluated. Files appear only when every picture is complete.
 
 mod options;
+mod place;
 
 use super::Exit;
 use super::files::{Pending, read_at_most};
 use super::groom::{Evaluated, GroomArgs, Opened, QualityArg, Stop, carry_out};
-use super::progress::Bar;
+use super::progress::{Bar, Tell};
 use super::report::{Picture as About, Report, rounded};
 use crate::feeders::feeders;
 use crate::scene::{self, Dressed, Show};
 use clap::Args;
-use coif_graphs::document::{NodeId, Socket};
+use coif_graphs::document::Socket;
 use coif_graphs::schedule::result::document_hash;
 use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::{HeadFrame, Scalp};
-use coif_nodes::define::{Type, Value};
-use coif_shaders::camera::{self, Camera, Subject, Viewpoint};
+use coif_nodes::define::Value;
 use coif_shaders::display::Transform;
 use coif_shaders::hdri::Hdri;
 use coif_shaders::light::Rig;
@@ -28,6 +28,7 @@ use coif_shaders::surface::{RootGrid, Solid, Tone};
 use coif_shaders::view::{Paint, Shading, View};
 use coif_shaders::{Gpu, Look, Model, Precision, Renderer, chart};
 use options::{Format, within};
+use place::Place;
 use std::cell::Cell;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -49,13 +50,13 @@ pub(crate) struct RenderArgs {
         allow_hyphen_values = true
     )]
     size: String,
-    /// front, left, right, back, top, three-quarter, crown, nape, hairline, temple-left, temple-right, or close:NODE to fill
-    /// the picture with what NODE gives
-    #[arg(long, value_name = "NAME|close:NODE", default_value = "three-quarter")]
+    /// front, left, right, back, top, three-quarter, crown, nape, hairline, temple-left, temple-right, a view that was saved
+    /// in the graph, or close:NODE to fill the picture with what NODE gives
+    #[arg(long, value_name = "NAME|SAVED|close:NODE", default_value = "three-quarter")]
     camera: String,
-    /// Focal length over a film 24 mm high
-    #[arg(long, value_name = "MM", default_value_t = camera::PORTRAIT_FOCAL, allow_negative_numbers = true)]
-    focal: f32,
+    /// Focal length over a film 24 mm high: 85, or a saved view's own
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    focal: Option<f32>,
     /// This many pictures around the head; %04d in the file's name becomes their number, from 1
     #[arg(long, value_name = "N")]
     turntable: Option<u32>,
@@ -116,7 +117,8 @@ struct Asked {
     formats: Vec<Format>,
     frames: u32,
     samples: u32,
-    focal_mm: f32,
+    /// None where nobody asked for one.
+    focal_mm: Option<f32>,
     show: Show,
     rig: Rig,
     transform: Transform,
@@ -156,7 +158,10 @@ impl RenderArgs {
                 None => 1,
             },
             samples: options::counted("--samples", self.samples, MOST_SAMPLES)?,
-            focal_mm: within("--focal", self.focal, (1.0, 10_000.0), " mm")?,
+            focal_mm: self
+                .focal
+                .map(|focal| within("--focal", focal, (1.0, 10_000.0), " mm"))
+                .transpose()?,
             show,
             rig: self.rig()?,
             transform: options::named("--display", &self.display, &displays, display)?,
@@ -217,14 +222,46 @@ pub(crate) fn run(args: &RenderArgs) -> Exit {
 fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<(), Stop> {
     let asked = args.understood()?;
     let opened = args.groom.open(report)?;
-    let place = Place::of(&args.camera, &opened)?;
+    let bar = Bar::new("nodes");
+    let drawn = draw_opened(args, &asked, &opened, cancel, &bar, report);
+    bar.clear();
+    drawn
+}
+
+/// Draws a graph as somebody has it open. `words` are those of `coif render`, with any graph.
+#[cfg(feature = "editor")]
+pub(crate) fn draw_open(
+    words: &[String],
+    opened: &Opened,
+    cancel: &CancelToken,
+    tell: &dyn Tell,
+    report: &mut Report,
+) -> Result<(), Stop> {
+    use clap::Parser;
+    let words = ["coif", "render"].into_iter().chain(words.iter().map(String::as_str));
+    let args = super::Args::try_parse_from(words).map_err(|err| Stop::refused(err.to_string()))?;
+    let Some(super::Command::Render(args)) = args.command else {
+        return Err(Stop::refused("no picture was asked for"));
+    };
+    draw_opened(&args, &args.understood()?, opened, cancel, tell, report)
+}
+
+fn draw_opened(
+    args: &RenderArgs,
+    asked: &Asked,
+    opened: &Opened,
+    cancel: &CancelToken,
+    tell: &dyn Tell,
+    report: &mut Report,
+) -> Result<(), Stop> {
+    let place = Place::of(&args.camera, opened)?;
     let followed = match asked.show {
         Show::Hair(_) => vec![],
         Show::Guides | Show::Clusters => {
             feeders(&opened.document, opened.outputs.iter().map(|output| &output.socket.node))
         }
     };
-    let more: Vec<Socket> = followed.iter().chain(&place.socket).cloned().collect();
+    let more: Vec<Socket> = followed.iter().chain(place.socket()).cloned().collect();
     if followed.is_empty() && !matches!(asked.show, Show::Hair(_)) {
         return Err(Stop::refused(format!(
             "--view {}: no node on the way to the outputs makes hair that follows curves",
@@ -238,7 +275,7 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     };
     let device = Device::start(asked.size, asked.look, shading, cancel);
     let began = Instant::now();
-    let evaluated = args.groom.evaluate(&opened, &more, cancel, report);
+    let evaluated = args.groom.evaluate_telling(opened, &more, cancel, tell, report);
     let evaluation_ms = since(began);
     let mut evaluated = match evaluated {
         // What the device's failure ended was not interrupted by anybody.
@@ -249,9 +286,9 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     let began = Instant::now();
     let frame = evaluated.scalps.first().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
     let closest = evaluated.more.split_off(followed.len());
-    let scene = Scene::of(&asked, args, evaluated)?;
-    let still = place.camera(&asked, &scene, closest.first())?;
-    let description = describe(args, &asked, &scene);
+    let scene = Scene::of(asked, args, evaluated)?;
+    let still = place.camera(asked, &scene, closest.first())?;
+    let description = describe(args, asked, &scene);
     renderer.set_look(&asked.look);
     renderer.set_rig(&asked.rig);
     renderer.set_solids(scene.solids);
@@ -266,7 +303,7 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
         ("graph".to_owned(), document_hash(&opened.document)),
         ("hair".to_owned(), hashes(report)),
         ("view".to_owned(), args.view.clone()),
-        ("camera".to_owned(), format!("{}, {} mm", place.name, asked.focal_mm)),
+        ("camera".to_owned(), place.in_words(asked)),
         ("light".to_owned(), args.lit_by()),
         ("samples".to_owned(), asked.samples.to_string()),
         ("adapter".to_owned(), adapter.clone()),
@@ -275,7 +312,7 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
     let first_sample_ms = Cell::new(None);
     let mut files = vec![];
     let mut pending = Pending::default();
-    let bar = Bar::new("samples");
+    tell.counts("samples");
     let total = (asked.frames * asked.samples) as usize;
     for number in 0..asked.frames {
         let turn = 360.0 * number as f32 / asked.frames as f32;
@@ -288,7 +325,7 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
         };
         let whole = renderer.render(asked.samples, &|progress| {
             seen(progress.samples);
-            bar.count((number * asked.samples + progress.samples) as usize, total);
+            tell.count((number * asked.samples + progress.samples) as usize, total);
             cancel.is_cancelled()
         });
         if !whole {
@@ -302,7 +339,7 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
         }
         for (path, format) in args.out.iter().zip(&asked.formats) {
             let path = options::numbered(path, number + 1);
-            bar.say(format!("writing {}", path.display()));
+            tell.say(format!("writing {}", path.display()));
             let written = pending.write(&path, cancel, |out| {
                 let written = match format {
                     Format::Png => {
@@ -319,7 +356,6 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
             files.push(path.display().to_string());
         }
     }
-    bar.clear();
     pending
         .place()
         .map_err(|(path, reason)| Stop::failed(format!("{}: {reason}", path.display())))?;
@@ -340,73 +376,6 @@ fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<
         draw_ms: rounded(since(began)),
     });
     Ok(())
-}
-
-/// Where the picture is seen from.
-struct Place {
-    /// As it is called.
-    name: String,
-    /// A view of a head; none when `socket` gives the points to look at.
-    view: Option<Viewpoint>,
-    socket: Option<Socket>,
-}
-
-impl Place {
-    /// What a name means in a graph.
-    fn of(text: &str, opened: &Opened) -> Result<Self, Stop> {
-        let fault = |reason: String| Stop::refused(format!("--camera {text}: {reason}"));
-        let name = text.to_owned();
-        let Some(node) = text.strip_prefix("close:") else {
-            let view = Viewpoint::named(text).ok_or_else(|| {
-                let known = Viewpoint::NAMES.join(", ");
-                fault(format!(
-                    "is not one of {known}, close:NODE, and the graph has no saved cameras"
-                ))
-            })?;
-            return Ok(Self { name, view: Some(view), socket: None });
-        };
-        let id = NodeId::new(node).map_err(|err| fault(err.to_string()))?;
-        let found = opened.document.nodes.get(&id);
-        let found = found.ok_or_else(|| fault(format!("there is no node {node:?}")))?;
-        let def = coif_nodes::by_id(&found.kind)
-            .ok_or_else(|| fault(format!("its kind {:?} is not known", found.kind)))?;
-        let output = def.outputs.iter().find(|output| output.ty == Type::Curves);
-        let output = output.ok_or_else(|| {
-            fault(format!("a {} gives no curves that the picture could be filled with", def.id))
-        })?;
-        Ok(Self { name, view: None, socket: Some(Socket::new(id, output.name)) })
-    }
-}
-
-impl Place {
-    /// The camera there; `closest` is what `socket` gave.
-    fn camera(
-        &self,
-        asked: &Asked,
-        scene: &Scene,
-        closest: Option<&Value>,
-    ) -> Result<Camera, Stop> {
-        let points = match closest {
-            Some(Value::Curves(curves)) => {
-                curves.tufts().iter().flat_map(|tuft| tuft.points()).copied().collect()
-            }
-            _ => vec![],
-        };
-        let view = match &self.view {
-            Some(view) => view.clone(),
-            None if points.is_empty() => {
-                return Err(Stop::failed(format!("--camera {}: it gives no curves", self.name)));
-            }
-            None => Viewpoint::Close(points),
-        };
-        let subject = Subject {
-            frame: scene.frame,
-            surface: scene.scalp.as_deref().map(Scalp::surface),
-            hair: &scene.hair,
-        };
-        let [width, height] = asked.size.map(|side| side as f32);
-        Ok(camera::frame(&view, &subject, asked.focal_mm, width / height))
-    }
 }
 
 /// What stands before the camera.

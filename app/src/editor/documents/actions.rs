@@ -84,6 +84,15 @@ pub(crate) const ACTIONS: &[Action] = &[
         run: |editor| file(editor, FileEvent::Ask(Purpose::Export)),
     },
     Action {
+        id: "file.picture",
+        label: "Save a picture…",
+        tip: "Draws what the viewport looks at as .png or .exr, 1920 x 1080, as coif render does. Editing goes on meanwhile.",
+        words: "render image still screenshot png exr",
+        menu: "File",
+        when: |editor| editor.can_export(),
+        run: |editor| file(editor, FileEvent::Ask(Purpose::Picture)),
+    },
+    Action {
         id: "file.stop_export",
         label: "Stop the export",
         tip: "Stops the export that goes on; nothing is written.",

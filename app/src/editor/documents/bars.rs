@@ -6,13 +6,20 @@ use crate::editor::event::Event;
 use crate::editor::state::{Select, State};
 use egui::{Panel, ProgressBar};
 
+/// Documents that are offered at once; the others come up when these are dealt with.
+const MOST_BARS: usize = 3;
+
 /// The bars that are due.
 pub(super) fn show(documents: &Documents, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
-    for (at, left) in documents.leftovers.iter().enumerate() {
+    let more = documents.leftovers.len().saturating_sub(MOST_BARS);
+    for (at, left) in documents.leftovers.iter().enumerate().take(MOST_BARS) {
         Panel::top(egui::Id::new(("left", at))).show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
                 let age = ago(journal::now().saturating_sub(left.about.at));
                 ui.label(format!("{} was not saved when coif ended {age}.", left.about.name));
+                if at + 1 == MOST_BARS && more > 0 {
+                    ui.label(format!("There are {more} more."));
+                }
                 for (word, tip, answer) in [
                     ("Restore", "Opens it as it was after the last step", Left::Restore),
                     ("Keep for later", "Offers it again at the next start", Left::Keep),
@@ -70,8 +77,8 @@ pub(super) fn show(documents: &Documents, state: &State, ui: &mut egui::Ui, out:
         let going = export.going();
         Panel::top("export").show(ui, |ui| {
             ui.horizontal(|ui| {
-                ui.label(format!("exporting {}", export.path.display()));
-                let (done, of) = going.nodes;
+                ui.label(format!("writing {}", export.path.display()));
+                let (done, of) = going.done;
                 let part = if of == 0 { 0.0 } else { done as f32 / of as f32 };
                 ui.add(ProgressBar::new(part).desired_width(160.0));
                 ui.label(&going.doing);

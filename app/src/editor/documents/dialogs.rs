@@ -23,6 +23,8 @@ pub enum Purpose {
     Save,
     /// Where hair is written.
     Export,
+    /// Where a picture is written.
+    Picture,
 }
 
 impl Purpose {
@@ -34,11 +36,12 @@ impl Purpose {
             Self::Find => "Find the missing file",
             Self::Save => "Save the groom as",
             Self::Export => "Export hair as",
+            Self::Picture => "Save a picture as",
         }
     }
     /// Whether the file may be new.
     pub(crate) fn saves(self) -> bool {
-        matches!(self, Self::Save | Self::Export)
+        matches!(self, Self::Save | Self::Export | Self::Picture)
     }
     /// What the files are called, and how their names end. The first is taken where somebody writes no ending.
     pub(crate) fn endings(self) -> (&'static str, &'static [&'static str]) {
@@ -46,6 +49,7 @@ impl Purpose {
             Self::Open | Self::Save => ("Grooms", &["ron"]),
             Self::Mesh | Self::Find => ("Meshes", MESHES),
             Self::Export => ("Hair", HAIR),
+            Self::Picture => ("Pictures", &["png", "exr"]),
         }
     }
     /// A chosen path with an ending that fits.

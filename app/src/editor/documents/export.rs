@@ -1,11 +1,14 @@
-//! Writing hair from the window: the same code and the same bytes as `coif eval`, beside the window.
+//! Writing hair and pictures from the window: the same code and the same bytes as `coif eval` and `coif render`, beside
+//! the window.
 //!
 //! A snapshot of the document is evaluated on threads of its own, so editing goes on. Stopped or failed, no file is
 //! touched.
 
 use crate::cli::eval::write_files;
 use crate::cli::extension_of;
-use crate::cli::groom::Opened;
+use crate::cli::groom::{Opened, Stop};
+use crate::cli::progress::Tell;
+use crate::cli::render::draw_open;
 use crate::cli::report::Report;
 use coif_graphs::document::Document;
 use coif_graphs::schedule::run::{CancelToken, Progress};
@@ -22,13 +25,22 @@ pub(crate) struct Export {
     shared: Arc<Mutex<Going>>,
 }
 
+/// What is written.
+#[derive(Clone, Debug)]
+pub(crate) enum Content {
+    /// All hair.
+    Hair,
+    /// A picture: the words of `coif render` but for graph and file.
+    Picture(Vec<String>),
+}
+
 /// How far an export is.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Going {
     /// What it does now.
     pub(crate) doing: String,
-    /// Nodes that are done, of all.
-    pub(crate) nodes: (usize, usize),
+    /// Nodes or samples that are done, of all.
+    pub(crate) done: (usize, usize),
     ended: Option<Ended>,
 }
 
@@ -44,19 +56,18 @@ pub(crate) enum Ended {
 }
 
 impl Export {
-    /// Begins to write a document's hair to a file whose ending says how. `wake` is called when there is something new.
+    /// Begins to write a document's hair or a picture of it to a file whose ending says how. `wake` is called when there is
+    /// something new.
     ///
     /// # Errors
-    /// When the ending is none that can be written, or there are no threads.
+    /// When there are no threads.
     pub(crate) fn start(
+        content: Content,
         document: Document,
         folder: PathBuf,
         path: PathBuf,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Result<Self, String> {
-        let format = Format::of_extension(&extension_of(&path)).ok_or_else(|| {
-            format!("{}: grooms are written as {}", path.display(), Format::EXTENSIONS)
-        })?;
         let cancel = CancelToken::default();
         let shared: Arc<Mutex<Going>> = Arc::default();
         let export = Self { path: path.clone(), cancel: cancel.clone(), shared: shared.clone() };
@@ -64,7 +75,25 @@ impl Export {
             .name("export".to_owned())
             .spawn(move || {
                 let told = Told { shared: &shared, wake: &wake };
-                let ended = run(document, folder, &path, format, &cancel, &told);
+                let mut report = Report::new(path.display().to_string());
+                // What is told of the graph is told of the open one; the file is named where it is meant.
+                let carried_out =
+                    Opened::of(document, folder, "export".to_owned()).and_then(|opened| {
+                        match &content {
+                            Content::Hair => hair(&opened, &path, &cancel, &told, &mut report),
+                            Content::Picture(words) => {
+                                let out = ["graph".to_owned(), "--out".to_owned()];
+                                let out = out.into_iter().chain([path.display().to_string()]);
+                                let words: Vec<String> = out.chain(words.iter().cloned()).collect();
+                                draw_open(&words, &opened, &cancel, &told, &mut report)
+                            }
+                        }
+                    });
+                let ended = match carried_out {
+                    Ok(()) => Ended::Done(said(&path, &report), report.warnings),
+                    Err(stop) if stop.is_interruption() => Ended::Stopped,
+                    Err(stop) => Ended::Failed(stop.lines().to_vec()),
+                };
                 told.change(|going| going.ended = Some(ended));
             })
             .map_err(|err| err.to_string())?;
@@ -87,41 +116,42 @@ impl Export {
     }
 }
 
-fn run(
-    document: Document,
-    folder: PathBuf,
+fn hair(
+    opened: &Opened,
     path: &Path,
-    format: Format,
     cancel: &CancelToken,
     told: &Told,
-) -> Ended {
-    let mut report = Report::new(path.display().to_string());
-    // What is told of the graph is told of the open one; the file is named where it is meant.
-    let carried_out = Opened::of(document, folder, "export".to_owned()).and_then(|opened| {
-        opened.refuse_problems(&[], &mut report.warnings)?;
-        let evaluated = opened.evaluate(Quality::Final, 0, &[], cancel, told, &mut report)?;
-        let files = [(path, format)];
-        write_files(&opened.document, &evaluated.groups, &files, cancel, &|_, path| {
-            told.change(|going| going.doing = format!("writing {}", path.display()));
-        })
-    });
-    match carried_out {
-        Ok(()) => {
-            let curves: usize = report.outputs.iter().map(|output| output.curves).sum();
-            let points: usize = report.outputs.iter().map(|output| output.points).sum();
-            let hashes: Vec<&str> = report.outputs.iter().map(|o| o.hash.as_str()).collect();
-            let words = format!(
-                "exported {}: {} curves, {} points, hash {}",
-                path.display(),
-                super::grouped(curves),
-                super::grouped(points),
-                hashes.join(", ")
-            );
-            Ended::Done(words, report.warnings)
-        }
-        Err(stop) if stop.is_interruption() => Ended::Stopped,
-        Err(stop) => Ended::Failed(stop.lines().to_vec()),
+    report: &mut Report,
+) -> Result<(), Stop> {
+    let format = Format::of_extension(&extension_of(path)).ok_or_else(|| {
+        let endings = Format::EXTENSIONS;
+        Stop::refused(format!("{}: grooms are written as {endings}", path.display()))
+    })?;
+    opened.refuse_problems(&[], &mut report.warnings)?;
+    let evaluated = opened.evaluate(Quality::Final, 0, &[], cancel, told, report)?;
+    write_files(&opened.document, &evaluated.groups, &[(path, format)], cancel, &|_, path| {
+        told.say(format!("writing {}", path.display()));
+    })
+}
+
+/// What was written, in words.
+fn said(path: &Path, report: &Report) -> String {
+    let path = path.display();
+    if let Some(picture) = &report.picture {
+        return format!(
+            "saved {path}: {} x {}, {}",
+            picture.width, picture.height, picture.description
+        );
     }
+    let curves: usize = report.outputs.iter().map(|output| output.curves).sum();
+    let points: usize = report.outputs.iter().map(|output| output.points).sum();
+    let hashes: Vec<&str> = report.outputs.iter().map(|output| output.hash.as_str()).collect();
+    format!(
+        "exported {path}: {} curves, {} points, hash {}",
+        super::grouped(curves),
+        super::grouped(points),
+        hashes.join(", ")
+    )
 }
 
 struct Told<'a> {
@@ -138,9 +168,21 @@ impl Told<'_> {
 
 impl Progress for Told<'_> {
     fn started(&self, node: &str) {
-        self.change(|going| going.doing = format!("evaluating {node}"));
+        self.say(format!("evaluating {node}"));
     }
     fn done(&self, done: usize, of: usize) {
-        self.change(|going| going.nodes = (done, of));
+        self.count(done, of);
+    }
+}
+
+impl Tell for Told<'_> {
+    fn counts(&self, what: &'static str) {
+        self.say(format!("drawing {what}"));
+    }
+    fn count(&self, done: usize, of: usize) {
+        self.change(|going| going.done = (done, of));
+    }
+    fn say(&self, text: String) {
+        self.change(|going| going.doing = text);
     }
 }

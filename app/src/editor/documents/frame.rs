@@ -27,7 +27,7 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
     for path in dropped {
         drop_file(editor, &path);
     }
-    match editor.documents.dialogs.answer() {
+    match editor.documents.dialogs.as_mut().and_then(|dialogs| dialogs.answer()) {
         Some(Answer::Chosen(path)) => editor.answered(Some(path)),
         Some(Answer::Nothing) => editor.answered(None),
         Some(Answer::NoDialog) => {
@@ -137,6 +137,11 @@ pub(crate) fn panels(editor: &mut Editor, ui: &mut egui::Ui) {
 /// Behind the rooms: what changed becomes safe, and is looked at.
 pub(crate) fn after(editor: &mut Editor, ctx: &egui::Context) {
     own_head::settle(editor);
+    let shown = editor.state.shown.as_ref().map(|shown| shown.revision);
+    if editor.documents.frames.is_some_and(|revision| shown >= Some(revision)) {
+        editor.documents.frames = None;
+        editor.act("view.frame_all");
+    }
     home::heed_settings(editor, ctx);
     save_by_itself(editor, ctx);
     editor.tell_journal();

@@ -1,5 +1,6 @@
 //! What the editor keeps between runs: settings, layout, keys of one's own, recent files, recovery.
 
+use super::dialogs::System;
 use super::journal::{self, Journal};
 use super::kept;
 use super::places::Places;
@@ -43,13 +44,15 @@ impl Editor {
                 recovery.display()
             )),
         }
+        let wake = documents.wake.clone();
+        documents.dialogs.get_or_insert_with(|| Box::new(System::new(wake)));
         documents.settings = Some(self.state.settings.clone());
         documents.home = Some(home);
         told.into_iter().for_each(|text| self.state.notes.say(Note::warning(text)));
-        if let Some(path) = self.state.file.path.clone() {
-            if let Err(why) = self.documents.recent.add(&path) {
-                self.state.notes.say(Note::warning(why));
-            }
+        if let Some(path) = self.state.file.path.clone()
+            && let Err(why) = self.documents.recent.add(&path)
+        {
+            self.state.notes.say(Note::warning(why));
         }
         show_settings(self, ctx);
     }

@@ -329,7 +329,7 @@ mod tests {
     fn what_was_kept_last_is_found_and_nothing_of_the_living() {
         let folder = Folder::new("journal");
         let journal = Journal::open(folder.root()).unwrap();
-        let last = (1..=200).map(|n| journal.keep(about("x"), numbered(n))).last().unwrap();
+        let last = (1..=200).map(|n| journal.keep(about("x"), numbered(n))).max().unwrap();
         until("the last is written", || journal.written() == last);
         assert!(seeds(&folder).is_empty(), "the session is alive");
         drop(journal);

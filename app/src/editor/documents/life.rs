@@ -1,7 +1,7 @@
 //! The life of a document: new, opened, saved, restored, closed. What [`super::Event`]s do.
 
 use super::dialogs::{Purpose, Question};
-use super::export::Export;
+use super::export::{Content, Export};
 use super::journal::About;
 use super::watch::hash_of;
 use super::{
@@ -14,9 +14,10 @@ use crate::editor::notes::Note;
 use crate::editor::state::OpenFile;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::history::History;
-use coif_graphs::document::{Document, Node, NodeId, Point, Setting};
+use coif_graphs::document::{Document, Node, NodeId, Point, SavedView, Setting};
 use coif_graphs::{file, grooms};
 use coif_nodes::define::Value;
+use coif_shaders::Camera;
 use std::path::{Path, PathBuf};
 
 /// The largest document that is read: strokes take 20 bytes a sample, so this holds millions.
@@ -51,7 +52,8 @@ impl Editor {
             Event::Find(node, input) => self.ask(Purpose::Find, Some((node, input))),
             Event::Mesh(path) => self.try_mesh(&path),
             Event::Head(choice) => self.head_chosen(choice),
-            Event::Export(path) => self.export(path),
+            Event::Export(path) => self.export(Content::Hair, path),
+            Event::Picture(path, size) => self.picture(path, size),
             Event::StopExport => {
                 if let Some(export) = &self.documents.export {
                     export.stop();
@@ -112,8 +114,11 @@ impl Editor {
     /// Another document is there, as it was opened or made.
     fn put(&mut self, document: Document, file: OpenFile, history: History) {
         self.replace(document, file, history);
+        // What was said is about the one before.
+        self.state.notes.clear();
         self.documents.changed = None;
         self.documents.head = None;
+        self.documents.frames = Some(self.state.revision);
         self.documents.welcome.is_open = false;
     }
 
@@ -151,6 +156,9 @@ impl Editor {
                 return false;
             }
         };
+        self.documents.watch.knows(&path, hash);
+        self.put(loaded.document, OpenFile::at(path.clone()), History::new());
+        self.remember(&path);
         for warning in &loaded.warnings {
             self.state.notes.say(Note::warning(warning.of_file(&shown)));
         }
@@ -158,9 +166,6 @@ impl Editor {
             let text = format!("{} (saving drops this comment)", comment.of_file(&shown));
             self.state.notes.say(Note::warning(text));
         }
-        self.documents.watch.knows(&path, hash);
-        self.remember(&path);
-        self.put(loaded.document, OpenFile::at(path), History::new());
         true
     }
 
@@ -230,7 +235,8 @@ impl Editor {
         if documents.no_dialogs {
             documents.browser = Some(super::Browser::new(question.clone(), documents.wake.clone()));
         } else {
-            documents.dialogs.ask(&question);
+            let Some(dialogs) = &mut documents.dialogs else { return };
+            dialogs.ask(&question);
         }
         documents.asking = Some(Asking { question, input });
     }
@@ -246,7 +252,8 @@ impl Editor {
         match (purpose, input) {
             (Purpose::Open, _) => self.apply_to_file(Event::Open(path)),
             (Purpose::Save, _) => self.apply_to_file(Event::SaveTo(path)),
-            (Purpose::Export, _) => self.export(path),
+            (Purpose::Export, _) => self.export(Content::Hair, path),
+            (Purpose::Picture, _) => self.picture(path, PICTURE),
             (Purpose::Find, Some((node, input))) => {
                 let name = self.name_for(&path);
                 let setting = Setting::Known(Value::Text(name.into()));
@@ -271,14 +278,28 @@ impl Editor {
         }
     }
 
-    fn export(&mut self, path: PathBuf) {
+    fn picture(&mut self, path: PathBuf, [width, height]: [u32; 2]) {
+        let mut words = self.viewport.options.words();
+        words.extend([format!("--size={width}x{height}"), format!("--camera={PRESENT}")]);
+        words.push(format!("--samples={}", self.state.settings.samples));
+        self.export(Content::Picture(words), path);
+    }
+
+    fn export(&mut self, content: Content, path: PathBuf) {
         if self.documents.export.is_some() {
             let text = "an export goes on; stop it or wait for its end";
             return self.state.notes.say(Note::warning(text));
         }
         let wake = self.documents.wake.clone();
         let folder = self.state.file.folder.clone();
-        match Export::start(self.state.document.clone(), folder, path, move || wake()) {
+        let mut document = self.state.document.clone();
+        if let Content::Picture(_) = content {
+            let Camera { eye, target, up, focal_mm, orthographic } = *self.viewport.camera();
+            let [eye, target, up] = [eye, target, up].map(|v| v.to_array());
+            let view = SavedView { eye, target, up, focal_mm, orthographic };
+            document.views.insert(PRESENT.to_owned(), view);
+        }
+        match Export::start(content, document, folder, path, move || wake()) {
             Ok(export) => self.documents.export = Some(export),
             Err(why) => self.state.notes.say(Note::error(why)),
         }
@@ -391,6 +412,11 @@ impl Editor {
         own_head::settle(self);
     }
 }
+
+/// What the view of the moment is called where a picture is drawn.
+const PRESENT: &str = "present view";
+/// Pixels of a picture, where nobody says otherwise.
+const PICTURE: [u32; 2] = [1920, 1080];
 
 /// A title as the name of a file.
 fn name_of_file(title: &str) -> String {

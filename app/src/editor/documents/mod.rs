@@ -4,7 +4,7 @@
 //! process, the document after the last step that the [`journal`] has written is offered at the next start; nothing
 //! here waits for a dialog, an export or a folder that hangs. Saving itself is waited for.
 //!
-//! Without a home ([`Documents::new`]) nothing is kept between runs, so tests leave nothing behind;
+//! Without a home ([`Documents::new`]) nothing is kept between runs and no dialog opens, so that tests leave nothing behind;
 //! [`super::Editor::keep_in`] gives it one.
 
 pub(crate) mod actions;
@@ -32,7 +32,7 @@ mod welcome;
 use super::settings::Settings;
 use browser::Browser;
 use coif_graphs::document::NodeId;
-use dialogs::{Dialogs, Question, System};
+use dialogs::{Dialogs, Question};
 use export::Export;
 use journal::{Journal, Leftover};
 use own_head::OwnHead;
@@ -68,6 +68,8 @@ pub enum Event {
     Head(HeadChoice),
     /// Hair is written to a file.
     Export(PathBuf),
+    /// A picture of what the viewport looks at is written to a file, of so many pixels.
+    Picture(PathBuf, [u32; 2]),
     /// The export that goes on stops.
     StopExport,
     /// The window is to be closed.
@@ -161,7 +163,8 @@ pub struct Documents {
     watch: Watch,
     /// The files that are looked at, as of this number of changes.
     watched: Option<(u64, Option<PathBuf>)>,
-    dialogs: Box<dyn Dialogs>,
+    /// None where nothing is kept: nobody is asked for files then.
+    dialogs: Option<Box<dyn Dialogs>>,
     /// The system has no dialogs.
     no_dialogs: bool,
     asking: Option<Asking>,
@@ -174,6 +177,8 @@ pub struct Documents {
     changed: Option<Changed>,
     export: Option<Export>,
     head: Option<OwnHead>,
+    /// Everything is brought into view once this state of the document is shown.
+    frames: Option<u64>,
     welcome: Welcome,
     title: String,
     /// The settings that the window has, and that are kept.
@@ -197,7 +202,7 @@ impl Documents {
             recent: Recent::default(),
             watch: Watch::start(move || for_watch()),
             watched: None,
-            dialogs: Box::new(System::new(wake.clone())),
+            dialogs: None,
             no_dialogs: false,
             asking: None,
             browser: None,
@@ -207,6 +212,7 @@ impl Documents {
             changed: None,
             export: None,
             head: None,
+            frames: None,
             welcome: Welcome::default(),
             title: String::new(),
             settings: None,
@@ -214,6 +220,11 @@ impl Documents {
             leaving: false,
             wake,
         }
+    }
+
+    /// Asks for files in the window itself, as where the system has no dialogs.
+    pub fn ask_in_the_window(&mut self) {
+        self.no_dialogs = true;
     }
 
     /// Whether something is open that takes the keys.

@@ -120,6 +120,7 @@ impl Editor {
         self.apply(Event::Edit(Edit::Several(edits)));
         self.apply(Event::End);
         let done = self.state.history.done();
+        self.documents.frames = Some(self.state.revision);
         if let Some(head) = &mut self.documents.head {
             head.placing = placing.clone();
             head.done = done;

@@ -26,7 +26,7 @@ type Ui = Harness<'static, Editor>;
 fn on(document: Document, file: OpenFile) -> (Ui, Fake) {
     let mut editor = Editor::new(&egui::Context::default(), document, file);
     let fake = Fake::default();
-    editor.documents.dialogs = Box::new(fake.clone());
+    editor.documents.dialogs = Some(Box::new(fake.clone()));
     let ui = Harness::builder()
         .with_size(egui::vec2(1200.0, 800.0))
         .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
@@ -189,6 +189,28 @@ fn every_shipped_groom_and_the_empty_head_begin_new_documents() {
     does(&mut ui, FileEvent::New(None));
     assert_eq!(ui.state().state.document, life::empty_head());
     assert!(coif_graphs::document::graph::check(&life::empty_head()).is_empty());
+}
+
+#[test]
+fn every_action_of_the_room_can_be_done_or_says_why_and_nothing_is_written_without_a_home() {
+    let before = std::fs::read_dir(".").unwrap().count();
+    let mut editor =
+        Editor::new(&egui::Context::default(), life::empty_head(), OpenFile::default());
+    assert!(editor.documents.dialogs.is_none());
+    editor.apply(Event::Edit(Edit::SetSeed(1)));
+    let mut ui = Harness::builder()
+        .with_size(egui::vec2(1200.0, 800.0))
+        .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
+    for action in super::actions::ACTIONS {
+        act(&mut ui, action.id);
+        ui.key_press(egui::Key::Escape);
+        ui.step();
+        ui.key_press(egui::Key::Enter);
+        ui.step();
+        assert!(!ui.state().documents.leaving, "{}", action.id);
+    }
+    assert_eq!(ui.state().state.document.seed, 1);
+    assert_eq!(std::fs::read_dir(".").unwrap().count(), before);
 }
 
 #[derive(Debug)]
@@ -440,6 +462,32 @@ fn what_the_window_exports_is_what_the_command_line_writes() {
 }
 
 #[test]
+fn a_picture_is_drawn_of_what_the_viewport_looks_at() {
+    let folder = Folder::new("life-picture");
+    let (mut ui, _) = on_empty_head();
+    few_guides(&mut ui);
+    let mut settings = ui.state().state.settings.clone();
+    settings.samples = 1;
+    ui.state_mut().apply(Event::Settings(Box::new(settings)));
+    let path = folder.path("a.png");
+    does(&mut ui, FileEvent::Picture(path.clone(), [64, 48]));
+    until("it is drawn", || {
+        ui.step();
+        ui.state().documents.export.is_none()
+    });
+    let told = said(&ui, Gravity::Error);
+    if told.iter().any(|text| text.contains("adapter")) {
+        return println!("skipped: a picture needs something that draws: {told:?}");
+    }
+    let note = said(&ui, Gravity::Note).pop().unwrap_or_default();
+    assert!(note.contains("a.png: 64 x 48, final, 60 strands"), "{note} {told:?}");
+    let icon = eframe::icon_data::from_png_bytes(&std::fs::read(&path).unwrap()).unwrap();
+    assert_eq!((icon.width, icon.height), (64, 48));
+    // The document does not keep the view.
+    assert!(ui.state().state.document.views.is_empty());
+}
+
+#[test]
 fn a_stopped_or_refused_export_leaves_no_file() {
     let folder = Folder::new("life-export-stop");
     let (mut ui, _) = on_empty_head();
@@ -455,6 +503,10 @@ fn a_stopped_or_refused_export_leaves_no_file() {
         "the export was stopped; nothing was written"
     );
     does(&mut ui, FileEvent::Export(folder.path("a.fbx")));
+    until("it is refused", || {
+        ui.step();
+        ui.state().documents.export.is_none()
+    });
     assert!(said(&ui, Gravity::Error)[0].contains("grooms are written as"));
     assert_eq!(std::fs::read_dir(folder.root()).unwrap().count(), 0);
 }

@@ -47,6 +47,7 @@ pub(super) fn window(
     }
     let mut said = vec![];
     let mut say = |event: FileEvent| said.push(event);
+    let mut tour = false;
     let (mut open, mut shows) = (true, state.settings.welcome);
     // The menu and the bars under it stay in sight.
     let room = (ctx.content_rect().height() - 220.0).max(200.0);
@@ -71,6 +72,8 @@ pub(super) fn window(
                     if ui.button("Open a groom…").on_hover_text("A .ron file").clicked() {
                         say(FileEvent::Ask(Purpose::Open));
                     }
+                    let tip = "Five minutes on the cornrows: look round, draw, braid, part, save";
+                    tour = ui.button("Take the tour").on_hover_text(tip).clicked();
                 });
                 ui.label(
                     RichText::new("A mesh or a groom can also be dropped on the window.").weak(),
@@ -90,7 +93,13 @@ pub(super) fn window(
             ui.separator();
             ui.checkbox(&mut shows, "Show this at every start");
         });
+    if tour {
+        said.push(FileEvent::New(Some("cornrows")));
+    }
     out.extend(said.into_iter().map(Event::Documents));
+    if tour {
+        out.push(Event::Act("help.tour"));
+    }
     if shows != state.settings.welcome {
         let settings = Settings { welcome: shows, ..state.settings.clone() };
         out.push(Event::Settings(Box::new(settings)));

@@ -132,7 +132,7 @@ fn work(table: &Table, wish: &Wish, stop: &dyn Fn() -> bool) -> Answer {
         answer.rows = Some(sorted(rows, &numbers, *descending));
     }
     if wish.statistics {
-        for column in table.columns() {
+        for column in table.columns().iter().filter(|column| !column.ids) {
             let Some(numbers) = table.numbers(column, stop) else { break };
             let found = match &answer.rows {
                 Some(rows) => statistics(rows.iter().map(|row| numbers[*row as usize])),

@@ -29,6 +29,8 @@ pub(crate) struct Column {
     pub(crate) doc: &'static str,
     /// Whether it is shown before anybody chose.
     pub(crate) at_first: bool,
+    /// Whether its cells are ids: long, and not to be summed up.
+    pub(crate) ids: bool,
     what: What,
 }
 
@@ -184,6 +186,16 @@ impl Table {
         match self.domain {
             Domain::Tuft => (0..tuft.len()).map(|i| tuft.id(i)).collect(),
             Domain::Curve | Domain::Point => vec![tuft.id(at.curve)],
+        }
+    }
+
+    /// Whether a row is about any of these curves.
+    pub(crate) fn is_about(&self, row: usize, curves: &BTreeSet<u64>) -> bool {
+        let Some(at) = self.locate(row).filter(|_| !curves.is_empty()) else { return false };
+        let tuft = &self.curves.tufts()[at.tuft];
+        match self.domain {
+            Domain::Tuft => (0..tuft.len()).any(|i| curves.contains(&tuft.id(i))),
+            Domain::Curve | Domain::Point => curves.contains(&tuft.id(at.curve)),
         }
     }
 
@@ -352,6 +364,7 @@ fn columns(curves: &Curves, domain: Domain, named: bool) -> Vec<Column> {
         name: name.to_owned(),
         doc,
         at_first: true,
+        ids: false,
         what,
     };
     let mut all = vec![];
@@ -387,12 +400,16 @@ fn columns(curves: &Curves, domain: Domain, named: bool) -> Vec<Column> {
     }
     // Name: components, and whether any tuft has a value for each row's own item.
     let mut found: BTreeMap<&str, (usize, bool)> = BTreeMap::new();
+    let mut ids = BTreeSet::new();
     for attribute in curves.tufts().iter().flat_map(|tuft| tuft.attributes()) {
         let parts = match attribute.values {
             Values::Vec2(_) => 2,
             Values::Vec3(_) => 3,
             _ => 1,
         };
+        if matches!(attribute.values, Values::U64(_)) {
+            ids.insert(attribute.name.as_ref());
+        }
         let varies = attribute.values.len() > 1;
         let own = match (domain, attribute.domain) {
             (Domain::Tuft, _) => !varies,
@@ -418,6 +435,7 @@ fn columns(curves: &Curves, domain: Domain, named: bool) -> Vec<Column> {
                 name: format!("{name}{ending}"),
                 doc: documented(name),
                 at_first: own && name != "root_bary" && name != "root_triangle",
+                ids: ids.contains(name),
                 what: What::Attribute(name.to_owned(), part),
             });
         }

@@ -1,5 +1,6 @@
 //! The spreadsheet under hands, small and with 1.6 million points.
 
+use super::super::state::Select;
 use super::*;
 use crate::editor::Editor;
 use crate::editor::state::OpenFile;
@@ -7,6 +8,7 @@ use coif_graphs::document::{Document, NodeId, Socket};
 use coif_nodes::data::attributes::{Domain as Of, ID, RADIUS};
 use coif_nodes::data::curves::TuftBuilder;
 use coif_nodes::eval::Quality;
+use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use glam::Vec3;

@@ -1,0 +1,200 @@
+//! The outliner under hands that click and type, without a screen.
+
+use super::super::evaluation::Shown;
+use super::super::state::OpenFile;
+use super::tree::fits;
+use super::*;
+use crate::editor::Editor;
+use coif_graphs::document::{Socket, graph};
+use coif_nodes::data::attributes::{BRAID, Domain, ID, PARENT, STRAND};
+use coif_nodes::data::curves::{Curves, TuftBuilder};
+use coif_nodes::eval::Quality;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use glam::Vec3;
+use std::time::Instant;
+
+/// Two braids (7 and 8) of three strands of four hairs; each strand is its hairs' parent.
+fn braids() -> Curves {
+    let tuft = |braid: u64| {
+        let mut tuft = TuftBuilder::even(vec![Vec3::ZERO; 24], 2);
+        let each = |f: &dyn Fn(u64) -> u64| (0..12).map(f).collect::<Vec<u64>>();
+        tuft.set(ID, Domain::Curve, each(&|i| braid * 100 + i));
+        tuft.set(BRAID, Domain::Curve, vec![braid]);
+        tuft.set(STRAND, Domain::Curve, (0..12).map(|i| i / 4).collect());
+        tuft.set(PARENT, Domain::Curve, each(&|i| braid * 10 + i / 4));
+        Arc::new(tuft.build())
+    };
+    Curves::new(vec![tuft(7), tuft(8)])
+}
+
+struct Bench {
+    editor: Editor,
+    outliner: Outliner,
+}
+
+fn hands(groom: &str, curves: Curves) -> (Harness<'static, Bench>, NodeId) {
+    let text = coif_graphs::grooms::by_name(groom).unwrap();
+    let document = coif_graphs::file::read(text).unwrap().document;
+    let output = outputs(&document)[0].clone();
+    let socket = Socket::new(output.clone(), "curves");
+    let mut editor = Editor::new(&egui::Context::default(), document, OpenFile::default());
+    editor.state.shown = Some(Arc::new(Shown {
+        revision: 1,
+        quality: Quality::Final,
+        sockets: vec![socket.clone()],
+        curves: curves.clone(),
+        scalps: vec![],
+        values: [(socket, curves.into())].into(),
+        final_strands: None,
+        ms: 0.0,
+    }));
+    let bench = Bench { editor, outliner: Outliner::default() };
+    let mut hands =
+        Harness::builder().with_size(vec2(300.0, 900.0)).with_step_dt(0.02).build_ui_state(
+            |ui, bench: &mut Bench| {
+                theme::apply(ui.ctx(), false);
+                let mut out = vec![];
+                bench.outliner.ui(&bench.editor.state, ui, &mut out);
+                for event in out {
+                    bench.editor.apply(event);
+                }
+            },
+            bench,
+        );
+    hands.run_steps(3);
+    (hands, output)
+}
+
+fn click(hands: &mut Harness<'static, Bench>, label: &str) {
+    hands.get_by_label(label).click();
+    hands.run_steps(3);
+}
+
+#[test]
+fn hair_belongs_to_braids_and_strands() {
+    let Groups::Braids(found) = groups(&braids()) else { panic!() };
+    assert_eq!(found.keys().copied().collect::<Vec<_>>(), [7, 8]);
+    assert_eq!(found[&7].curves, 12);
+    assert_eq!(found[&8].strands[&2], (4, [82].into()));
+    assert_eq!(groups(&Curves::default()), Groups::None);
+}
+
+#[test]
+fn rows_open_select_hide_isolate_and_lock() {
+    let (mut hands, output) = hands("cornrows", braids());
+    click(&mut hands, "Braid 2");
+    assert_eq!(hands.state().editor.state.selection.curves, (800..812).collect());
+    let lit = &hands.state().outliner.lit;
+    assert!(lit.contains(&Item::Braid(output.clone(), 8)) && lit.len() == 4, "{lit:?}");
+    click(&mut hands, "Open Braid 1");
+    click(&mut hands, "Strand 2");
+    assert_eq!(hands.state().editor.state.selection.curves, (704..708).collect());
+    click(&mut hands, "Hide Strand 2");
+    click(&mut hands, "Isolate Braid 1");
+    click(&mut hands, "Lock Braid 2");
+    let view = &hands.state().editor.state.visibility;
+    assert_eq!((&view.hidden, &view.alone), (&[71].into(), &[7].into()));
+    assert_eq!(view.locked, [8].into());
+    assert!(view.shows(&[700, 70, 7]) && !view.shows(&[704, 71, 7]) && !view.shows(&[800, 80, 8]));
+    click(&mut hands, "Show all");
+    let view = &hands.state().editor.state.visibility;
+    assert!(view.shows_all() && !view.locked.is_empty());
+    // An output is selected as a node, and its hair hidden as a whole.
+    let name = hands.state().editor.state.document.name_of(&output).to_owned();
+    click(&mut hands, &name);
+    assert_eq!(hands.state().editor.state.active(), Some(&output));
+    click(&mut hands, &format!("Hide {name}"));
+    assert_eq!(hands.state().editor.state.visibility.hidden, [7, 8].into());
+    assert_eq!(hands.state().editor.state.history.done(), 0);
+}
+
+#[test]
+fn nodes_that_made_it_are_listed_and_renamed() {
+    let (mut hands, output) = hands("cornrows", braids());
+    let made = hands.state().outliner.rows.iter().find(|r| matches!(r.item, Item::Makers(_)));
+    let label = made.unwrap().name.clone();
+    click(&mut hands, &format!("Open {label}"));
+    let document = &hands.state().editor.state.document;
+    let upstream = graph::upstream(document, [&output]);
+    let braid = upstream.iter().find(|id| document.nodes[*id].kind == "lissajous_braid");
+    let (braid, name) = (braid.unwrap().clone(), document.name_of(braid.unwrap()).to_owned());
+    let at = hands.get_all_by_label(&name).next().unwrap().rect().center();
+    // Longer than a double click takes.
+    hands.run_steps(30);
+    for _ in 0..2 {
+        hands.hover_at(at);
+        hands.drag_at(at);
+        hands.drop_at(at);
+    }
+    hands.run_steps(3);
+    hands.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    hands.event(egui::Event::Text("Side rows".into()));
+    hands.run_steps(1);
+    hands.key_press(Key::Enter);
+    hands.run_steps(3);
+    let label = hands.state().editor.state.document.nodes[&braid].label.clone();
+    assert_eq!(label.as_deref(), Some("Side rows"));
+    assert_eq!(hands.state().editor.state.history.done(), 1);
+    assert_eq!(hands.state().outliner.renaming, None);
+}
+
+#[test]
+fn keys_move_open_and_hide() {
+    let (mut hands, _) = hands("cornrows", braids());
+    click(&mut hands, "Braid 1");
+    hands.key_press(Key::ArrowRight);
+    hands.run_steps(2);
+    hands.get_by_label("Strand 1");
+    for _ in 0..2 {
+        hands.key_press(Key::ArrowDown);
+        hands.run_steps(2);
+    }
+    assert_eq!(hands.state().editor.state.selection.curves, (704..708).collect());
+    hands.key_press(Key::Space);
+    hands.run_steps(2);
+    assert_eq!(hands.state().editor.state.visibility.hidden, [71].into());
+}
+
+#[test]
+fn patterns_find_names() {
+    for (pattern, name, want) in [
+        ("row", "Front rows", true),
+        ("row*", "Front rows", false),
+        ("*row*", "Front rows", true),
+        ("braid ?", "Braid 7", true),
+        ("braid ?", "Braid 17", false),
+        ("*1*7*", "Braid 1x7", true),
+        ("", "x", true),
+        ("*", "", true),
+        ("a*b*c", "abcbd", false),
+    ] {
+        assert_eq!(fits(pattern, name), want, "{pattern} {name}");
+    }
+    let (mut hands, _) = hands("cornrows", braids());
+    hands.get_by_label("Filter the outliner").click();
+    hands.event(egui::Event::Text("strand 3".into()));
+    hands.run_steps(3);
+    let names: Vec<_> =
+        hands.state().outliner.rows.iter().map(|row| row.name.as_str()).skip(1).collect();
+    assert_eq!(names, ["Braid 1", "Strand 3", "Braid 2", "Strand 3"]);
+}
+
+#[test]
+fn a_frame_of_many_clusters_costs_little() {
+    let mut tuft = TuftBuilder::even(vec![Vec3::ZERO; 8_000], 2);
+    tuft.set(PARENT, Domain::Curve, (0..4_000).map(|i| i / 2 + 1).collect());
+    let tuft = tuft.build();
+    let all = (0..25).map(|t| {
+        let mut tuft = tuft.edit();
+        tuft.set(PARENT, Domain::Curve, (0..4_000).map(|i| t * 2_000 + i / 2 + 1).collect());
+        Arc::new(tuft.build())
+    });
+    let (mut hands, _) = hands("start", Curves::new(all.collect()));
+    assert!(hands.state().outliner.rows.len() > 50_000);
+    let start = Instant::now();
+    hands.run_steps(10);
+    let ms = start.elapsed().as_secs_f64() * 100.0;
+    println!("outliner of 50,000 clusters: {ms:.2} ms a frame (dev)");
+    assert!(ms < 60.0, "{ms}");
+}

@@ -1,0 +1,155 @@
+//! Stories of the whole window: every entry of every menu, and a slider that is dragged.
+
+use super::harness::{Ui, is_sound, on_groom, settle};
+use coif::editor::actions::{self, MENUS};
+use coif::editor::event::Event;
+use coif::editor::state::Select;
+use coif_graphs::document::NodeId;
+use egui::{Event as Input, Key, Modifiers, PointerButton, Pos2, Vec2};
+use egui_kittest::kittest::{By, NodeT, Queryable};
+
+fn node(id: &str) -> NodeId {
+    NodeId::new(id).expect("an id")
+}
+
+/// All that a person could see or read: the words on the screen, and what the state holds.
+fn sight(ui: &Ui) -> String {
+    let editor = ui.state();
+    let state = &editor.state;
+    let words: Vec<String> =
+        ui.query_all(By::new()).filter_map(|node| node.accesskit_node().label()).collect();
+    let camera = editor.viewport.camera();
+    format!(
+        "{words:?} {} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {camera:?} {:?} {:?}",
+        state.changes,
+        state.selection,
+        state.pinned,
+        state.document.display,
+        state.focus,
+        state.visibility,
+        state.settings,
+        state.notes.all(),
+        editor.viewport.options,
+        editor.pen.tool,
+    )
+}
+
+/// Presses what has a name, as a mouse does.
+fn click(ui: &mut Ui, name: &str) -> bool {
+    // Entries of menus carry their keys behind their words.
+    let named = |label: &str| label == name || label.strip_prefix(name).is_some_and(|keys| keys.starts_with(' '));
+    let found = ui
+        .query_all(By::new())
+        .find(|node| node.accesskit_node().label().is_some_and(|label| named(&label)))
+        .map(|node| node.rect().center());
+    let Some(at) = found else { return false };
+    for pressed in [true, false] {
+        ui.event(Input::PointerMoved(at));
+        ui.step();
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        ui.event(Input::PointerButton { pos: at, button, pressed, modifiers });
+        ui.step();
+    }
+    ui.run_steps(2);
+    true
+}
+
+/// Entries whose work cannot be seen in the state, each with where it shows instead.
+const UNSEEN: &[&str] = &[
+    // The clipboard, and what is drawn on the canvas.
+    "canvas.copy", "canvas.fit_all", "canvas.fit_selection",
+    // They do nothing where there is nothing of theirs: no run to stop, no step of the view behind.
+    "evaluate.stop", "evaluate.now", "file.save", "view.frame_all", "view.frame_selected",
+    // The window itself, which tests have none of.
+    "file.close",
+];
+
+#[test]
+fn every_entry_of_every_menu_does_something_or_says_why_not() {
+    let mut ui = on_groom("cornrows");
+    settle(&mut ui);
+    ui.state_mut().documents.ask_in_the_window();
+    let entries: Vec<_> = actions::all().filter(|action| !action.menu.is_empty()).collect();
+    assert!(entries.len() > 60, "{} entries", entries.len());
+    let mut could = 0;
+    let mut idle = vec![];
+    for action in &entries {
+        assert!(MENUS.contains(&action.menu), "{}: there is no menu {}", action.id, action.menu);
+        // The same groom for each: braids that are selected, and one step that can be taken back.
+        let mut ui = on_groom("cornrows");
+        ui.state_mut().documents.ask_in_the_window();
+        ui.state_mut().apply(Event::Select(Select::Nodes(vec![node("braid"), node("fill")])));
+        ui.state_mut().apply(Event::Edit(coif_graphs::document::edit::Edit::SetTitle("a".into())));
+        ui.run_steps(3);
+        assert!(click(&mut ui, action.menu), "the menu {}", action.menu);
+        let before = sight(&ui);
+        assert!(click(&mut ui, action.label), "{}: its menu does not show it", action.id);
+        ui.run_steps(3);
+        let allowed = (action.when)(ui.state());
+        let seen = sight(&ui) != before;
+        if allowed.is_ok() {
+            could += 1;
+            if !seen && !UNSEEN.contains(&action.id) {
+                idle.push(action.id);
+            }
+        }
+        is_sound(&ui.state().state.document);
+    }
+    assert!(idle.is_empty(), "these change nothing: {idle:?}");
+    println!("{} entries, {could} of them possible on this groom", entries.len());
+}
+
+#[test]
+fn labels_and_tips_of_actions_are_sentences_and_ids_are_unique() {
+    let mut ids = std::collections::BTreeSet::new();
+    for action in actions::all() {
+        assert!(ids.insert(action.id), "{} is there twice", action.id);
+        assert!(!action.tip.is_empty() && action.tip.ends_with('.'), "{}: {}", action.id, action.tip);
+        let words: Vec<&str> = action.label.split(' ').collect();
+        let capital = |word: &&&str| word.chars().next().is_some_and(char::is_uppercase);
+        let title_case = words.iter().skip(1).filter(capital).count();
+        assert!(title_case == 0, "{}: {} is in title case", action.id, action.label);
+    }
+}
+
+#[test]
+fn a_slider_that_is_dragged_runs_only_what_hangs_from_it_and_is_one_step() {
+    let mut ui = on_groom("cornrows");
+    settle(&mut ui);
+    ui.state_mut().apply(Event::Select(Select::Nodes(vec![node("fill")])));
+    settle(&mut ui);
+    let before = ui.state().state.document.clone();
+    let field = ui.query_all_by_label("Frizz").map(|node| node.rect()).max_by(|a, b| {
+        a.right().total_cmp(&b.right())
+    });
+    let rect = field.expect("the inspector shows frizz");
+    let from = Pos2::new(rect.left() + 12.0, rect.center().y);
+    ui.event(Input::PointerMoved(from));
+    ui.step();
+    let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+    ui.event(Input::PointerButton { pos: from, button, pressed: true, modifiers });
+    ui.step();
+    for k in 1..=10 {
+        ui.event(Input::PointerMoved(from + Vec2::new(6.0 * k as f32, 0.0)));
+        ui.step();
+        assert!(k < 3 || ui.state().state.gesture, "a drag is a gesture");
+    }
+    let to = from + Vec2::new(60.0, 0.0);
+    ui.event(Input::PointerButton { pos: to, button, pressed: false, modifiers });
+    settle(&mut ui);
+    let state = &ui.state().state;
+    assert_ne!(state.document, before, "the slider moved");
+    assert_eq!(state.history.done(), 1, "one step");
+    let ran: Vec<&str> = state
+        .run
+        .reports
+        .nodes
+        .iter()
+        .filter(|(_, report)| !report.cached && report.tufts_run > 0)
+        .map(|(id, _)| id.as_str())
+        .collect();
+    assert_eq!(ran, ["colour", "fill"], "and what only passes hair on");
+    ui.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut ui);
+    assert_eq!(ui.state().state.document, before);
+}

@@ -1,0 +1,108 @@
+//! A real window on a screen in memory: opened, drawn into, saved, closed and opened again by keys and a mouse.
+
+#![cfg(unix)]
+
+use coif_graphs::document::{Document, Node, NodeId, Point, Setting};
+use coif_graphs::file;
+use coif_nodes::define::Value;
+use coif_tests::screen::{Running, Screen};
+use coif_tests::{Folder, adapter, coif, eval};
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// A head alone.
+fn head() -> Document {
+    let id = NodeId::new("head").expect("an id");
+    let mut document = Document { title: "Mine".to_owned(), ..Document::default() };
+    document.nodes.insert(id.clone(), Arc::new(Node { kind: "head".to_owned(), ..Node::default() }));
+    document.layout.insert(id, Point(0.0, 0.0));
+    document
+}
+
+fn open(path: &Path, folder: &Folder, screen: &Screen) -> Running {
+    let child = coif()
+        .arg("edit")
+        .arg(path)
+        .env("DISPLAY", screen.display())
+        .env_remove("WAYLAND_DISPLAY")
+        .env("COIF_HOME", folder.path("home"))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the editor starts");
+    screen.focus("coif");
+    Running(child)
+}
+
+/// The screen, once the picture of the viewport has so many colours.
+fn wait_for_picture(screen: &Screen, shots: &Path, name: &str, colours: usize) -> usize {
+    let began = Instant::now();
+    loop {
+        let shot = screen.shot(&shots.join(format!("window-{name}.png")));
+        let seen = shot.colours(300..800, 120..480);
+        if seen >= colours {
+            return seen;
+        }
+        let late = began.elapsed() > Duration::from_secs(90);
+        assert!(!late, "{name}: the viewport shows {seen} colours, not {colours}");
+        std::thread::sleep(Duration::from_millis(500));
+    }
+}
+
+fn strokes(path: &Path) -> usize {
+    let text = std::fs::read_to_string(path).expect("the file is there");
+    let document = file::read(&text).expect("it reads").document;
+    let settings = document.nodes.values().flat_map(|node| node.inputs.values());
+    settings
+        .map(|setting| match setting {
+            Setting::Known(Value::Strokes(strokes)) => strokes.0.len(),
+            _ => 0,
+        })
+        .sum()
+}
+
+#[test]
+fn a_row_is_drawn_braided_saved_and_there_again() {
+    const NAME: &str = "a_row_is_drawn_braided_saved_and_there_again";
+    if !adapter(NAME) {
+        return;
+    }
+    let Some(screen) = Screen::start(NAME, 1440, 900) else { return };
+    let folder = Folder::new(NAME);
+    let shots = std::env::var_os("COIF_SHOTS").map_or_else(|| folder.path("shots"), PathBuf::from);
+    std::fs::create_dir_all(&shots).expect("a folder");
+    let path = folder.path("mine.ron");
+    std::fs::write(&path, file::write(&head())).expect("a document is written");
+
+    let mut editor = open(&path, &folder, &screen);
+    wait_for_picture(&screen, &shots, "1-head", 400);
+    // The palette knows every action by name.
+    screen.key("ctrl+k");
+    screen.write("cornrows");
+    screen.key("Return");
+    std::thread::sleep(Duration::from_millis(500));
+    screen.drag(1, &[(470, 150), (560, 140), (620, 180)]);
+    std::thread::sleep(Duration::from_secs(2));
+    wait_for_picture(&screen, &shots, "2-row", 400);
+    screen.key("ctrl+s");
+    let began = Instant::now();
+    while strokes(&path) == 0 && began.elapsed() < Duration::from_secs(15) {
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    assert_eq!(strokes(&path), 1, "one row was drawn and saved");
+    screen.key("ctrl+q");
+    assert_eq!(editor.end(Duration::from_secs(15)), Some(0), "nothing was unsaved, so it closes");
+    let saved = std::fs::read(&path).expect("it is there");
+
+    // What was saved is what the command line evaluates, and what opens again.
+    let report = eval(&path.display().to_string(), &[]);
+    let curves = report["outputs"][0]["curves"].as_u64().unwrap_or(0);
+    assert!(curves > 100, "{curves} strands");
+    let mut again = open(&path, &folder, &screen);
+    wait_for_picture(&screen, &shots, "3-again", 400);
+    screen.key("ctrl+q");
+    assert_eq!(again.end(Duration::from_secs(15)), Some(0));
+    assert_eq!(std::fs::read(&path).expect("it is there"), saved, "looking at it changes nothing");
+}
