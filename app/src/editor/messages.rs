@@ -180,7 +180,8 @@ impl Messages {
         let reports = Arc::as_ptr(&state.run.reports).addr();
         let notes = state.notes.count();
         let now = Some((state.changes, state.revision, reports, notes));
-        if self.of != now {
+        // While something is dragged, what was said stands; it is all said again behind it.
+        if self.of != now && !(state.gesture && self.of.is_some()) {
             (self.of, self.all) = (now, all(state).into());
         }
         self.all.clone()

@@ -1,8 +1,8 @@
 //! Drawing beside the window: one thread owns the graphics device, takes the newest scene and hands over pictures.
 //!
-//! Guarantees: asking never waits; of several scenes only the newest is drawn; a newer one ends what is being refined, and
-//! may end a first rough picture only when the one before was let through, so that pictures come however fast the hand is; a
-//! picture that was ended is never handed over. Where nothing can draw, that is said once and everything else works.
+//! Guarantees: asking never waits; of several scenes only the newest is drawn; a newer one ends what is being refined, but
+//! not a first rough picture, so that pictures come however fast the hand is; a picture that was ended is never handed
+//! over. Where nothing can draw, that is said once and everything else works.
 //! Not guaranteed: that every scene has a picture.
 
 use super::painter::Painter;
@@ -347,39 +347,38 @@ fn serve(shared: &Shared) -> Option<String> {
 /// Draws until the window is closed or the device is gone.
 fn draw(shared: &Shared, mut painter: Painter) -> Result<(), coif_shaders::RenderError> {
     shared.desk().adapter = Some(painter.adapter());
-    let mut let_through = true;
     loop {
         let mut desk = shared.desk();
-        while desk.next.is_none() && desk.pick.is_none() && painter.is_done() && !desk.closed {
-            desk.idle = true;
-            desk = shared.work.wait(desk).unwrap_or_else(PoisonError::into_inner);
+        while desk.next.is_none() && desk.pick.is_none() && !desk.closed {
+            let pause = painter.pause();
+            if !painter.is_done() && pause.is_none() {
+                break;
+            }
+            desk.idle = painter.is_done();
+            desk = match pause.filter(|_| !painter.is_done()) {
+                Some(pause) => {
+                    let waited = shared.work.wait_timeout(desk, pause);
+                    waited.unwrap_or_else(PoisonError::into_inner).0
+                }
+                None => shared.work.wait(desk).unwrap_or_else(PoisonError::into_inner),
+            };
         }
         if desk.closed {
             return Ok(());
         }
-        let may_end = !painter.is_first() || let_through;
-        let next = if may_end { desk.next.take() } else { None };
-        let pick = if painter.is_first() { None } else { desk.pick.take() };
+        let first = painter.is_first();
+        let next = if first { None } else { desk.next.take() };
+        let pick = if first { None } else { desk.pick.take() };
         drop(desk);
         if let Some(wanted) = next {
-            let_through = !painter.is_first();
             painter.begin(&wanted)?;
         } else if let Some(pick) = pick {
             let picked = painter.pick(&pick);
             shared.desk().picked = Some(picked);
             (shared.wake)();
         } else if let Some(drawn) = painter.advance()? {
-            let mut desk = shared.desk();
-            // While something is dragged an older place is better than none.
-            let show = desk.next.is_none() || drawn.samples == 1;
-            if show {
-                desk.drawn = Some(drawn);
-            }
-            drop(desk);
-            let_through = true;
-            if show {
-                (shared.wake)();
-            }
+            shared.desk().drawn = Some(drawn);
+            (shared.wake)();
         }
     }
 }

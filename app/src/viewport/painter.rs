@@ -8,7 +8,7 @@ use super::drawing::{Drawn, Ends, HairHit, Pick, Picked, Wanted};
 use super::select::visible;
 use crate::scene::{Dressed, Show, heads};
 use coif_nodes::data::curves::Curves;
-use coif_shaders::surface::Solid;
+use coif_shaders::surface::{RootGrid, Solid};
 use coif_shaders::view::{Legend, Paint};
 use coif_shaders::{Effort, Gpu, Look, RenderError, Renderer, Rig};
 use egui::{Color32, ColorImage};
@@ -17,17 +17,19 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// A first picture that takes longer is made with fewer pixels while something moves, milliseconds.
-const SLOW_MS: f64 = 110.0;
+const SLOW_MS: f64 = 160.0;
 /// One that takes less may have more of them.
-const QUICK_MS: f64 = 35.0;
+const QUICK_MS: f64 = 50.0;
 /// The widest pixel of a rough picture, in pixels of the screen.
 const WIDEST: u32 = 4;
 /// A first whole picture that is expected to take longer is led by a rough one, milliseconds.
 const PATIENCE_MS: f64 = 120.0;
 /// Points of hair that a rough picture has at most on a software adapter.
 const ROUGH_POINTS: f32 = 400_000.0;
-/// Samples of a rough picture while a hand holds still.
+/// Samples of a rough picture while a hand holds still, and how long it must have done so: until then the processor is left
+/// to whatever makes the next scene.
 const ROUGH_SAMPLES: u32 = 4;
+const HELD: Duration = Duration::from_millis(200);
 /// How far from the pointer hair is found, pixels of the screen.
 const REACH: u32 = 4;
 
@@ -38,6 +40,7 @@ pub(super) struct Painter {
     given: Option<Wanted>,
     look: Option<Look>,
     heads: Vec<Solid>,
+    roots: Option<RootGrid>,
     legend: Option<Legend>,
     notice: Option<String>,
     /// Curves and points that are drawn at most.
@@ -52,8 +55,9 @@ pub(super) struct Painter {
     /// Milliseconds that the last first sample of a picture at rest took.
     first_at_rest: Option<f64>,
     uploaded: Instant,
-    /// Samples of the last picture handed over.
+    /// Samples of the last picture handed over, and when that was.
     shown: u32,
+    handed_over: Instant,
 }
 
 impl Painter {
@@ -67,6 +71,7 @@ impl Painter {
             given: None,
             look: None,
             heads: vec![],
+            roots: None,
             legend: None,
             notice: None,
             drawn: (0, 0),
@@ -77,6 +82,7 @@ impl Painter {
             first_at_rest: software.then_some(f64::INFINITY),
             uploaded: now,
             shown: 0,
+            handed_over: now,
         })
     }
 
@@ -132,7 +138,11 @@ impl Painter {
         if new_heads || new_show || dressed.tubes.is_some() {
             self.renderer.set_solids(self.heads.iter().cloned().chain(dressed.tubes).collect());
         }
-        self.renderer.set_roots(dressed.roots);
+        // Most changes leave hair where it grows.
+        if self.roots != dressed.roots {
+            self.roots.clone_from(&dressed.roots);
+            self.renderer.set_roots(dressed.roots);
+        }
         self.renderer.set_hair(&dressed.drawn, &dressed.paint);
         self.legend = dressed.paint.legend;
         self.drawn = (dressed.drawn.curve_count(), dressed.drawn.point_count());
@@ -175,6 +185,13 @@ impl Painter {
             Some(_) => 1,
             None => 0,
         }
+    }
+
+    /// How long to wait for a newer scene before this one is refined.
+    pub(super) fn pause(&self) -> Option<Duration> {
+        let held = self.rough && self.shown > 0 && !self.goes_on();
+        let since = self.handed_over.elapsed();
+        (held && since < HELD).then(|| HELD - since)
     }
 
     /// Whether the first rough picture of this scene is being made, after which a newer scene may come.
@@ -232,6 +249,7 @@ impl Painter {
         let rgba = self.renderer.shown(wanted.transform, exposure);
         let (width, height) = self.renderer.size();
         self.shown = self.renderer.progress().samples;
+        self.handed_over = Instant::now();
         let pixels = rgba.chunks_exact(4).map(|c| Color32::from_rgb(c[0], c[1], c[2])).collect();
         let image = ColorImage::new([width as usize, height as usize], pixels);
         let share = wanted.look.share * self.rough_share(self.rough);

@@ -6,7 +6,7 @@ use super::projection::Projection;
 use super::*;
 use coif_nodes::data::attributes::{Domain, ID, WIDTH};
 use coif_nodes::data::curves::TuftBuilder;
-use coif_nodes::data::scalp::REGION;
+use coif_nodes::data::scalp::{HeadFrame, REGION, Scalp};
 use coif_nodes::maths::closest::Surface;
 use coif_nodes::maths::hash::Dice;
 use coif_shaders::surface::Tone;
@@ -244,10 +244,11 @@ mod window {
     use super::super::actions::ACTIONS;
     use super::*;
     use crate::editor::Editor;
-    use crate::editor::state::OpenFile;
+    use crate::editor::state::{OpenFile, Select};
     use coif_graphs::document::{NodeId, Setting};
     use coif_graphs::{file, grooms};
-    use egui::{Event as Input, Modifiers};
+    use coif_nodes::define::Value;
+    use egui::{Event as Input, Key, Modifiers};
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
 

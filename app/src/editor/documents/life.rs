@@ -221,9 +221,11 @@ impl Editor {
 
     fn ask(&mut self, purpose: Purpose, input: Option<(NodeId, String)>) {
         let file = &self.state.file;
-        let folder = match (&file.path, self.documents.recent.files().first()) {
-            (None, Some(last)) => last.parent().map(Path::to_owned).unwrap_or_default(),
-            _ => file.folder.clone(),
+        let last = self.documents.last_folder.clone();
+        let recent = self.documents.recent.files().first().and_then(|path| path.parent());
+        let folder = match &file.path {
+            Some(_) if matches!(purpose, Purpose::Open | Purpose::Save) => file.folder.clone(),
+            _ => last.or(recent.map(Path::to_owned)).unwrap_or_else(|| file.folder.clone()),
         };
         let stem = match &file.path {
             Some(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
@@ -249,6 +251,7 @@ impl Editor {
             self.documents.after_save = None;
             return;
         };
+        self.documents.last_folder = path.parent().map(Path::to_owned);
         match (purpose, input) {
             (Purpose::Open, _) => self.apply_to_file(Event::Open(path)),
             (Purpose::Save, _) => self.apply_to_file(Event::SaveTo(path)),

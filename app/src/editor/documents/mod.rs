@@ -168,6 +168,8 @@ pub struct Documents {
     /// The system has no dialogs.
     no_dialogs: bool,
     asking: Option<Asking>,
+    /// Where a file was chosen last.
+    last_folder: Option<PathBuf>,
     browser: Option<Browser>,
     /// Waits for an answer about unsaved changes.
     unsaved: Option<Next>,
@@ -205,6 +207,7 @@ impl Documents {
             dialogs: None,
             no_dialogs: false,
             asking: None,
+            last_folder: None,
             browser: None,
             unsaved: None,
             after_save: None,

@@ -95,6 +95,10 @@ fn what_is_saved_is_opened_again_and_known_as_recent() {
     assert_eq!(ui.state().state.document.seed, 8);
     assert_eq!(ui.state().documents.recent.files(), [path]);
     assert_eq!(said(&ui, Gravity::Error), Vec::<String>::new());
+    // The next question for a mesh begins where the last file was.
+    fake.answers(Answer::Nothing);
+    act(&mut ui, "file.head");
+    assert_eq!(fake.asked.lock().unwrap().last().unwrap().folder, folder.root());
     // Somebody closes a dialog: nothing happens.
     fake.answers(Answer::Nothing);
     act(&mut ui, "file.save_as");
