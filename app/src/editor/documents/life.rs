@@ -81,7 +81,8 @@ impl Editor {
     fn after_question(&mut self, next: Next) {
         self.state.history.end(&self.state.document);
         self.state.gesture = false;
-        if self.state.history.is_changed() {
+        let exports = next == Next::Close && self.documents.export.is_some();
+        if self.state.history.is_changed() || exports {
             self.documents.unsaved = Some(next);
         } else {
             self.go_on(next);
@@ -397,8 +398,13 @@ impl Editor {
         }
     }
 
-    /// Nothing keeps the window from closing any more.
-    fn leave(&mut self) {
+    /// Nothing keeps the window from closing any more, but an export that has to put its things away.
+    pub(super) fn leave(&mut self) {
+        if let Some(export) = &self.documents.export {
+            export.stop();
+            self.documents.closes_after_export = true;
+            return;
+        }
         self.documents.leaving = true;
         if let Some(journal) = self.documents.journal.take() {
             journal.close();

@@ -178,6 +178,8 @@ pub struct Documents {
     leftovers: Vec<Leftover>,
     changed: Option<Changed>,
     export: Option<Export>,
+    /// The window closes once the export has stopped.
+    closes_after_export: bool,
     head: Option<OwnHead>,
     /// Everything is brought into view once this state of the document is shown.
     frames: Option<u64>,
@@ -214,6 +216,7 @@ impl Documents {
             leftovers: vec![],
             changed: None,
             export: None,
+            closes_after_export: false,
             head: None,
             frames: None,
             welcome: Welcome::default(),
