@@ -1,10 +1,10 @@
 //! Documents of the editor: new, open, save, export, recent files, recovery, and what happens to files on the disk.
 //!
 //! Guarantees: what is unsaved is asked about once before it goes; a file is written whole or not at all; whatever ends the
-//! process, the document after the last step that the [`journal`] has written is offered at the next start; nothing
+//! process, the document after the last step that the journal has written is offered at the next start; nothing
 //! here waits for a dialog, an export or a folder that hangs. Saving itself is waited for.
 //!
-//! Without a home ([`Documents::new`]) nothing is kept between runs and no dialog opens, so that tests leave nothing behind;
+//! Without a home (as a new editor has none) nothing is kept between runs and no dialog opens, so that tests leave nothing behind;
 //! [`super::Editor::keep_in`] gives it one.
 
 pub(crate) mod actions;
