@@ -286,7 +286,6 @@ fn takes(document: &Document, link: &Link, def: &'static NodeDef) -> bool {
 /// How often each kind follows the kind of a node, in this document.
 fn followers<'a>(document: &'a Document, near: Option<&NodeId>) -> BTreeMap<&'a str, usize> {
     let kind = |id: &NodeId| document.node(id.as_str()).map(|node| node.kind.as_str());
-    let Some(near) = near.and_then(&kind) else { return BTreeMap::new() };
     let Some(near) = near.and_then(kind) else { return BTreeMap::new() };
     let mut after: BTreeMap<&str, usize> = BTreeMap::new();
     for (to, from) in &document.links {
