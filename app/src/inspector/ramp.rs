@@ -216,7 +216,7 @@ impl RampField<'_> {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
             let blend = ComboBox::from_id_salt(id.with("blend"))
-                .width(78.0)
+                .width(60.0)
                 .selected_text(blend_name(ramp.blend))
                 .show_ui(ui, |ui| {
                     for (blend, tip) in [
