@@ -16,7 +16,9 @@ use std::time::{Duration, Instant};
 fn head() -> Document {
     let id = NodeId::new("head").expect("an id");
     let mut document = Document { title: "Mine".to_owned(), ..Document::default() };
-    document.nodes.insert(id.clone(), Arc::new(Node { kind: "head".to_owned(), ..Node::default() }));
+    document
+        .nodes
+        .insert(id.clone(), Arc::new(Node { kind: "head".to_owned(), ..Node::default() }));
     document.layout.insert(id, Point(0.0, 0.0));
     document
 }

@@ -317,7 +317,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         run: |editor| {
             let Some(shown) = editor.state.shown.clone() else { return };
             let ids = selected(editor);
-            let kin = |n: [u64; 3]| n.into_iter().skip(1).filter(|name| *name != 0).next_back();
+            let kin = |n: [u64; 3]| n.into_iter().skip(1).rfind(|name| *name != 0);
             let all = || shown.curves.each().map(|(tuft, i)| names(tuft, i));
             let owners: BTreeSet<u64> =
                 all().filter(|n| ids.contains(&n[0])).filter_map(kin).collect();

@@ -135,7 +135,7 @@ fn banner(viewport: &Viewport, state: &State, ui: &mut egui::Ui, out: &mut Vec<E
                 let go =
                     ui.button("Go to").on_hover_text(format!("Selects {node} among the nodes."));
                 if go.clicked()
-                    && let Ok(id) = NodeId::new(*node)
+                    && let Ok(id) = NodeId::new(node)
                 {
                     out.push(Event::Select(Select::Nodes(vec![id])));
                     out.push(Event::Show(Room::Canvas));

@@ -41,7 +41,8 @@ impl Story {
         if pictures {
             editor.viewport.start(&ctx);
         }
-        let mut builder = Harness::builder().with_size(egui::vec2(1440.0, 900.0)).with_max_steps(64);
+        let mut builder =
+            Harness::builder().with_size(egui::vec2(1440.0, 900.0)).with_max_steps(64);
         if pictures {
             builder = builder.wgpu();
         }
@@ -55,7 +56,12 @@ impl Story {
             self.ui.event(Event::PointerMoved(at));
             self.ui.step();
             let button = PointerButton::Primary;
-            self.ui.event(Event::PointerButton { pos: at, button, pressed, modifiers: Modifiers::NONE });
+            self.ui.event(Event::PointerButton {
+                pos: at,
+                button,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
             self.ui.step();
         }
         self.ui.run_steps(2);
@@ -68,7 +74,8 @@ impl Story {
         while self.ui.query_all_by_label(name).next().is_none() {
             let labels = || -> Vec<String> {
                 let all = self.ui.query_all(egui_kittest::kittest::By::new());
-                all.filter_map(|node| egui_kittest::kittest::NodeT::accesskit_node(&node).label()).collect()
+                all.filter_map(|node| egui_kittest::kittest::NodeT::accesskit_node(&node).label())
+                    .collect()
             };
             assert!(began.elapsed() < Duration::from_secs(20), "{name} appears: {:?}", labels());
             std::thread::sleep(Duration::from_millis(10));
@@ -99,7 +106,12 @@ impl Story {
                     if first || last {
                         let button = PointerButton::Primary;
                         let modifiers = Modifiers::NONE;
-                        self.ui.event(Event::PointerButton { pos: *pos, button, pressed: first, modifiers });
+                        self.ui.event(Event::PointerButton {
+                            pos: *pos,
+                            button,
+                            pressed: first,
+                            modifiers,
+                        });
                     }
                 }
                 Hand::Pen => {
@@ -109,7 +121,8 @@ impl Story {
                         (_, true) => Phase::Up,
                         _ => Phase::Move,
                     };
-                    let pressure = if last { 0.0 } else { 0.3 + 0.6 * k as f32 / line.len() as f32 };
+                    let pressure =
+                        if last { 0.0 } else { 0.3 + 0.6 * k as f32 / line.len() as f32 };
                     let sample = PenSample::mouse(self.time, phase, *pos, pressure);
                     let pen = PenSample { tool: Tool::Tip, device: Device(3), ..sample };
                     self.ui.state_mut().pen.devices.push(pen);

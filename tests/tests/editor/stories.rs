@@ -37,7 +37,9 @@ fn sight(ui: &Ui) -> String {
 /// Presses what has a name, as a mouse does.
 fn click(ui: &mut Ui, name: &str) -> bool {
     // Entries of menus carry their keys behind their words.
-    let named = |label: &str| label == name || label.strip_prefix(name).is_some_and(|keys| keys.starts_with(' '));
+    let named = |label: &str| {
+        label == name || label.strip_prefix(name).is_some_and(|keys| keys.starts_with(' '))
+    };
     let found = ui
         .query_all(By::new())
         .find(|node| node.accesskit_node().label().is_some_and(|label| named(&label)))
@@ -57,9 +59,15 @@ fn click(ui: &mut Ui, name: &str) -> bool {
 /// Entries whose work cannot be seen in the state, each with where it shows instead.
 const UNSEEN: &[&str] = &[
     // The clipboard, and what is drawn on the canvas.
-    "canvas.copy", "canvas.fit_all", "canvas.fit_selection",
+    "canvas.copy",
+    "canvas.fit_all",
+    "canvas.fit_selection",
     // They do nothing where there is nothing of theirs: no run to stop, no step of the view behind.
-    "evaluate.stop", "evaluate.now", "file.save", "view.frame_all", "view.frame_selected",
+    "evaluate.stop",
+    "evaluate.now",
+    "file.save",
+    "view.frame_all",
+    "view.frame_selected",
     // The window itself, which tests have none of.
     "file.close",
 ];
@@ -104,7 +112,12 @@ fn labels_and_tips_of_actions_are_sentences_and_ids_are_unique() {
     let mut ids = std::collections::BTreeSet::new();
     for action in actions::all() {
         assert!(ids.insert(action.id), "{} is there twice", action.id);
-        assert!(!action.tip.is_empty() && action.tip.ends_with('.'), "{}: {}", action.id, action.tip);
+        assert!(
+            !action.tip.is_empty() && action.tip.ends_with('.'),
+            "{}: {}",
+            action.id,
+            action.tip
+        );
         let words: Vec<&str> = action.label.split(' ').collect();
         let capital = |word: &&&str| word.chars().next().is_some_and(char::is_uppercase);
         let title_case = words.iter().skip(1).filter(capital).count();
@@ -119,9 +132,10 @@ fn a_slider_that_is_dragged_runs_only_what_hangs_from_it_and_is_one_step() {
     ui.state_mut().apply(Event::Select(Select::Nodes(vec![node("fill")])));
     settle(&mut ui);
     let before = ui.state().state.document.clone();
-    let field = ui.query_all_by_label("Frizz").map(|node| node.rect()).max_by(|a, b| {
-        a.right().total_cmp(&b.right())
-    });
+    let field = ui
+        .query_all_by_label("Frizz")
+        .map(|node| node.rect())
+        .max_by(|a, b| a.right().total_cmp(&b.right()));
     let rect = field.expect("the inspector shows frizz");
     let from = Pos2::new(rect.left() + 12.0, rect.center().y);
     ui.event(Input::PointerMoved(from));
