@@ -144,9 +144,9 @@ impl Tablet {
             self.hover(x - off, y);
             std::thread::sleep(Duration::from_millis(200));
         }
-        // As long as a finger stays on a button.
+        // Longer than a frame of a busy machine: egui takes no click that begins and ends in one.
         self.touch(x, y, 0.5, true);
-        std::thread::sleep(Duration::from_millis(150));
+        std::thread::sleep(Duration::from_millis(500));
         self.touch(x, y, 0.0, false);
         std::thread::sleep(Duration::from_millis(200));
         self.leave();

@@ -39,6 +39,20 @@ fn strokes(path: &Path) -> Arc<Strokes> {
     }
 }
 
+/// Waits until nothing on the screen has changed for a second.
+fn settled(tablet: &Tablet, folder: &Folder) {
+    let began = Instant::now();
+    let mut before = vec![];
+    while began.elapsed() < Duration::from_secs(60) {
+        let shot = tablet.screen.shot(&folder.path("settled.png")).rgb;
+        if shot == before {
+            return;
+        }
+        before = shot;
+        std::thread::sleep(Duration::from_secs(1));
+    }
+}
+
 #[test]
 fn a_pen_at_an_x_server_draws_with_three_pressures() {
     const NAME: &str = "a_pen_at_an_x_server_draws_with_three_pressures";
@@ -49,42 +63,44 @@ fn a_pen_at_an_x_server_draws_with_three_pressures() {
     let folder = Folder::new(NAME);
     let path = folder.path("pen.ron");
     std::fs::write(&path, file::write(&document())).expect("a document is written");
+    // One sample a pixel: the picture is soon at rest, and the machine free for the window.
+    std::fs::create_dir_all(folder.path("home")).expect("a folder");
+    std::fs::write(folder.path("home/settings.ron"), "(samples: 1)").expect("settings are written");
     let mut editor = coif()
         .args(["edit", &path.display().to_string()])
         .env("DISPLAY", tablet.screen.display())
         .env_remove("WAYLAND_DISPLAY")
-        .env("HOME", folder.path("home"))
-        .env("XDG_CONFIG_HOME", folder.path("home"))
-        .env("XDG_DATA_HOME", folder.path("home"))
+        .env("COIF_HOME", folder.path("home"))
         .stdout(Stdio::null())
         .spawn()
         .expect("the editor starts");
     tablet.screen.focus("coif");
-    // The head is there when its picture is; the first evaluation of a head takes a moment.
-    std::thread::sleep(Duration::from_secs(4));
-    // A tap on the first menu opens it, and another closes it: pens work on ordinary widgets.
+    // The head is there when its picture is.
+    settled(&tablet, &folder);
+    // A tap on the first menu opens it: pens work on ordinary widgets. A tap elsewhere closes it.
     let closed = tablet.screen.shot(&folder.path("closed.png"));
-    tablet.tap(20.0, 14.0);
-    let differ = |a: &[u8], b: &[u8]| a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) > 16).count();
     let under_it = 3 * 1440 * 30..3 * 1440 * 130;
-    let began = Instant::now();
-    loop {
-        let open = tablet.screen.shot(&folder.path("open.png"));
-        let changed = differ(&closed.rgb[under_it.clone()], &open.rgb[under_it.clone()]);
-        if changed > 3000 {
-            break;
+    let opens = |tablet: &mut Tablet| {
+        tablet.tap(20.0, 14.0);
+        let began = Instant::now();
+        while began.elapsed() < Duration::from_secs(6) {
+            let open = tablet.screen.shot(&folder.path("open.png"));
+            let pairs = closed.rgb[under_it.clone()].iter().zip(&open.rgb[under_it.clone()]);
+            if pairs.filter(|(a, b)| a.abs_diff(**b) > 16).count() > 3000 {
+                return true;
+            }
         }
-        let waits = began.elapsed() < Duration::from_secs(5);
-        assert!(waits, "a menu opens under the pen: {changed} bytes differ");
-    }
-    tablet.tap(20.0, 14.0);
+        false
+    };
+    assert!((0..3).any(|_| opens(&mut tablet)), "a menu opens under the pen");
+    tablet.tap(1000.0, 888.0);
     tablet.screen.key("p");
     // Across the viewport, over the crown: light, middle, full.
     let levels = [0.25, 0.5, 1.0];
     let place = |k: u32| (440.0 + 3.0 * f64::from(k), 215.0, levels[(k / 20) as usize]);
     let places: Vec<(f64, f64, f64)> = (0..60).map(place).collect();
     tablet.draw(&places);
-    std::thread::sleep(Duration::from_millis(500));
+    settled(&tablet, &folder);
     if let Some(shot) = std::env::var_os("COIF_SHOTS") {
         tablet.screen.shot(&Path::new(&shot).join("pen.png"));
     }

@@ -260,7 +260,7 @@ mod tests {
         let to = plug(&document, "colour.curves", Some(0));
         let after = apply(&document, &connect(&document, &from, &to, Some(&lifted)).unwrap());
         assert!(!after.links.contains_key(&lifted.to));
-        assert_eq!(after.links[&to.socket], [from.clone()]);
+        assert_eq!(after.links[&to.socket], std::slice::from_ref(&from));
         let back = plug(&document, "fill.curves", Some(0));
         assert_eq!(connect(&document, &from, &back, Some(&lifted)), None);
         assert_eq!(connect(&document, &from, &back, None), None);

@@ -482,7 +482,7 @@ mod tests {
             assert_eq!(count(n), text);
         }
         assert_eq!(
-            (time(3.14), time(38.2), time(2345.0)),
+            (time(3.12), time(38.2), time(2345.0)),
             ("3.1 ms".into(), "38 ms".into(), "2.3 s".into())
         );
     }

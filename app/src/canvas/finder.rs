@@ -4,6 +4,7 @@
 use super::edits::Link;
 use super::faces::{Faces, words};
 use super::search::{self, Entry, Hints};
+use super::text::{self, line};
 use super::wires::Wire;
 use crate::editor::theme;
 use coif_graphs::document::{Document, NodeId, Socket, wiring};
@@ -240,23 +241,23 @@ impl Finder {
 }
 
 /// Draws a line of the list, over its whole width.
-fn row(ui: &mut egui::Ui, line: &Line, chosen: bool) -> egui::Response {
+fn row(ui: &mut egui::Ui, shown: &Line, chosen: bool) -> egui::Response {
     let (rect, row) = ui.allocate_exact_size(vec2(ui.available_width(), 24.0), Sense::click());
     row.widget_info(|| {
-        egui::WidgetInfo::selected(egui::WidgetType::SelectableLabel, true, chosen, &line.label)
+        egui::WidgetInfo::selected(egui::WidgetType::SelectableLabel, true, chosen, &shown.label)
     });
     if chosen || row.hovered() {
         let fill = if chosen { theme::SELECTED } else { theme::RAISED };
         ui.painter().rect_filled(rect, 3.0, fill);
     }
-    let beside = super::node::line(ui, &line.beside, 11.0, theme::QUIET, rect.width() / 2.0);
+    let beside = line(ui, &shown.beside, 11.0, theme::QUIET, rect.width() / 2.0);
     let room = rect.width() - beside.size().x - 24.0;
-    let label = super::node::line(ui, &line.label, 13.0, theme::TEXT, room);
-    let height = |galley: &egui::Galley| rect.center().y - galley.size().y / 2.0;
+    let label = line(ui, &shown.label, 13.0, theme::TEXT, room);
+    let height = |line: &text::Line| rect.center().y - line.size().y / 2.0;
     let at = egui::pos2(rect.right() - 8.0 - beside.size().x, height(&beside));
-    ui.painter().galley(at, beside, theme::QUIET);
+    beside.show(ui.painter(), at, theme::QUIET);
     let at = egui::pos2(rect.left() + 8.0, height(&label));
-    ui.painter().galley(at, label, theme::TEXT);
+    label.show(ui.painter(), at, theme::TEXT);
     row
 }
 
@@ -285,7 +286,7 @@ fn takes(document: &Document, link: &Link, def: &'static NodeDef) -> bool {
 /// How often each kind follows the kind of a node, in this document.
 fn followers<'a>(document: &'a Document, near: Option<&NodeId>) -> BTreeMap<&'a str, usize> {
     let kind = |id: &NodeId| document.node(id.as_str()).map(|node| node.kind.as_str());
-    let Some(near) = near.and_then(|id| kind(id)) else { return BTreeMap::new() };
+    let Some(near) = near.and_then(kind) else { return BTreeMap::new() };
     let mut after: BTreeMap<&str, usize> = BTreeMap::new();
     for (to, from) in &document.links {
         if let (true, Some(kind)) =

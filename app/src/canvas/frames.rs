@@ -3,7 +3,7 @@
 use super::edits::{FRAME_TITLE, frame_rect};
 use super::faces::Faces;
 use super::look;
-use super::node::line;
+use super::text::line;
 use crate::editor::theme;
 use coif_graphs::document::{Document, Frame, NodeId};
 use egui::accesskit::Role;
@@ -52,7 +52,7 @@ pub(super) fn show(
         // The title stays readable from far away.
         let size = (14.0 / scale.clamp(0.25, 1.0)).min(rect.height() / 3.0).max(14.0);
         let title = line(ui, text, size, theme::TEXT, rect.width() - 16.0);
-        p.galley(pos2(rect.left() + 9.0, rect.top() + 4.0), title, theme::TEXT);
+        title.show(p, pos2(rect.left() + 9.0, rect.top() + 4.0), theme::TEXT);
         let grip = Rect::from_min_max(rect.max - vec2(18.0, 18.0), rect.max);
         for off in [5.0, 9.0] {
             let ends = [rect.max - vec2(off, 3.0), rect.max - vec2(3.0, off)];

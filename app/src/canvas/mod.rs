@@ -26,6 +26,7 @@ mod search;
 mod testing;
 #[cfg(test)]
 mod tests;
+mod text;
 mod view;
 mod wires;
 

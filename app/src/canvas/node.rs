@@ -5,12 +5,12 @@
 
 use super::faces::{Face, Plug, ROW, Trouble, WIDTH};
 use super::look;
+use super::text::line;
 use crate::editor::theme;
 use egui::accesskit::Role;
-use egui::text::{LayoutJob, TextFormat, TextWrapping};
 use egui::{
-    Align2, Color32, CornerRadius, FontId, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui,
-    Vec2, pos2, vec2,
+    Align2, Color32, CornerRadius, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2,
+    vec2,
 };
 
 /// One end of a node: an input or an output, by its number among the node's plugs.
@@ -169,7 +169,7 @@ fn far(ui: &Ui, face: &Face, rect: Rect, detail: Detail, mood: Mood) {
     if detail == Detail::Far {
         let text = line(ui, &face.label, 11.0 * unit, theme::TEXT, rect.width() - 4.0);
         let at = Align2::CENTER_CENTER.anchor_size(rect.center(), text.size());
-        p.galley(at.min, text, theme::TEXT);
+        text.show(p, at.min, theme::TEXT);
     }
     trouble_mark(ui, face, rect.left_top(), 6.0 * unit);
 }
@@ -183,7 +183,7 @@ fn plain(ui: &Ui, face: &Face, rect: Rect) {
     let colour = if face.bypass { theme::QUIET } else { theme::TEXT };
     let label = line(ui, &face.label, 17.0, colour, WIDTH - 36.0);
     let at = pos2(rect.left() + 10.0, middle - label.size().y / 2.0);
-    ui.painter().galley(at, label, colour);
+    label.show(ui.painter(), at, colour);
     trouble_mark(ui, face, rect.left_top(), 9.0);
 }
 
@@ -260,11 +260,11 @@ fn header(ui: &mut Ui, face: &Face, rect: Rect, touched: &mut Touched) {
         Some(kind) => {
             let kind = line(ui, kind, 10.0, theme::QUIET, room);
             let top = middle - (height + kind.size().y - 1.0) / 2.0;
-            p.galley(pos2(x, top), label, colour);
-            p.galley(pos2(x, top + height - 1.0), kind, theme::QUIET);
+            label.show(p, pos2(x, top), colour);
+            kind.show(p, pos2(x, top + height - 1.0), theme::QUIET);
         }
         None => {
-            p.galley(pos2(x, middle - height / 2.0), label, colour);
+            label.show(p, pos2(x, middle - height / 2.0), colour);
         }
     }
     if face.collapsed {
@@ -292,37 +292,15 @@ fn footer(ui: &Ui, face: &Face, rect: Rect, mood: Mood) {
         text = if face.bypass { "bypassed" } else { "not run yet" }.to_owned();
     }
     p.hline(rect.x_range().shrink(6.0), top, Stroke::new(1.0, Color32::from_gray(50)));
-    let galley = line(ui, &text, 10.0, colour, rect.right() - 8.0 - x);
-    p.galley(pos2(x, middle - galley.size().y / 2.0), galley, colour);
+    let words = line(ui, &text, 10.0, colour, rect.right() - 8.0 - x);
+    let at = pos2(x, middle - words.size().y / 2.0);
+    words.show(p, at, colour);
     if let Some(share) = mood.running {
         let bar = Rect::from_min_max(pos2(rect.left() + 1.0, rect.bottom() - 3.0), rect.max);
         p.rect_filled(bar, 1.0, theme::SUNKEN);
         let done = Rect::from_min_size(bar.min, vec2(bar.width() * share.clamp(0.02, 1.0), 3.0));
         p.rect_filled(done, 1.0, theme::ACCENT);
     }
-}
-
-/// The most letters of a line that are laid out.
-const LONGEST: usize = 160;
-
-/// One line of text, cut off with dots where there is no more room.
-pub(super) fn line(
-    ui: &Ui,
-    text: &str,
-    size: f32,
-    colour: Color32,
-    room: f32,
-) -> std::sync::Arc<egui::Galley> {
-    let text: String = text.lines().next().unwrap_or_default().chars().take(LONGEST).collect();
-    let format = TextFormat::simple(FontId::proportional(size), colour);
-    let mut job = LayoutJob::single_section(text, format);
-    job.wrap = TextWrapping {
-        max_width: room.max(1.0),
-        max_rows: 1,
-        break_anywhere: true,
-        overflow_character: Some('\u{2026}'),
-    };
-    ui.painter().layout_job(job)
 }
 
 fn end(
@@ -374,7 +352,7 @@ fn end(
             End::In(_) => at.x + 11.0,
             End::Out(_) => at.x - 11.0 - text.size().x,
         };
-        ui.painter().galley(pos2(x, y), text, colour);
+        text.show(ui.painter(), pos2(x, y), colour);
     }
     let response =
         if mood.wiring { response } else { response.on_hover_ui(|ui| tip(ui, face, end, plug)) };

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[derive(Args, Default)]
 pub(crate) struct EditArgs {
     /// The graph: a .ron file, or the name of a shipped groom
-    graph: Option<PathBuf>,
+    pub(super) graph: Option<PathBuf>,
 }
 
 /// Whether there is anything to open a window on. Only Linux has machines without.

@@ -23,9 +23,13 @@ use std::process::ExitCode;
 /// Groom editor made of nodes: braids, partitions, curls and puffs.
 #[derive(Parser)]
 #[command(name = "coif", version, propagate_version = true, subcommand_negates_reqs = true)]
+#[cfg_attr(feature = "editor", command(args_conflicts_with_subcommands = true))]
 struct Args {
     #[command(subcommand)]
     command: Option<Command>,
+    #[cfg(feature = "editor")]
+    #[command(flatten)]
+    edit: edit::EditArgs,
 }
 
 #[derive(Subcommand)]
@@ -61,7 +65,11 @@ pub(crate) enum Exit {
 
 pub(crate) fn main() -> ExitCode {
     let args = Args::parse();
-    let command = args.command.or_else(start_up);
+    #[cfg(feature = "editor")]
+    let given = args.edit.graph.is_some().then_some(Command::Edit(args.edit));
+    #[cfg(not(feature = "editor"))]
+    let given = None;
+    let command = args.command.or(given).or_else(start_up);
     let exit = match command {
         #[cfg(feature = "editor")]
         Some(Command::Edit(args)) => edit::run(&args),

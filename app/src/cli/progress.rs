@@ -7,6 +7,7 @@ use std::io::IsTerminal;
 /// Is told how far long work is: a bar on a terminal, or one in the window.
 pub(crate) trait Tell: Progress {
     /// What is counted from now on.
+    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "pictures count samples"))]
     fn counts(&self, what: &'static str);
     /// So many are done.
     fn count(&self, done: usize, of: usize);

@@ -44,3 +44,46 @@ pub(crate) fn ui(state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
         }
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::editor::Editor;
+    use crate::editor::rooms::Room;
+    use crate::editor::state::OpenFile;
+    use coif_graphs::document::edit::Edit;
+    use coif_graphs::document::{Document, NodeId};
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    #[test]
+    fn a_click_goes_to_a_step_and_selects_what_it_changed() {
+        let context = egui::Context::default();
+        let mut editor = Editor::new(&context, Document::default(), OpenFile::default());
+        let ids = ["a", "b", "c"].map(|id| NodeId::new(id).unwrap());
+        for id in &ids {
+            let node = editor.state.document.fresh_node("resample", id).into();
+            editor.apply(Event::Edit(Edit::AddNode { id: id.clone(), node, at: None }));
+        }
+        editor.apply(Event::Show(Room::History));
+        let words: Vec<String> =
+            editor.state.history.steps().map(|step| step.words.clone()).collect();
+        let mut ui = Harness::builder()
+            .with_size(egui::vec2(1400.0, 900.0))
+            .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
+        ui.step();
+        ui.get_by_label("3 of 3 steps");
+        ui.get_by_label(&format!("▶ {}", words[2]));
+        ui.get_by_label(&words[1]).click();
+        ui.run_steps(2);
+        let state = &ui.state().state;
+        assert_eq!((state.history.done(), state.selection.active.as_ref()), (2, Some(&ids[1])));
+        ui.get_by_label("As it was opened").click();
+        ui.run_steps(2);
+        assert!(ui.state().state.document.nodes.is_empty());
+        ui.get_by_label("0 of 3 steps");
+        ui.get_by_label(&words[2]).click();
+        ui.run_steps(2);
+        assert_eq!(ui.state().state.document.nodes.len(), 3);
+    }
+}

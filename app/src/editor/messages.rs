@@ -85,6 +85,7 @@ pub fn all(state: &State) -> Vec<Message> {
         .filter(|message| message.gravity == Gravity::Error)
         .filter_map(|message| message.node.clone())
         .collect();
+    all.extend(state.notes.all().iter().rev().map(|note| of_note(&state.document, note)));
     let reports = &state.run.reports;
     for bad in &reports.refused {
         let Ok(id) = NodeId::new(&bad.node) else { continue };
@@ -116,7 +117,6 @@ pub fn all(state: &State) -> Vec<Message> {
             all.push(message);
         }
     }
-    all.extend(state.notes.all().iter().rev().map(|note| of_note(&state.document, note)));
     all.sort_by_key(|message| std::cmp::Reverse(message.gravity));
     all
 }
@@ -180,7 +180,8 @@ impl Messages {
         let reports = Arc::as_ptr(&state.run.reports).addr();
         let notes = state.notes.count();
         let now = Some((state.changes, state.revision, reports, notes));
-        if self.of != now {
+        // While something is dragged, what was said stands; it is all said again behind it.
+        if self.of != now && !(state.gesture && self.of.is_some()) {
             (self.of, self.all) = (now, all(state).into());
         }
         self.all.clone()

@@ -216,7 +216,7 @@ impl RampField<'_> {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
             let blend = ComboBox::from_id_salt(id.with("blend"))
-                .width(78.0)
+                .width(60.0)
                 .selected_text(blend_name(ramp.blend))
                 .show_ui(ui, |ui| {
                     for (blend, tip) in [
@@ -231,10 +231,11 @@ impl RampField<'_> {
                     }
                 });
             set_name(ui, &blend.response, &format!("{} blending", self.name));
-            let menu = ui.menu_button("Shape…", |ui| {
+            let menu = ui.menu_button("…", |ui| {
                 new = self.menu(ui, id, ramp).or(new.take());
             });
             set_name(ui, &menu.response, &format!("{} shape", self.name));
+            menu.response.on_hover_text("Shapes to begin with, flip, scale, copy and paste.");
             let name = format!("{}: add a point", self.name);
             if icon_button(ui, "+", &name).clicked() {
                 let (more, at) = stops::add(ramp, 0.5, None, limits);

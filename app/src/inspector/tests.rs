@@ -130,6 +130,9 @@ fn every_input_of_every_kind_has_a_widget() {
         }
         let unwired = hands.query_all_by_label_contains("Not connected").count();
         assert_eq!(unwired, wires, "{}", def.id);
+        let needs = def.inputs.iter().filter(|i| i.default.is_none() && i.arity == Arity::One);
+        let said = hands.query_all_by_label_contains("wire it on the canvas").count();
+        assert_eq!(said, needs.count(), "{}", def.id);
     }
     assert!(widgets > 150, "{widgets}");
 }
@@ -539,16 +542,4 @@ fn a_frame_costs_little() {
     let ms = start.elapsed().as_secs_f64() * 1e3 / frames as f64;
     println!("inspector of the largest node: {ms:.2} ms a frame (dev)");
     assert!(ms < 60.0, "{ms}");
-}
-
-#[test]
-fn inputs_that_need_a_wire_say_so() {
-    let needs = |def: &NodeDef| {
-        def.inputs.iter().filter(|i| i.default.is_none() && i.arity == Arity::One).count()
-    };
-    for def in coif_nodes::all().filter(|def| needs(def) > 0) {
-        let hands = hands(nodes(&[("a", def.id)]), &["a"], (380.0, 2500.0));
-        let said = hands.query_all_by_label_contains("wire it on the canvas").count();
-        assert_eq!(said, needs(def), "{}", def.id);
-    }
 }

@@ -8,6 +8,7 @@ use super::shapes;
 use super::slider::{Done, NumberField};
 use super::target::{Held, How, Target};
 use super::text::{icon_button, set_name, spoken, text_field};
+use crate::editor::documents;
 use crate::editor::event::Event;
 use crate::editor::theme;
 use coif_nodes::data::field::Field;
@@ -373,7 +374,19 @@ fn file(
         Some(Value::Text(path)) => path.to_string(),
         _ => String::new(),
     };
-    let new = text_field(ui, name, &path, "a path, relative to the groom", (width, 1));
+    let mut new = None;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
+        let button = ui.spacing().interact_size.y;
+        let hint = "a path, relative to the groom";
+        new = text_field(ui, name, &path, hint, (width - button - 3.0, 1));
+        if icon_button(ui, "📂", &format!("{name}: browse")).clicked()
+            && let Some(node) = target.nodes.first()
+        {
+            let asked = documents::Event::Find(node.clone(), input.name.to_owned());
+            target.out.push(Event::Documents(asked));
+        }
+    });
     match new {
         Some(path) if path.trim().is_empty() => target.unset(input),
         Some(path) => target.set(input, path.trim(), How::Once),

@@ -112,6 +112,7 @@ impl Pen {
         };
         let Some(mut height) = edits::height(scalp, p) else { return };
         let drag = egui::DragValue::new(&mut height).range(-20.0..=100.0).speed(0.02).suffix(" cm");
+        let drag = drag.fixed_decimals(2);
         let tip = "How high the picked points are over the scalp.";
         if !ui.add(drag.prefix("Height ")).on_hover_text(tip).changed() {
             return;
@@ -133,30 +134,41 @@ impl Pen {
         }
         let mut settings = state.settings.pen.clone();
         let mut open = true;
-        egui::Window::new("Pen settings").open(&mut open).default_width(320.0).show(ctx, |ui| {
-            let mut names: Vec<String> = self.devices.pens().map(str::to_owned).collect();
-            names.extend([TOUCH.to_owned(), MOUSE.to_owned()]);
-            names.dedup();
-            if self.devices.pens().next().is_none() {
-                ui.label("No pen with pressure is plugged in.");
-                ui.label(self.devices.why_not());
-            }
-            for name in names {
-                let mut feel = settings.feel(&name);
-                let before = feel;
-                egui::CollapsingHeader::new(&name).default_open(true).show(ui, |ui| {
-                    self.feel(&mut feel, name == MOUSE, ui);
-                });
-                if feel != before {
-                    settings.devices.insert(name, feel);
+        egui::Window::new("Pen settings")
+            .open(&mut open)
+            .default_pos([24.0, 120.0])
+            .default_width(320.0)
+            .show(ctx, |ui| {
+                let mut names: Vec<String> = self.devices.pens().map(str::to_owned).collect();
+                names.extend([TOUCH.to_owned(), MOUSE.to_owned()]);
+                names.dedup();
+                if self.devices.pens().next().is_none() {
+                    ui.label("No pen with pressure is plugged in.");
+                    if !self.devices.why_not().is_empty() {
+                        ui.label(self.devices.why_not());
+                    }
                 }
-            }
-            ui.separator();
-            ui.checkbox(&mut settings.fingers_draw, "Fingers draw")
-                .on_hover_text("A finger works as a pen does, unless a pen is near.");
-            ui.label("Last touch");
-            strip(ui, &self.strip);
-        });
+                for name in names {
+                    let mut feel = settings.feel(&name);
+                    let before = feel;
+                    let label = match name.as_str() {
+                        TOUCH => "Touch screen",
+                        MOUSE => "Mouse",
+                        pen => pen,
+                    };
+                    egui::CollapsingHeader::new(label).default_open(true).show(ui, |ui| {
+                        self.feel(&mut feel, name == MOUSE, ui);
+                    });
+                    if feel != before {
+                        settings.devices.insert(name, feel);
+                    }
+                }
+                ui.separator();
+                ui.checkbox(&mut settings.fingers_draw, "Fingers draw")
+                    .on_hover_text("A finger works as a pen does, unless a pen is near.");
+                ui.label("Last touch");
+                strip(ui, &self.strip);
+            });
         self.settings_open = open;
         if settings != state.settings.pen {
             let settings =

@@ -487,6 +487,40 @@ fn a_stroke_is_picked_by_its_curve_selected_elsewhere() {
     assert_eq!(table.strokes().0.len(), 0);
 }
 
+#[test]
+fn a_mouse_draws_too_and_the_keys_that_turn_the_view_keep_it_from_drawing() {
+    // What is in hand, keys that are held -> strokes there are.
+    for (tool, modifiers, strokes) in [
+        ("pen.draw", egui::Modifiers::NONE, 1),
+        ("pen.draw", egui::Modifiers::ALT, 0),
+        ("pen.select", egui::Modifiers::NONE, 0),
+    ] {
+        let mut table = draw_on(head());
+        table.editor().act(tool);
+        let before = table.editor().viewport.projection().camera;
+        table.harness.event(egui::Event::ModifiersChanged(modifiers));
+        for (k, (at, _)) in row(300.0).iter().enumerate() {
+            let pos = table.on_screen(*at);
+            table.harness.event(egui::Event::PointerMoved(pos));
+            table.step();
+            if k == 0 || k == 29 {
+                let button = egui::PointerButton::Primary;
+                let pressed = k == 0;
+                table.harness.event(egui::Event::PointerButton { pos, button, pressed, modifiers });
+                table.step();
+            }
+        }
+        table.step();
+        assert_eq!(table.strokes().0.len(), strokes, "{tool} {modifiers:?}");
+        let turned = table.editor().viewport.projection().camera != before;
+        assert_eq!(turned, modifiers.alt, "{tool} {modifiers:?}");
+        if let Some(stroke) = table.strokes().0.first() {
+            assert!(stroke.samples.iter().all(|s| (s.pressure - 0.5).abs() < 0.01));
+            assert!(stroke.samples.len() > 4);
+        }
+    }
+}
+
 /// The figures of the guide: milliseconds from samples to the line on the screen, and to the curve.
 #[test]
 fn the_line_is_painted_in_the_frame_of_its_samples() {

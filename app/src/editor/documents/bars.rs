@@ -1,7 +1,7 @@
 //! Bars under the menu, which wait for an answer without being in the way, and the one question that does: about unsaved
 //! changes.
 
-use super::{Disk, Documents, Event as FileEvent, Left, Unsaved, journal};
+use super::{Disk, Documents, Event as FileEvent, Left, Next, Unsaved, journal};
 use crate::editor::event::Event;
 use crate::editor::state::{Select, State};
 use egui::{Panel, ProgressBar};
@@ -109,6 +109,7 @@ pub(super) fn hovering(ctx: &egui::Context) {
 /// The question about unsaved changes.
 pub(super) fn unsaved(
     documents: &Documents,
+    state: &State,
     name: &str,
     ctx: &egui::Context,
     out: &mut Vec<Event>,
@@ -117,16 +118,32 @@ pub(super) fn unsaved(
         return;
     }
     let modal = egui::Modal::new("unsaved".into()).show(ctx, |ui| {
-        ui.heading(format!("Save the changes of {name}?"));
-        ui.label("What is not saved is lost.");
+        let changed = state.history.is_changed();
+        if changed {
+            ui.heading(format!("Save the changes of {name}?"));
+            ui.label("What is not saved is lost.");
+        } else {
+            ui.heading("Close while an export goes on?");
+        }
+        if documents.export.is_some() && documents.unsaved == Some(Next::Close) {
+            ui.label("Closing stops the export; nothing of it is written.");
+        }
         ui.add_space(8.0);
         let mut answer = None;
         ui.horizontal(|ui| {
-            for (word, tip, what) in [
-                ("Save", "Saves first", Unsaved::Save),
-                ("Discard", "Goes on without saving", Unsaved::Discard),
-                ("Cancel", "Goes back to the document", Unsaved::Cancel),
-            ] {
+            let answers: &[_] = if changed {
+                &[
+                    ("Save", "Saves first", Unsaved::Save),
+                    ("Discard", "Goes on without saving", Unsaved::Discard),
+                    ("Cancel", "Goes back to the document", Unsaved::Cancel),
+                ]
+            } else {
+                &[
+                    ("Close", "Stops the export", Unsaved::Discard),
+                    ("Cancel", "Goes back to the document", Unsaved::Cancel),
+                ]
+            };
+            for (word, tip, what) in answers.iter().copied() {
                 if ui.button(word).on_hover_text(tip).clicked() {
                     answer = Some(what);
                 }

@@ -58,6 +58,9 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
                 editor.state.notes.say(Note::done("the export was stopped; nothing was written"));
             }
         }
+        if editor.documents.closes_after_export {
+            editor.leave();
+        }
     }
 }
 
@@ -110,7 +113,7 @@ pub(crate) fn panels(editor: &mut Editor, ui: &mut egui::Ui) {
     let ctx = ui.ctx().clone();
     let mut out = vec![];
     bars::show(&editor.documents, &editor.state, ui, &mut out);
-    bars::unsaved(&editor.documents, &editor.title(), &ctx, &mut out);
+    bars::unsaved(&editor.documents, &editor.state, &editor.title(), &ctx, &mut out);
     let documents = &mut editor.documents;
     welcome::window(&mut documents.welcome, &documents.recent, &editor.state, &ctx, &mut out);
     bars::hovering(&ctx);

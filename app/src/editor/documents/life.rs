@@ -81,7 +81,8 @@ impl Editor {
     fn after_question(&mut self, next: Next) {
         self.state.history.end(&self.state.document);
         self.state.gesture = false;
-        if self.state.history.is_changed() {
+        let exports = next == Next::Close && self.documents.export.is_some();
+        if self.state.history.is_changed() || exports {
             self.documents.unsaved = Some(next);
         } else {
             self.go_on(next);
@@ -221,9 +222,11 @@ impl Editor {
 
     fn ask(&mut self, purpose: Purpose, input: Option<(NodeId, String)>) {
         let file = &self.state.file;
-        let folder = match (&file.path, self.documents.recent.files().first()) {
-            (None, Some(last)) => last.parent().map(Path::to_owned).unwrap_or_default(),
-            _ => file.folder.clone(),
+        let last = self.documents.last_folder.clone();
+        let recent = self.documents.recent.files().first().and_then(|path| path.parent());
+        let folder = match &file.path {
+            Some(_) if matches!(purpose, Purpose::Open | Purpose::Save) => file.folder.clone(),
+            _ => last.or(recent.map(Path::to_owned)).unwrap_or_else(|| file.folder.clone()),
         };
         let stem = match &file.path {
             Some(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
@@ -249,6 +252,7 @@ impl Editor {
             self.documents.after_save = None;
             return;
         };
+        self.documents.last_folder = path.parent().map(Path::to_owned);
         match (purpose, input) {
             (Purpose::Open, _) => self.apply_to_file(Event::Open(path)),
             (Purpose::Save, _) => self.apply_to_file(Event::SaveTo(path)),
@@ -394,8 +398,13 @@ impl Editor {
         }
     }
 
-    /// Nothing keeps the window from closing any more.
-    fn leave(&mut self) {
+    /// Nothing keeps the window from closing any more, but an export that has to put its things away.
+    pub(super) fn leave(&mut self) {
+        if let Some(export) = &self.documents.export {
+            export.stop();
+            self.documents.closes_after_export = true;
+            return;
+        }
         self.documents.leaving = true;
         if let Some(journal) = self.documents.journal.take() {
             journal.close();

@@ -1,10 +1,10 @@
 //! Documents of the editor: new, open, save, export, recent files, recovery, and what happens to files on the disk.
 //!
 //! Guarantees: what is unsaved is asked about once before it goes; a file is written whole or not at all; whatever ends the
-//! process, the document after the last step that the [`journal`] has written is offered at the next start; nothing
+//! process, the document after the last step that the journal has written is offered at the next start; nothing
 //! here waits for a dialog, an export or a folder that hangs. Saving itself is waited for.
 //!
-//! Without a home ([`Documents::new`]) nothing is kept between runs and no dialog opens, so that tests leave nothing behind;
+//! Without a home (as a new editor has none) nothing is kept between runs and no dialog opens, so that tests leave nothing behind;
 //! [`super::Editor::keep_in`] gives it one.
 
 pub(crate) mod actions;
@@ -168,6 +168,8 @@ pub struct Documents {
     /// The system has no dialogs.
     no_dialogs: bool,
     asking: Option<Asking>,
+    /// Where a file was chosen last.
+    last_folder: Option<PathBuf>,
     browser: Option<Browser>,
     /// Waits for an answer about unsaved changes.
     unsaved: Option<Next>,
@@ -176,6 +178,8 @@ pub struct Documents {
     leftovers: Vec<Leftover>,
     changed: Option<Changed>,
     export: Option<Export>,
+    /// The window closes once the export has stopped.
+    closes_after_export: bool,
     head: Option<OwnHead>,
     /// Everything is brought into view once this state of the document is shown.
     frames: Option<u64>,
@@ -205,12 +209,14 @@ impl Documents {
             dialogs: None,
             no_dialogs: false,
             asking: None,
+            last_folder: None,
             browser: None,
             unsaved: None,
             after_save: None,
             leftovers: vec![],
             changed: None,
             export: None,
+            closes_after_export: false,
             head: None,
             frames: None,
             welcome: Welcome::default(),

@@ -95,6 +95,10 @@ fn what_is_saved_is_opened_again_and_known_as_recent() {
     assert_eq!(ui.state().state.document.seed, 8);
     assert_eq!(ui.state().documents.recent.files(), [path]);
     assert_eq!(said(&ui, Gravity::Error), Vec::<String>::new());
+    // The next question for a mesh begins where the last file was.
+    fake.answers(Answer::Nothing);
+    act(&mut ui, "file.head");
+    assert_eq!(fake.asked.lock().unwrap().last().unwrap().folder, folder.root());
     // Somebody closes a dialog: nothing happens.
     fake.answers(Answer::Nothing);
     act(&mut ui, "file.save_as");
@@ -502,6 +506,21 @@ fn a_stopped_or_refused_export_leaves_no_file() {
         said(&ui, Gravity::Note).last().unwrap(),
         "the export was stopped; nothing was written"
     );
+    // Closing asks, stops it, and waits until its things are put away.
+    does(&mut ui, FileEvent::Export(folder.path("b.usdc")));
+    assert!(close_requested(&mut ui).contains(&ViewportCommand::CancelClose));
+    ui.step();
+    press(&mut ui, "Cancel");
+    assert!(ui.state().documents.export.is_some());
+    assert!(close_requested(&mut ui).contains(&ViewportCommand::CancelClose));
+    ui.step();
+    ui.get_by_label("Close").click();
+    let mut closed = false;
+    until("it closes", || {
+        closed |= step_commands(&mut ui).contains(&ViewportCommand::Close);
+        closed
+    });
+    assert!(ui.state().documents.export.is_none());
     does(&mut ui, FileEvent::Export(folder.path("a.fbx")));
     until("it is refused", || {
         ui.step();
