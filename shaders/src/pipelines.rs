@@ -23,6 +23,9 @@ pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 /// Openness of voxels.
 pub(crate) const OPENNESS: TextureFormat = TextureFormat::Rgba16Float;
 
+/// Corners of tiles.
+pub(crate) const CORNERS: TextureFormat = TextureFormat::R32Uint;
+
 /// What a compute pass binds.
 #[derive(Debug)]
 pub(crate) struct Layouts {
@@ -35,6 +38,7 @@ pub(crate) struct Layouts {
     pub(crate) density: BindGroupLayout,
     pub(crate) volume: BindGroupLayout,
     pub(crate) opacity: BindGroupLayout,
+    pub(crate) sort: BindGroupLayout,
     pub(crate) shade: BindGroupLayout,
 }
 
@@ -49,6 +53,7 @@ pub(crate) struct Pipelines {
     pub(crate) volume: ComputePipeline,
     pub(crate) opacity_near: ComputePipeline,
     pub(crate) opacity_count: ComputePipeline,
+    pub(crate) sort: ComputePipeline,
     pub(crate) solids: RenderPipeline,
     pub(crate) solids_from_light: RenderPipeline,
 }
@@ -89,6 +94,11 @@ impl Layouts {
             format: OPENNESS,
             view_dimension: d3,
         };
+        let corners = BindingType::StorageTexture {
+            access: StorageTextureAccess::WriteOnly,
+            format: CORNERS,
+            view_dimension: d2,
+        };
         let layout = |label, types: &[BindingType]| {
             let entries: Vec<_> =
                 types.iter().enumerate().map(|(i, ty)| entry(i as u32, *ty)).collect();
@@ -117,7 +127,8 @@ impl Layouts {
             density: layout("density", &[write]),
             volume: layout("volume", &[read, read, openness]),
             opacity: layout("opacity", &[write]),
-            shade: layout("shade", &[read, write]),
+            sort: layout("sort", &[read, write, write, corners]),
+            shade: layout("shade", &[read, write, texture(TextureSampleType::Uint, d2)]),
         }
     }
 }
@@ -127,6 +138,19 @@ impl Layouts {
 pub(crate) struct ShadeFor {
     pub(crate) model: Model,
     pub(crate) shading: Shading,
+    pub(crate) holds: Holds,
+}
+
+/// What tiles of the picture hold at most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Holds {
+    Hair,
+    Solids,
+    Backdrop,
+}
+
+impl Holds {
+    pub(crate) const ALL: [Self; 3] = [Self::Hair, Self::Solids, Self::Backdrop];
 }
 
 /// A compute pipeline of one entry point of one file.
@@ -180,6 +204,11 @@ impl Pipelines {
             volume: pass("volume", "volume", &layouts.volume, &[]),
             opacity_near: opacity(0.0),
             opacity_count: opacity(1.0),
+            sort: {
+                let (lookups, own) = (Some(&layouts.lookups), Some(&layouts.sort));
+                let groups = [Some(&layouts.frame), lookups, None, own];
+                compute(gpu, Source::of("shade"), "sort", "sort", &groups, &[])
+            },
             solids: raster(gpu, layouts, true),
             solids_from_light: raster(gpu, layouts, false),
         }
@@ -196,6 +225,7 @@ pub(crate) fn shade(
     let colours = what.shading == Shading::Colour;
     let source = Source::of("shade")
         .with("MODEL", &format!("{}u", what.model as u32))
+        .with("HOLDS", &format!("{}u", what.holds as u32))
         .with("COLOURS", if colours { "true" } else { "false" });
     let groups =
         [Some(&layouts.frame), Some(&layouts.lookups), Some(strands), Some(&layouts.shade)];

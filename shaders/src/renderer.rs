@@ -6,8 +6,9 @@
 //! ([`Pass::OpacityNear`], [`Pass::OpacityCount`]).
 //! Then, sample after sample with the camera shaken by a fraction of a pixel: solids are rasterised ([`Pass::Solids`]),
 //! visibility starts from their depth ([`Pass::Clear`]), strands are splatted into it ([`Pass::Splat`]; on adapters without
-//! 64-bit atomics [`Pass::Name`] follows), and every pixel is shaded once into a sum ([`Pass::Shade`]).
-//! One sample is what a moving view shows; 64 are a still.
+//! 64-bit atomics [`Pass::Name`] follows), and every pixel is shaded once into a sum ([`Pass::Shade`]), tile by tile with what
+//! the tile holds: hair, solids, or the backdrop alone.
+//! One sample of light [`Effort`] is what a moving view shows; 64 of full effort are a still.
 //!
 //! # Slices
 //! All work is cut into slices that take about 25 ms on the adapter at hand, as measured on the slices before, so that
@@ -23,7 +24,9 @@ use crate::gpu::Gpu;
 use crate::hair::{Model, ScatterTable};
 use crate::light::Rig;
 use crate::picture::Picture;
-use crate::pipelines::{self, ALBEDO, DEPTH, Layouts, NORMAL, OPENNESS, Pipelines, ShadeFor};
+use crate::pipelines::{
+    self, ALBEDO, CORNERS, DEPTH, Holds, Layouts, NORMAL, OPENNESS, Pipelines, ShadeFor,
+};
 use crate::solids::Solids;
 use crate::strands::{Blocks, Slice, Strands, Uploaded};
 use crate::surface::{RootGrid, Solid, solid_voxels};
@@ -53,6 +56,11 @@ const OPACITY_VISITS: f64 = 6.0e6;
 const FILTER_PIXELS: f32 = 0.38;
 /// Bytes from one slice's parameters to the next: the alignment that every adapter grants.
 const SLICE_STRIDE: u64 = 256;
+/// Tiles that one slice of shading may sort, and how many corners of them stand in a row; as `shade.wgsl` has it.
+const TILES: u32 = 65_535;
+const ROW: u32 = 256;
+/// No tiles yet, for hair, solids and the backdrop: workgroups along x, y and z, and room.
+const NO_TILES: [[u32; 4]; 3] = [[0, 1, 1, 0]; 3];
 /// Slices that one submission may hold.
 const MOST_SLICES: u64 = 64;
 
@@ -231,6 +239,10 @@ struct Targets {
     shown: wgpu::Buffer,
     sums: wgpu::Buffer,
     visibility: wgpu::BindGroup,
+    /// Tiles of a slice by what they hold, and what it begins as: no tiles.
+    tiles: wgpu::Buffer,
+    no_tiles: wgpu::Buffer,
+    sort: wgpu::BindGroup,
     shade: wgpu::BindGroup,
 }
 
@@ -511,19 +523,26 @@ impl Renderer {
         self.restart();
     }
 
-    fn shade_for(&self) -> ShadeFor {
+    fn shade_for(&self, holds: Holds) -> ShadeFor {
         // The model does not matter where colours are shown.
         let model = match self.shading {
             Shading::Hair => self.look.model,
             Shading::Colour => Model::default(),
         };
-        ShadeFor { model, shading: self.shading }
+        match holds {
+            Holds::Hair => ShadeFor { model, shading: self.shading, holds },
+            // Without hair its colours do not matter either.
+            _ => ShadeFor { model: Model::default(), shading: Shading::Hair, holds },
+        }
     }
 
     fn compile_shade(&mut self) {
-        let what = self.shade_for();
-        let (gpu, layouts, strands) = (&self.gpu, &self.layouts, &self.strands.layout);
-        self.shades.entry(what).or_insert_with(|| pipelines::shade(gpu, layouts, strands, what));
+        for what in Holds::ALL.map(|holds| self.shade_for(holds)) {
+            let (gpu, layouts, strands) = (&self.gpu, &self.layouts, &self.strands.layout);
+            self.shades
+                .entry(what)
+                .or_insert_with(|| pipelines::shade(gpu, layouts, strands, what));
+        }
     }
 
     /// Reads all shaders anew. On a fault the old ones stay, and what is wrong is said with its file and line.
@@ -719,6 +738,11 @@ impl Renderer {
                     let n = match self.rates[pass as usize] {
                         Some(rate) => ((aim - expected) / rate.max(1e-9)) as u32,
                         None => all.div_ceil(16),
+                    };
+                    let n = match pass {
+                        // Tiles that one list holds.
+                        Pass::Shade => n.min(TILES / self.width.div_ceil(8) * 8),
+                        _ => n,
                     };
                     let n = n.clamp(granule(pass), all.max(granule(pass)));
                     let n = n.next_multiple_of(granule(pass)).min(all);
@@ -957,19 +981,47 @@ impl Renderer {
                     n.min(self.solids.triangles),
                 );
             }
-            Pass::Clear | Pass::Shade => {
-                if pass == Pass::Shade {
-                    slice.base = self.strands.chunks[part].base;
-                    slice.points = self.strands.capacity(part);
-                    slice.words = if self.gpu.wide { 2 } else { 1 };
-                }
+            Pass::Clear => {
                 slices.push(slice);
-                let (pipeline, own) = match pass {
-                    Pass::Clear => (&self.pipelines.clear, &self.targets.visibility),
-                    _ => (&self.shades[&self.shade_for()], &self.targets.shade),
-                };
                 let groups = [self.width.div_ceil(8), n.div_ceil(8).max(1), 1];
-                self.dispatch(encoder, pipeline, offset, &self.drawn[part].group, own, groups);
+                let own = &self.targets.visibility;
+                self.dispatch(
+                    encoder,
+                    &self.pipelines.clear,
+                    offset,
+                    &self.drawn[part].group,
+                    own,
+                    groups,
+                );
+            }
+            Pass::Shade => {
+                slice.base = self.strands.chunks[part].base;
+                slice.points = self.strands.capacity(part);
+                slice.words = if self.gpu.wide { 2 } else { 1 };
+                slices.push(slice);
+                let targets = &self.targets;
+                let strands = &self.drawn[part].group;
+                let size = size_of_val(&NO_TILES) as u64;
+                encoder.copy_buffer_to_buffer(&targets.no_tiles, 0, &targets.tiles, 0, size);
+                let tiles = self.width.div_ceil(8) * n.div_ceil(8);
+                let groups = [tiles.div_ceil(64).max(1), 1, 1];
+                let sort = &self.pipelines.sort;
+                self.dispatch(encoder, sort, offset, strands, &targets.sort, groups);
+                // Only the first chunk shades what holds no hair.
+                let all = if part == 0 { &Holds::ALL[..] } else { &Holds::ALL[..1] };
+                let mut pass = encoder.begin_compute_pass(&Default::default());
+                pass.set_bind_group(0, &self.frame_group, &[offset]);
+                pass.set_bind_group(1, &self.lookups, &[]);
+                pass.set_bind_group(2, strands, &[]);
+                pass.set_bind_group(3, &targets.shade, &[]);
+                for holds in all {
+                    pass.set_pipeline(&self.shades[&self.shade_for(*holds)]);
+                    match n {
+                        // To compile it.
+                        0 => pass.dispatch_workgroups(1, 1, 1),
+                        _ => pass.dispatch_workgroups_indirect(&targets.tiles, 16 * *holds as u64),
+                    }
+                }
             }
             Pass::Volume => {
                 slice.first = first * 4;
@@ -1176,9 +1228,23 @@ impl Targets {
             &layouts.visibility,
             &[keys.as_entire_binding(), ids.as_entire_binding(), depth_view()],
         );
-        let shade =
-            group(gpu, &layouts.shade, &[shown.as_entire_binding(), sums.as_entire_binding()]);
-        Self { visibility, shade, normal, albedo, depth, shown, sums }
+        let tiles = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("tiles"),
+            size: size_of_val(&NO_TILES) as u64,
+            usage: B::STORAGE | B::COPY_DST | B::INDIRECT,
+            mapped_at_creation: false,
+        });
+        let no_tiles = storage(gpu, "no tiles", size_of_val(&NO_TILES) as u64);
+        gpu.queue.write_buffer(&no_tiles, 0, bytemuck::cast_slice(&NO_TILES));
+        let usage = U::STORAGE_BINDING | U::TEXTURE_BINDING;
+        let corners = view_of(gpu, "corners of tiles", [ROW, 3 * ROW, 1], D2, CORNERS, usage)
+            .create_view(&Default::default());
+        let corners = wgpu::BindingResource::TextureView(&corners);
+        let buffer = wgpu::Buffer::as_entire_binding;
+        let sort_what = [buffer(&shown), buffer(&sums), buffer(&tiles), corners.clone()];
+        let sort = group(gpu, &layouts.sort, &sort_what);
+        let shade = group(gpu, &layouts.shade, &[buffer(&shown), buffer(&sums), corners]);
+        Self { visibility, tiles, no_tiles, sort, shade, normal, albedo, depth, shown, sums }
     }
 }
 

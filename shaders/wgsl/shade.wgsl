@@ -19,6 +19,15 @@
 // Linear rgb and coverage, summed over samples.
 @group(3) @binding(1) var<storage, read_write> sums: array<vec4f>;
 
+// Which tiles of 8 x 8 pixels hold hair, which a solid and no hair, which neither: the workgroups of the dispatch of each
+// (the first number is how many tiles, then 1, 1, 0), and their corners in eighths, 256 a row, 256 rows for each of the three.
+// Software adapters run all of a shader for every pixel whatever it shows, so that tiles are shaded by what they hold.
+@group(3) @binding(2) var<storage, read_write> tiles: array<atomic<u32>>;
+@group(3) @binding(3) var corners: texture_storage_2d<r32uint, write>;
+@group(3) @binding(2) var listed: texture_2d<u32>;
+// What the tiles of this build hold at most: 0 hair, 1 solids, 2 the backdrop.
+const HOLDS: u32 = 0u;
+
 // What this build of the shader shades, so that each is compiled without the others: the model (0 Kajiya-Kay, 1 Karis,
 // 2 Chiang), and whether paint is a view's colours. `pipelines.rs` sets both.
 const MODEL: u32 = 1u;
@@ -194,16 +203,38 @@ fn solid(pixel: vec2u, depth: f32, behind: vec3f, seed: u32) -> vec3f {
   return c + skin_sky(albedo, N, V, o.w);
 }
 
+// Sorts the tiles of the rows from `S.first` on.
+@compute @workgroup_size(64)
+fn sort(@builtin(global_invocation_id) thread: vec3u) {
+  let across = (u32(F.viewport.x) + 7u) / 8u;
+  let all = across * ((S.count + 7u) / 8u);
+  if thread.x >= all { return; }
+  let corner = vec2u(thread.x % across, thread.x / across) * 8u + vec2u(0u, S.first);
+  var holds = 2u;
+  for (var k = 0u; k < 64u; k++) {
+    let pixel = corner + vec2u(k % 8u, k / 8u);
+    if pixel.x >= u32(F.viewport.x) || pixel.y >= u32(F.viewport.y) { continue; }
+    let id = shown[(pixel.y * u32(F.viewport.x) + pixel.x) * S.words];
+    if id != 0u { holds = 0u; }
+    else if textureLoad(solid_depth, vec2i(pixel), 0) > 0.0 { holds = min(holds, 1u); }
+  }
+  let place = atomicAdd(&tiles[holds * 4u], 1u);
+  let at = vec2u(place % 256u, place / 256u + holds * 256u);
+  textureStore(corners, at, vec4u(corner.x / 8u | (corner.y / 8u << 16u), 0u, 0u, 0u));
+}
+
 @compute @workgroup_size(8, 8)
-fn shade(@builtin(global_invocation_id) thread: vec3u) {
-  let pixel = vec2u(thread.x, thread.y + S.first);
-  if f32(pixel.x) >= F.viewport.x || f32(pixel.y) >= F.viewport.y || thread.y >= S.count { return; }
+fn shade(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) thread: vec3u) {
+  let entry = vec2u(group.x % 256u, group.x / 256u + HOLDS * 256u);
+  let corner = textureLoad(listed, entry, 0).r;
+  let pixel = vec2u(corner & 0xffffu, corner >> 16u) * 8u + thread.xy;
+  if f32(pixel.x) >= F.viewport.x || f32(pixel.y) >= F.viewport.y || pixel.y >= S.first + S.count { return; }
   let i = pixel.y * u32(F.viewport.x) + pixel.x;
   let id = shown[i * S.words];
   let seed = hash_u(i * 31u + hash_u(F.mode.x * 0x9E3779B9u + 1u));
   let at = vec2f(pixel) + 0.5;
   var c: vec4f;
-  if id == 0u {
+  if id == 0u || HOLDS > 0u {
     if S.base != 0u { return; }
     let ndc = at * F.viewport.zw * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
     let far = F.world_from_clip * vec4f(ndc, 1e-5, 1.0);
@@ -211,7 +242,7 @@ fn shade(@builtin(global_invocation_id) thread: vec3u) {
     let behind = backdrop(ndc, ray);
     let depth = textureLoad(solid_depth, vec2i(pixel), 0);
     c = vec4f(behind, 0.0);
-    if depth > 0.0 { c = vec4f(solid(pixel, depth, behind, seed), 1.0); }
+    if HOLDS < 2u && depth > 0.0 { c = vec4f(solid(pixel, depth, behind, seed), 1.0); }
   } else {
     if id <= S.base || id > S.base + S.points { return; }
     c = vec4f(hair(id - S.base - 1u, at, seed), 1.0);

@@ -19,7 +19,7 @@ use egui::{Color32, Painter, Pos2, Shape, Stroke};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// Curves that are drawn at most, of those that are selected or followed.
 const MOST_CURVES: usize = 600;
@@ -74,6 +74,7 @@ impl Overlay {
             self.selected = Default::default();
             (self.skin, self.finding) = (None, None);
         }
+        self.take_found();
         let painter = ui.painter_at(view.rect);
         let ball = shown.scalp().map(|scalp| {
             let frame = scalp.frame();
@@ -112,23 +113,26 @@ impl Overlay {
 
     /// Finds partings and roots beside the window's thread.
     fn skin_lines(&mut self, shown: &Arc<Shown>, ctx: &egui::Context) {
-        if self.skin.is_some() {
+        if self.skin.is_some() || self.finding.is_some() {
             return;
         }
-        let receive = self.finding.get_or_insert_with(|| {
-            let (send, receive) = channel();
-            let (shown, ctx) = (shown.clone(), ctx.clone());
-            std::thread::spawn(move || {
-                let lines = SkinLines::of(&shown.curves, shown.scalp().map(|scalp| &**scalp));
-                // Nobody waits for it any more when there is newer hair.
-                let _ = send.send(lines);
-                ctx.request_repaint();
-            });
-            receive
+        let (send, receive) = channel();
+        let (shown, ctx) = (shown.clone(), ctx.clone());
+        std::thread::spawn(move || {
+            let lines = SkinLines::of(&shown.curves, shown.scalp().map(|scalp| &**scalp));
+            // Nobody waits for it any more when there is newer hair.
+            let _ = send.send(lines);
+            ctx.request_repaint();
         });
-        if let Ok(lines) = receive.try_recv() {
-            self.skin = Some(lines);
-            self.finding = None;
+        self.finding = Some(receive);
+    }
+
+    /// Takes what was found, also when nobody looks at it any more.
+    fn take_found(&mut self) {
+        match self.finding.as_ref().map(Receiver::try_recv) {
+            Some(Ok(lines)) => (self.skin, self.finding) = (Some(lines), None),
+            Some(Err(TryRecvError::Disconnected)) => self.finding = None,
+            Some(Err(TryRecvError::Empty)) | None => {}
         }
     }
 }
