@@ -140,8 +140,8 @@ const ACTIONS: &[Action] = &[
     },
     Action {
         id: "window.keys",
-        label: "Keys",
-        tip: "The keys of the room that keys are for now.",
+        label: "Keys and manual",
+        tip: "The keys of the room that keys are for now, and the manual of the active node.",
         words: "shortcuts hotkeys help",
         menu: "Help",
         when: always,

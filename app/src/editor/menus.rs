@@ -4,6 +4,7 @@ use super::Editor;
 use super::actions::{self, MENUS};
 use super::keys::name_of;
 use super::{rooms::Room, theme};
+use coif_nodes::define::NodeDef;
 use egui::{Button, Panel, RichText};
 
 /// The menu bar on top.
@@ -77,26 +78,49 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
     });
 }
 
-/// The keys that count in the room that keys are for.
+/// The keys that count in the room that keys are for, and the manual of the active node.
 pub(crate) fn key_sheet(editor: &mut Editor, ctx: &egui::Context) {
     let room: Room = editor.state.focus;
     let mut open = true;
     egui::Window::new(format!("Keys: {}", room.title()))
         .id("key sheet".into())
         .open(&mut open)
-        .resizable(false)
+        .default_size([440.0, 520.0])
         .show(ctx, |ui| {
-            egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
-                for (id, keys) in editor.keys.in_room(room) {
-                    let Some(action) = actions::by_id(id) else { continue };
-                    let names: Vec<String> = keys.iter().map(name_of).collect();
-                    if !names.is_empty() {
-                        ui.label(action.label).on_hover_text(action.tip);
-                        ui.monospace(names.join(", "));
-                        ui.end_row();
+            egui::ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
+                egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
+                    for (id, keys) in editor.keys.in_room(room) {
+                        let Some(action) = actions::by_id(id) else { continue };
+                        let names: Vec<String> = keys.iter().map(name_of).collect();
+                        if !names.is_empty() {
+                            ui.label(action.label).on_hover_text(action.tip);
+                            ui.monospace(names.join(", "));
+                            ui.end_row();
+                        }
                     }
+                });
+                let state = &editor.state;
+                let active = state.active().and_then(|id| state.document.node(id.as_str()));
+                if let Some(def) = active.and_then(|node| coif_nodes::by_id(&node.kind)) {
+                    manual(def, ui);
                 }
             });
         });
     editor.key_sheet = open;
+}
+
+/// The page of a node: the words of its declaration.
+fn manual(def: &NodeDef, ui: &mut egui::Ui) {
+    ui.separator();
+    ui.heading(def.label);
+    ui.label(def.doc());
+    for input in def.inputs {
+        ui.add_space(4.0);
+        ui.label(RichText::new(input.name.replace('_', " ")).color(theme::ACCENT));
+        ui.label(input.doc());
+        if let Some((least, most)) = input.hard {
+            let unit = input.unit.suffix();
+            ui.label(RichText::new(format!("{least} to {most}{unit}")).color(theme::QUIET));
+        }
+    }
 }

@@ -494,7 +494,11 @@ impl egui_dock::TabViewer for Tabs<'_> {
 /// # Errors
 /// When there is no display or nothing can draw on it.
 pub fn run(document: Document, file: OpenFile, greets: bool) -> Result<(), String> {
-    let options = eframe::NativeOptions {
+    #[cfg_attr(
+        not(target_os = "linux"),
+        expect(unused_mut, reason = "only Linux has two kinds of display")
+    )]
+    let mut options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("coif")
             .with_app_id("coif")
@@ -504,6 +508,18 @@ pub fn run(document: Document, file: OpenFile, greets: bool) -> Result<(), Strin
         renderer: eframe::Renderer::Wgpu,
         ..Default::default()
     };
+    // Wayland itself tells winit 0.30 of no pen; through XWayland its pressure comes.
+    #[cfg(target_os = "linux")]
+    if ["WAYLAND_DISPLAY", "DISPLAY"]
+        .iter()
+        .all(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()))
+        && crate::pen::has_pens()
+    {
+        options.event_loop_builder = Some(Box::new(|builder| {
+            use winit::platform::x11::EventLoopBuilderExtX11 as _;
+            builder.with_x11();
+        }));
+    }
     eframe::run_native(
         "coif",
         options,

@@ -5,8 +5,8 @@
 //! events are known by where they are and left out here, so nothing is drawn twice. Palms: a finger counts only
 //! while no pen is near.
 //!
-//! winit 0.30 has no tablets under Wayland: a pen is a mouse there, unless the editor is started as a client of XWayland
-//! (an empty `WAYLAND_DISPLAY`); the settings of pens say so. On macOS it is a mouse, too.
+//! winit 0.30 has no tablets under Wayland: where the X server beside it knows a pen when the editor starts, the window is a
+//! client of XWayland; else a pen is a mouse there, and the settings of pens say so. On macOS it is a mouse, too.
 
 use super::sample::{Buttons, Device, MOUSE, PenSample, Phase, Tool};
 use super::settings::{self, Feel, Settings};
@@ -92,8 +92,8 @@ impl Devices {
             Ok(RawWindowHandle::Xcb(handle)) => Some(handle.window.get()),
             Ok(RawWindowHandle::Wayland(_)) => {
                 self.why_not =
-                    "Under Wayland pens have no pressure here. Start coif with an empty \
-                                WAYLAND_DISPLAY to draw through XWayland, with pressure."
+                    "Under Wayland pens have no pressure here. Plug the pen in and start coif \
+                     again: it then draws through XWayland, with pressure."
                         .to_owned();
                 None
             }

@@ -38,6 +38,8 @@ use sample::Phase;
 use shapes::Shapes;
 use std::collections::BTreeSet;
 use std::sync::Arc;
+#[cfg(target_os = "linux")]
+pub(crate) use x11::has_pens;
 
 /// What the pen does in the viewport.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

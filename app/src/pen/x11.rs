@@ -270,6 +270,12 @@ impl Listener {
     }
 }
 
+/// Whether the X server has a pen with pressure now. Asked before there is a window.
+pub(crate) fn has_pens() -> bool {
+    // No window has the number 0, so nothing is heard; the devices are listed all the same.
+    Listener::new(0).is_ok_and(|mut listener| listener.look().is_ok() && !listener.pens.is_empty())
+}
+
 /// Starts listening to pens on a window of the X server that `DISPLAY` names; `wake` is called after each report, on
 /// another thread. The reason in words where there is no such server or it has no XInput2.
 pub(crate) fn listen(
