@@ -227,7 +227,7 @@ impl Editor {
             Event::Act(id) => self.act(id),
             Event::Begin(words) => {
                 state.history.begin(&state.document, &words);
-                state.gesture = true;
+                (state.gesture, state.changes_hair) = (true, false);
             }
             Event::Edit(edit) => self.edit(&edit, false),
             Event::Nudge(edit) => {
@@ -321,6 +321,7 @@ impl Editor {
 
     fn edit(&mut self, edit: &Edit, nudge: bool) {
         let state = &mut self.state;
+        state.changes_hair |= state.gesture && means_something(edit);
         let done = if nudge {
             state.history.nudge(&mut state.document, edit)
         } else {
@@ -361,7 +362,7 @@ impl Editor {
         let state = &self.state;
         let answered = state.run.reports.revision == state.revision;
         let slow = self.last_final_ms > SLOW_MS && !answered;
-        let preview = (state.gesture || slow) && !state.settings.final_while_dragging;
+        let preview = (state.drags_hair() || slow) && !state.settings.final_while_dragging;
         let nodes = [state.active(), state.pinned.as_ref()];
         let also = nodes.into_iter().flatten();
         Wanted {

@@ -32,8 +32,10 @@ pub struct State {
     pub exposed: BTreeSet<Socket>,
     /// What of the hair is hidden, alone, or locked.
     pub visibility: Visibility,
-    /// Something is being dragged: previews are enough.
+    /// Something is being dragged.
     pub gesture: bool,
+    /// The gesture that began last has changed what is evaluated.
+    pub changes_hair: bool,
     /// The last good evaluation.
     pub shown: Option<Arc<Shown>>,
     /// The curve that was traced last and its ancestors, each with the node that made it: the hair first.
@@ -62,6 +64,7 @@ impl State {
             exposed: BTreeSet::new(),
             visibility: Visibility::default(),
             gesture: false,
+            changes_hair: false,
             shown: None,
             traced: vec![],
             run: RunStatus::default(),
@@ -69,6 +72,11 @@ impl State {
             notes: Notes::default(),
             focus: Room::Viewport,
         }
+    }
+
+    /// Whether something is dragged that changes hair: previews are enough. A node that is moved on the canvas changes none.
+    pub fn drags_hair(&self) -> bool {
+        self.gesture && self.changes_hair
     }
 
     /// Whether what is shown is not what the document says now.

@@ -288,7 +288,7 @@ impl Viewport {
         }
         let show = self.options.shown();
         let followed = self.followed(state, shown);
-        let moving = state.gesture || self.drag.is_some() || self.moves_until.is_some();
+        let moving = state.drags_hair() || self.drag.is_some() || self.moves_until.is_some();
         let wanted = Wanted {
             revision: shown.revision,
             hair: shown.curves.clone(),

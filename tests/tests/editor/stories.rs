@@ -5,7 +5,7 @@ use coif::editor::actions::{self, MENUS};
 use coif::editor::event::Event;
 use coif::editor::state::Select;
 use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{Document, NodeId};
+use coif_graphs::document::{Document, NodeId, Point};
 use coif_graphs::{file, grooms};
 use egui::{Event as Input, Key, Modifiers, PointerButton, Pos2, Vec2};
 use egui_kittest::kittest::{By, NodeT, Queryable};
@@ -178,4 +178,25 @@ fn a_slider_that_is_dragged_runs_only_what_hangs_from_it_and_is_one_step() {
     ui.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     settle(&mut ui);
     assert_eq!(ui.state().state.document, before);
+}
+
+#[test]
+fn moving_a_node_on_the_canvas_evaluates_nothing_and_is_one_step() {
+    let mut ui = on_groom("cornrows");
+    settle(&mut ui);
+    let shown = ui.state().state.shown.clone().expect("hair");
+    let editor = ui.state_mut();
+    let at = |x: f32| Edit::Move { id: node("braid"), to: Some(Point(x, 50.0)) };
+    editor.apply(Event::Begin(String::new()));
+    for k in 0..5 {
+        ui.state_mut().apply(Event::Edit(at(k as f32 * 10.0)));
+        ui.run_steps(3);
+        let state = &ui.state().state;
+        assert!(state.gesture && !state.stale() && ui.state().is_idle());
+    }
+    ui.state_mut().apply(Event::End);
+    settle(&mut ui);
+    let state = &ui.state().state;
+    assert!(std::sync::Arc::ptr_eq(&shown, state.shown.as_ref().expect("hair")));
+    assert_eq!(state.history.done(), 1);
 }
