@@ -18,6 +18,8 @@ pub mod pen;
 pub mod scene;
 #[cfg(feature = "editor")]
 pub mod viewport;
+#[cfg(feature = "render")]
+mod words;
 
 /// Runs what the words of the command line ask for.
 pub fn main() -> std::process::ExitCode {

@@ -68,7 +68,7 @@ impl Message {
 
     fn curves_in_words(&self) -> Option<String> {
         let (n, of) = self.curves;
-        let known = |n| documents::grouped(n);
+        let known = |n| crate::words::grouped(n);
         match (n, of) {
             (0, _) => None,
             (n, of) if of >= n => Some(format!("{} of {} curves", known(n), known(of))),

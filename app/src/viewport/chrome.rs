@@ -3,7 +3,7 @@
 use super::drawing::HairHit;
 use super::options::{EXPOSURES, Options, SHOWS, label_of};
 use super::status::Facts;
-use super::{Viewport, navigation, status};
+use super::{Viewport, navigation};
 use crate::editor::event::Event;
 use crate::editor::rooms::Room;
 use crate::editor::state::{Select, State};
@@ -105,9 +105,9 @@ pub(super) fn names(viewport: &Viewport, state: &State) -> String {
     match (state.selection.curves.len(), viewport.taken()) {
         (0, _) => {}
         (n, Some(level)) => {
-            text += &format!("; {} selected ({})", status::grouped(n), level.name());
+            text += &format!("; {} selected ({})", crate::words::grouped(n), level.name());
         }
-        (n, None) => text += &format!("; {} selected", status::grouped(n)),
+        (n, None) => text += &format!("; {} selected", crate::words::grouped(n)),
     }
     text
 }

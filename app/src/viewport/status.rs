@@ -1,5 +1,7 @@
 //! What the picture is, in words: in its corner, and in the metadata of saved pictures.
 
+use crate::words::grouped;
+
 /// What the words are made from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facts {
@@ -80,19 +82,6 @@ impl Facts {
 /// A time as people read it.
 pub(crate) fn duration(ms: f64) -> String {
     if ms < 1000.0 { format!("{ms:.0} ms") } else { format!("{:.1} s", ms / 1e3) }
-}
-
-/// A number in groups of three digits.
-pub(crate) fn grouped(number: usize) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 #[cfg(test)]

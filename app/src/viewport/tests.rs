@@ -377,7 +377,7 @@ mod window {
     fn the_corner_says_what_the_picture_is_also_without_one() {
         let mut ui = on_groom("start");
         let strands = ui.state().state.shown.as_ref().expect("hair").curves.curve_count();
-        let text = format!("final, {} strands", status::grouped(strands));
+        let text = format!("final, {} strands", crate::words::grouped(strands));
         ui.get_by_label(&text);
         ui.get_by_label_contains("displayed: ");
         ui.state_mut().state.revision += 1;

@@ -13,6 +13,7 @@ use super::progress::{Bar, Tell};
 use super::report::{Picture as About, Report, rounded};
 use crate::feeders::feeders;
 use crate::scene::{self, Dressed, Show};
+use crate::words::grouped;
 use clap::Args;
 use coif_graphs::document::Socket;
 use coif_graphs::schedule::result::document_hash;
@@ -506,19 +507,6 @@ fn hashes(report: &Report) -> String {
     all.join(", ")
 }
 
-/// A number in groups of three digits.
-fn grouped(number: usize) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 fn since(began: Instant) -> f64 {
     began.elapsed().as_secs_f64() * 1e3
 }
@@ -543,18 +531,4 @@ fn summary(report: &Report) -> String {
         files => files.iter().for_each(|file| text += &format!("\nwrote {file}")),
     }
     text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn long_numbers_are_grouped() {
-        for (number, expected) in
-            [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")]
-        {
-            assert_eq!(grouped(number), expected);
-        }
-    }
 }

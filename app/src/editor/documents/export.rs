@@ -148,8 +148,8 @@ fn said(path: &Path, report: &Report) -> String {
     let hashes: Vec<&str> = report.outputs.iter().map(|output| output.hash.as_str()).collect();
     format!(
         "exported {path}: {} curves, {} points, hash {}",
-        super::grouped(curves),
-        super::grouped(points),
+        crate::words::grouped(curves),
+        crate::words::grouped(points),
         hashes.join(", ")
     )
 }

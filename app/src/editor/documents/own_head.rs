@@ -313,7 +313,7 @@ fn found(head: &OwnHead, state: &State, ui: &mut egui::Ui) {
             size.x,
             size.y,
             size.z,
-            super::grouped(scalp.surface().triangles.len()),
+            crate::words::grouped(scalp.surface().triangles.len()),
             scalp.cm_per_unit()
         ));
     }

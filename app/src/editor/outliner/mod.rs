@@ -14,6 +14,7 @@ use super::state::{Select, State};
 use super::theme;
 use super::visibility::Visibility;
 use crate::inspector::text::{set_name, text_field};
+use crate::words::grouped;
 use coif_graphs::document::NodeId;
 use coif_graphs::document::edit::Edit;
 use egui::{
@@ -415,17 +416,4 @@ fn select(state: &State, item: &Item, add: bool, out: &mut Vec<Event>) {
     let mut ids = if add { state.selection.curves.clone() } else { BTreeSet::new() };
     ids.extend(curves.each().filter(|(t, i)| belongs(kin(t, *i))).map(|(t, i)| t.id(i)));
     out.push(Event::Select(Select::Curves(ids)));
-}
-
-/// A count with commas: 1,204.
-pub(super) fn grouped(n: usize) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }

@@ -1,11 +1,11 @@
 //! The grid of the spreadsheet: headings, statistics, rows; scrolled, clicked and walked by keys.
 
 use super::super::event::Event;
-use super::super::outliner::grouped;
 use super::super::state::{Select, State};
 use super::super::theme;
 use super::table::{Column, Table};
 use super::{MOST_COPIED, Spreadsheet};
+use crate::words::grouped;
 use egui::{
     Align2, Color32, EventFilter, Key, Modifiers, Painter, Rect, Response, ScrollArea, Sense,
     Stroke, StrokeKind, TextStyle, Ui, WidgetInfo, WidgetType, pos2, vec2,
