@@ -1,7 +1,7 @@
 //! What an evaluation gave: values, what ran, what was said, and the hash by which machines are compared.
 
 use crate::document::{Document, Setting};
-use coif_nodes::data::attributes::{Attribute, Column, DECLARED, Domain};
+use coif_nodes::data::attributes::{Attribute, Column, Domain, default_of};
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::define::{NodeError, Value};
 use coif_nodes::eval::Message;
@@ -156,37 +156,6 @@ fn column(
             buffer,
             items.iter().flat_map(|i| v[*i].to_array()).flat_map(|x| canonical(x).to_le_bytes()),
         ),
-    }
-}
-
-fn default_of(name: &str, like: &Column) -> Column {
-    use coif_nodes::data::attributes as a;
-    use coif_nodes::data::attributes::Item;
-    let number = [
-        a::RADIUS,
-        a::WIDTH,
-        a::ROLL,
-        a::FRIZZ,
-        a::DENSITY,
-        a::ALLOW_DEPTH,
-        a::PHASE,
-        a::ALONG,
-        a::FIBRE,
-    ]
-    .iter()
-    .find(|d| d.name == name)
-    .map_or(0.0, |d| d.default);
-    debug_assert!(
-        DECLARED.iter().filter(|d| d.1 == "f32").count() == 9,
-        "a declared number is missing"
-    );
-    let colour = if name == a::COLOUR.name { a::COLOUR.default } else { glam::Vec3::ZERO };
-    match like {
-        Column::F32(_) => f32::column(vec![number]),
-        Column::I32(_) => i32::column(vec![if name == a::ROOT_TRIANGLE.name { -1 } else { 0 }]),
-        Column::U64(_) => u64::column(vec![0]),
-        Column::Vec2(_) => glam::Vec2::column(vec![glam::Vec2::ZERO]),
-        Column::Vec3(_) => glam::Vec3::column(vec![colour]),
     }
 }
 

@@ -118,6 +118,21 @@ impl Column {
     }
 }
 
+/// What a curve without the attribute `name` has, as one value of the type that `like` holds: the declared default where
+/// name and type are those of a declared attribute, else zero.
+pub fn default_of(name: &str, like: &Column) -> Column {
+    let zero = match like {
+        Column::F32(_) => f32::column(vec![0.0]),
+        Column::I32(_) => i32::column(vec![0]),
+        Column::U64(_) => u64::column(vec![0]),
+        Column::Vec2(_) => Vec2::column(vec![Vec2::ZERO]),
+        Column::Vec3(_) => Vec3::column(vec![Vec3::ZERO]),
+    };
+    let same =
+        |declared: &Column| std::mem::discriminant(declared) == std::mem::discriminant(&zero);
+    declared_default(name).filter(same).unwrap_or(zero)
+}
+
 /// A named column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribute {
@@ -147,6 +162,13 @@ macro_rules! declare {
         /// Name, type and meaning of every declared attribute, for the manual.
         pub const DECLARED: &[(&str, &str, &str)] =
             &[$(($name, stringify!($ty), concat!($($doc),*))),*];
+
+        fn declared_default(name: &str) -> Option<Column> {
+            match name {
+                $($name => Some(<$ty as Item>::column(vec![$default])),)*
+                _ => None,
+            }
+        }
     };
 }
 
@@ -193,4 +215,24 @@ declare! {
     GROUP: i32 = "group", 0;
     /// Arc length before shortening or coiling, cm; 0: as it is.
     FIBRE: f32 = "fibre_length", 0.0;
+    /// Id of the section of the scalp, between partings, that the root lies in. 0: none.
+    SECTION: u64 = "section", 0;
+    /// Id of the parting that a curve on the scalp is a piece of. 0: none.
+    PARTING: u64 = "parting", 0;
+    /// Number of the stitch at which a hair joins its braid, from 0; -1: it joins none.
+    STITCH: i32 = "stitch", -1;
+    /// 1 for extension hair that was fed into a braid, 0 for hair that grows.
+    FED: i32 = "fed", 0;
+    /// Diameter asked of the curl of this hair, cm; 0: not curled.
+    CURL_DIAMETER: f32 = "curl_diameter", 0.0;
+    /// Length of the source that one turn of this hair's curl was asked to take, cm; 0: not curled.
+    CURL_PITCH: f32 = "curl_pitch", 0.0;
+    /// Share by which the hair's span is shorter than the hair, 0 to 1.
+    SHRINKAGE: f32 = "shrinkage", 0.0;
+    /// Id of the puff, bun or tail that a hair belongs to. 0: none.
+    PUFF: u64 = "puff", 0;
+    /// Middle of the sphere that the tips of a puff lie on, cm.
+    PUFF_CENTRE: Vec3 = "puff_centre", Vec3::ZERO;
+    /// Radius of the sphere that the tips of a puff lie on, cm; 0: its outline is no sphere.
+    PUFF_RADIUS: f32 = "puff_radius", 0.0;
 }

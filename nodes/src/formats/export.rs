@@ -20,7 +20,7 @@ use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::Skin;
 use crate::maths::spline::Spline;
 use crate::shape::resample::between;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
 use std::io::{Seek, Write};
 use std::sync::Arc;
@@ -205,40 +205,43 @@ fn primvar<'c>(curves: &'c Curves, name: &str) -> Option<Primvar<'c>> {
     }
     match &sample.values {
         Column::F32(_) => {
-            let default = if name == a::RADIUS.name { a::RADIUS.default } else { 0.0 };
-            let (how, v) = values::<f32>(curves, name, default);
+            let (how, v) = values::<f32>(curves, name, missing(name, &sample.values)?);
             own(how, PrimvarValues::Float(v))
         }
         Column::I32(_) => {
-            let missing = if name == ROOT_TRIANGLE.name { ROOT_TRIANGLE.default } else { 0 };
-            let (how, v) = values::<i32>(curves, name, missing);
+            let (how, v) = values::<i32>(curves, name, missing(name, &sample.values)?);
             let known = if name == ROOT_TRIANGLE.name { "skinprim" } else { name };
             mapped(known, how, PrimvarValues::Int(v))
         }
         Column::U64(_) => {
-            let (how, v) = values::<u64>(curves, name, 0);
+            let (how, v) = values::<u64>(curves, name, missing(name, &sample.values)?);
             let folded: Vec<i32> = v.values().map(|id| fold(*id)).collect();
             let known = if name == PARENT.name { "clumpId" } else { name };
             mapped(known, how, PrimvarValues::Int(folded.into()))
         }
         Column::Vec2(_) => {
-            let (how, v) = values(curves, name, glam::Vec2::ZERO);
+            let (how, v) = values(curves, name, missing(name, &sample.values)?);
             if name == ROOT_BARY.name {
-                let uvw: Vec<Vec3> = v.values().map(|b| b.extend(0.0)).collect();
+                let uvw: Vec<Vec3> = v.values().map(|b: &Vec2| b.extend(0.0)).collect();
                 return mapped("skinprimuv", how, PrimvarValues::Vector(uvw.into()));
             }
             let known = if name == ROOT_UV.name { "st" } else { name };
             mapped(known, how, PrimvarValues::TexCoord(v))
         }
         Column::Vec3(_) if name == a::COLOUR.name => {
-            let (how, v) = values(curves, name, a::COLOUR.default);
+            let (how, v) = values(curves, name, missing(name, &sample.values)?);
             mapped("displayColor", how, PrimvarValues::Color(v))
         }
         Column::Vec3(_) => {
-            let (how, v) = values(curves, name, Vec3::ZERO);
+            let (how, v) = values(curves, name, missing(name, &sample.values)?);
             own(how, PrimvarValues::Vector(v))
         }
     }
+}
+
+/// What curves without the attribute have.
+fn missing<T: Item>(name: &str, like: &Column) -> Option<T> {
+    T::values(&a::default_of(name, like))?.first().copied()
 }
 
 /// A stable id in the 31 bits that `int` primvars have. 0 stays 0.
