@@ -269,6 +269,18 @@ impl Skin<'_> {
         self.raise(p, height)
     }
 
+    /// [`Self::lift`] as far as the field knows, which is right to half a cell: for rounds that come nearer and nearer.
+    #[inline]
+    pub fn lift_about(&self, p: Vec3, height: f32) -> Vec3 {
+        match self.field.depth(self.surface, p) {
+            Depth::Near(d, _) if d >= height => p,
+            Depth::Near(d, gradient) => p + gradient.normalize_or_zero() * (height - d),
+            Depth::Outside if height > 0.9 => self.raise(p, height).0,
+            Depth::Outside => p,
+            Depth::Inside => self.raise(p, height).0,
+        }
+    }
+
     #[inline]
     fn raise(&self, p: Vec3, height: f32) -> (Vec3, bool) {
         match self.field.depth(self.surface, p) {
