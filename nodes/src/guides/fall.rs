@@ -376,11 +376,7 @@ impl Grid {
 }
 
 /// For each point of each thread the segments of others that may come to touch it.
-fn neighbours(
-    threads: &[Thread],
-    chains: &[Chain],
-    thickest: f32,
-) -> Vec<Vec<Vec<(u32, u32)>>> {
+fn neighbours(threads: &[Thread], chains: &[Chain], thickest: f32) -> Vec<Vec<Vec<(u32, u32)>>> {
     let mut grid = Grid::new(2.0 * thickest + 2.0 * STEP);
     for (i, chain) in chains.iter().enumerate() {
         grid.add(i, &chain.at);
