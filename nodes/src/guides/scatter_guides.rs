@@ -5,7 +5,7 @@
 
 use super::even_roots::{Apart, EvenRoots};
 use crate::data::attributes::{
-    DENSITY, Domain, ID, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL,
+    DENSITY, Domain, ID, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp, Skin};
@@ -139,6 +139,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         b.set(ROOT_BARY, Domain::Curve, vec![root.bary]);
         if scalp.uvs().is_some() {
             b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
+        }
+        if let Some(section) = scalp.sections().and_then(|s| s.id_at(root.point)) {
+            b.set(SECTION, Domain::Curve, vec![section]);
         }
         Ok([b.build()])
     })?;
