@@ -289,6 +289,16 @@ impl Skin<'_> {
         self.surface.closest(p)
     }
 
+    /// Whether the field alone tells that all of a ball is outside the skin. False says nothing.
+    #[inline]
+    pub fn is_clear(&self, middle: Vec3, radius: f32) -> bool {
+        match self.field.depth(self.surface, middle) {
+            Depth::Outside => radius < self.field.band(),
+            Depth::Near(d, _) => d - DOUBT > radius,
+            Depth::Inside => false,
+        }
+    }
+
     fn exact(&self, p: Vec3) -> Option<(f32, Hit)> {
         let hit = self.closest(p)?;
         Some((self.surface.signed_distance(p, &hit), hit))
