@@ -304,7 +304,7 @@ impl Skin<'_> {
     pub fn is_clear(&self, middle: Vec3, radius: f32) -> bool {
         match self.field.depth(self.surface, middle) {
             Depth::Outside => radius < self.field.band(),
-            Depth::Near(d, _) => d - DOUBT > radius,
+            Depth::Near(d, _, doubt) => d - doubt > radius,
             Depth::Inside => false,
         }
     }
@@ -331,8 +331,8 @@ impl Skin<'_> {
     #[inline]
     pub fn lift_about(&self, p: Vec3, height: f32) -> Vec3 {
         match self.field.depth(self.surface, p) {
-            Depth::Near(d, _) if d >= height => p,
-            Depth::Near(d, gradient) => p + gradient.normalize_or_zero() * (height - d),
+            Depth::Near(d, ..) if d >= height => p,
+            Depth::Near(d, gradient, _) => p + gradient.normalize_or_zero() * (height - d),
             Depth::Outside if height > 0.9 => self.raise(p, height).0,
             Depth::Outside => p,
             Depth::Inside => self.raise(p, height).0,
