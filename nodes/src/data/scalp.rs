@@ -309,6 +309,16 @@ impl Skin<'_> {
         }
     }
 
+    /// What the field alone says about `p`: distance (within [`DistanceField::error`] where the skin is smooth) and the way
+    /// out; none farther off than the field's band. A tenth of the price of an exact answer, for hair by the million.
+    #[inline]
+    pub fn roughly(&self, p: Vec3) -> Option<(f32, Vec3)> {
+        match self.field.depth(self.surface, p) {
+            Depth::Near(d, gradient, _) => Some((d, gradient)),
+            _ => None,
+        }
+    }
+
     fn exact(&self, p: Vec3) -> Option<(f32, Hit)> {
         let hit = self.closest(p)?;
         Some((self.surface.signed_distance(p, &hit), hit))

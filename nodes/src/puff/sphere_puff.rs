@@ -111,7 +111,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let dice = cx.dice(inputs.seed, "puff");
     let middles = match &inputs.placements {
         Some(placements) => super::placed(cx, scalp, placements),
-        None => super::picked(scalp, inputs.position).map(|middle| (middle, 0)).into_iter().collect(),
+        None => {
+            super::picked(scalp, inputs.position).map(|middle| (middle, 0)).into_iter().collect()
+        }
     };
     if middles.is_empty() && inputs.placements.is_none() {
         return Err(NodeError::failed("the scalp has no surface to place a puff on"));
