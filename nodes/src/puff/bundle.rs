@@ -42,7 +42,8 @@ impl Course {
         let mut at: Vec<(Vec3, Vec3, Vec3)> = Vec::with_capacity(points.len());
         let mut last: Option<(Vec3, Vec3, Vec3)> = None;
         for (i, p) in points.iter().enumerate() {
-            let (before, after) = (points[i.saturating_sub(1)], points[(i + 1).min(points.len() - 1)]);
+            let (before, after) =
+                (points[i.saturating_sub(1)], points[(i + 1).min(points.len() - 1)]);
             let tangent = (after - before).normalize_or(tie.axis);
             let normal = match last {
                 None => across(tie.right, tangent).unwrap_or_else(|| any_normal(tangent)),
@@ -103,7 +104,8 @@ struct Lock {
 impl Bundle<'_> {
     /// Hair that goes on past its ties. What belongs to none goes through as it is.
     pub(super) fn go_on(&self, cx: &EvalCx, hair: &Curves) -> Result<Curves, NodeError> {
-        let locks: Vec<Vec<Lock>> = self.ties.iter().map(|(tie, _)| self.locks_of(tie.id)).collect();
+        let locks: Vec<Vec<Lock>> =
+            self.ties.iter().map(|(tie, _)| self.locks_of(tie.id)).collect();
         let [out] = cx.each_tuft(hair, |tuft, piece| Ok([self.tuft(tuft, &locks, piece)?]))?;
         Ok(out)
     }
@@ -140,9 +142,12 @@ impl Bundle<'_> {
             match tie.zip(points.last().copied()) {
                 Some((t, end)) => {
                     let base: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
-                    parent = self.hair(id, end, base, (&self.ties[t], &locks[t]), &mut points, parent);
+                    parent =
+                        self.hair(id, end, base, (&self.ties[t], &locks[t]), &mut points, parent);
                 }
-                None => piece.trouble(id, "hair that belongs to none of the ties was left as it is"),
+                None => {
+                    piece.trouble(id, "hair that belongs to none of the ties was left as it is")
+                }
             }
             let old = range.len();
             from.extend((0..points.len()).map(|k| (range.start + k.min(old.max(1) - 1)) as u32));

@@ -139,7 +139,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     let count = if ties.is_empty() { 0 } else { cx.thinned(count) };
     let key = |i: usize| {
-        let key = KeyBuilder::new("gather").int(i as u64).int(count.min((i + 1) * HAIRS_A_PIECE) as u64);
+        let key =
+            KeyBuilder::new("gather").int(i as u64).int(count.min((i + 1) * HAIRS_A_PIECE) as u64);
         let key = gatherer.ties.iter().fold(key, |key, t| {
             let key = key.vec3(t.tie.foot.point).vec3(t.tie.axis).int(t.tie.id);
             t.shares.iter().fold(key, |key, share| key.float(*share))
@@ -295,8 +296,7 @@ impl Gatherer<'_> {
 
     /// Roots by number in the list of even roots.
     fn rooted(&self, which: std::ops::Range<u32>) -> Result<Vec<Rooted>, NodeError> {
-        let found: Vec<(u32, Root)> =
-            which.filter_map(|i| Some((i, self.even.root(i)?))).collect();
+        let found: Vec<(u32, Root)> = which.filter_map(|i| Some((i, self.even.root(i)?))).collect();
         let mut b = TuftBuilder::even(found.iter().map(|(_, r)| r.point).collect(), 1);
         b.set(ROOT_TRIANGLE, Domain::Curve, found.iter().map(|(_, r)| r.triangle as i32).collect());
         b.set(ROOT_BARY, Domain::Curve, found.iter().map(|(_, r)| r.bary).collect());
@@ -320,9 +320,12 @@ impl Gatherer<'_> {
         for (tuft, i) in curves {
             let at = tuft.curve(*i).first().copied().unwrap_or(Vec3::NAN);
             match self.scalp.closest_root(at) {
-                Some(root) => out.extend(
-                    self.tie_of(&root).map(|(tie, place)| Rooted { id: tuft.id(*i), root, tie, place }),
-                ),
+                Some(root) => out.extend(self.tie_of(&root).map(|(tie, place)| Rooted {
+                    id: tuft.id(*i),
+                    root,
+                    tie,
+                    place,
+                })),
                 None => piece.trouble(tuft.id(*i), "a curve without a root was left out"),
             }
         }
@@ -429,7 +432,8 @@ impl Gatherer<'_> {
         let wander = self.inputs.wander * self.unit;
         let (sway, turn) = (dice.signed(id, 0) * wander, dice.signed(id, 1) * wander);
         let strays = dice.unit(id, 2) < self.inputs.stray;
-        let stray = if strays { dice.unit(id, 3) * self.inputs.stray_height * self.unit } else { 0.0 };
+        let stray =
+            if strays { dice.unit(id, 3) * self.inputs.stray_height * self.unit } else { 0.0 };
         let (y, x) = sin_cos_turns(rooted.place.bearing);
         let out = tie.right * x + tie.ahead() * y;
         let side = out.cross(tie.axis);

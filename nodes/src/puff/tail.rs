@@ -105,7 +105,8 @@ fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
     let step = length / steps as f32;
     let ((side, across), (back, _)) =
         (sin_cos(inputs.swing.to_radians()), sin_cos(inputs.swing_back.to_radians()));
-    let down = (-frame.up * across + frame.right * side - frame.forward * back).normalize_or(-frame.up);
+    let down =
+        (-frame.up * across + frame.right * side - frame.forward * back).normalize_or(-frame.up);
     let mut p = tie.top();
     let mut direction = tie.axis;
     let mut points = vec![p];
