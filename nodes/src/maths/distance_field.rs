@@ -151,6 +151,12 @@ impl DistanceField {
         Block::Samples(samples)
     }
 
+    /// How far outside the surface everything is that the field calls outside, cm.
+    #[inline]
+    pub fn band(&self) -> f32 {
+        BAND_CELLS * self.cell
+    }
+
     /// Half as much again as the error where the surface is smooth, cm.
     #[inline]
     pub fn error(&self) -> f32 {
