@@ -6,5 +6,6 @@ mod cluster_to_strands;
 mod interpolate;
 mod plan;
 mod sections;
+mod shape;
 
 pub(crate) const NODES: &[&NodeDef] = &[&cluster_to_strands::NODE, &interpolate::NODE];

@@ -389,7 +389,8 @@ mod tests {
 
     #[test]
     fn a_field_says_each_length() {
-        let lengths = Field::Product(vec![Field::Attribute("density".into()), Field::Constant(20.0)]);
+        let lengths =
+            Field::Product(vec![Field::Attribute("density".into()), Field::Constant(20.0)]);
         let set = [("length", lengths.into()), number("length_variation", 0.0)];
         let curves = hang(3, &set);
         for (tuft, i) in curves.each() {

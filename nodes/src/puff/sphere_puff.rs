@@ -110,8 +110,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let count = cx.thinned(count.min(MOST_HAIRS));
     let dice = cx.dice(inputs.seed, "puff");
     let middles = match &inputs.placements {
-        Some(placements) => placed(cx, scalp, placements),
-        None => picked(scalp, inputs.position).map(|middle| (middle, 0)).into_iter().collect(),
+        Some(placements) => super::placed(cx, scalp, placements),
+        None => super::picked(scalp, inputs.position).map(|middle| (middle, 0)).into_iter().collect(),
     };
     if middles.is_empty() && inputs.placements.is_none() {
         return Err(NodeError::failed("the scalp has no surface to place a puff on"));
@@ -141,36 +141,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { guides, curves })
 }
 
-/// The roots of placements and their ids.
-fn placed(cx: &EvalCx, scalp: &Scalp, placements: &Curves) -> Vec<(Root, u64)> {
-    let mut out = vec![];
-    for (tuft, i) in placements.each() {
-        let at = tuft.curve(i).first().copied().unwrap_or(Vec3::NAN);
-        match scalp.closest_root(at) {
-            Some(middle) => out.push((middle, tuft.id(i))),
-            None => cx.trouble(tuft.id(i), "a placement without a root was left out"),
-        }
-    }
-    out
-}
-
 /// Hairs that are made in one piece of work.
 const HAIRS_A_PIECE: usize = 1024;
 /// The most hairs of one puff, whatever the density asks.
 const MOST_HAIRS: usize = 1_000_000;
 /// Samples of a path before its CVs are spread evenly.
 const SAMPLES: usize = 64;
-
-/// The scalp in a direction (head units) from the middle of the cranium: the outermost surface there, else the closest.
-fn picked(scalp: &Scalp, position: Vec3) -> Option<Root> {
-    let frame = scalp.frame();
-    let to = frame.point_from_head(position);
-    let out = (to - frame.origin).try_normalize().unwrap_or(frame.up);
-    let (low, high) = scalp.surface().bounds();
-    let reach = low.distance(high) + frame.origin.distance(0.5 * (low + high));
-    let hit = scalp.surface().ray(frame.origin + out * reach, -out * reach, 1.0);
-    hit.map(|hit| scalp.root(hit.triangle, hit.bary)).or_else(|| scalp.closest_root(to))
-}
 
 /// One puff: its place and sizes in cm, and where its guides point.
 struct Puff<'a> {
@@ -425,7 +401,7 @@ mod tests {
 
     /// The ball's place for a puff, its normal there, and the sphere's centre for a radius of 6.
     fn middle(scalp: &Scalp) -> (Root, Vec3) {
-        let root = picked(scalp, Vec3::new(0.0, 8.0, -4.0)).unwrap();
+        let root = super::super::picked(scalp, Vec3::new(0.0, 8.0, -4.0)).unwrap();
         (root, root.point + root.normal * 6.0)
     }
 
