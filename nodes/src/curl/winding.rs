@@ -425,7 +425,7 @@ impl Winder {
         }
         // The spline through the points is a little shorter than the path: how long it is shows when it is there. And
         // a walk that needs more points than there may be is begun again with longer steps.
-        let (mut fibre, mut corrections, mut best) = (goal.fibre, 0, (f32::INFINITY, goal.fibre));
+        let (mut fibre, mut corrections) = (goal.fibre, 0);
         for _ in 0..10 {
             match self.walk(pattern, rail, (last as u32, x), fibre, (stretch, most), roll) {
                 Ok(whole) => {
@@ -433,14 +433,15 @@ impl Winder {
                     let off = self.fibre - goal.fibre;
                     let ended = whole && off < 0.0;
                     let close = off.abs() <= CLOSE * goal.fibre || goal.fibre == f32::INFINITY;
-                    if ended || close || fibre == best.1 && corrections > 3 {
+                    if ended || close {
                         return;
                     }
                     corrections += 1;
-                    if off.abs() < best.0 {
-                        best = (off.abs(), fibre);
+                    fibre *= goal.fibre / self.fibre;
+                    if corrections > 2 {
+                        // Cusps that points pass over now and now not: finer points hold them all.
+                        stretch *= 0.8;
                     }
-                    fibre = if corrections > 3 { best.1 } else { fibre * goal.fibre / self.fibre };
                 }
                 Err(part) => {
                     if self.enough {
