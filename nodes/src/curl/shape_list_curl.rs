@@ -412,7 +412,7 @@ fn curl(
         // A wave wider than its source's bends cuts across them and may even be shorter than the source.
         let mut more = 0.0;
         for _ in 0..6 {
-            if !goes_on || winder.fibre >= 0.999 * goal.fibre {
+            if !goes_on || winder.fibre >= 0.997 * goal.fibre {
                 break;
             }
             more += 1.5 * (goal.fibre - winder.fibre).max(1e-3 * goal.fibre);
