@@ -190,10 +190,7 @@ impl<D: Fn(f32) -> f32, P: Fn(f32) -> f32, A: Fn(f32) -> f32> Sizes<D, P, A> {
             square += diameter * diameter;
             turns += 1.0 / (self.pitch)(u).max(1e-6);
         }
-        Asked {
-            diameter: (square / 8.0).sqrt() * start.size,
-            pitch: 8.0 / turns * start.pitch,
-        }
+        Asked { diameter: (square / 8.0).sqrt() * start.size, pitch: 8.0 / turns * start.pitch }
     }
 }
 
@@ -412,8 +409,8 @@ impl Winder {
     ) {
         let most = pattern.most.max(4);
         let fewest = fewest.clamp(4, most);
-        let last =
-            (self.laid.partition_point(|laid| laid.s < goal.reach).max(1) - 1).min(self.laid.len() - 2);
+        let last = (self.laid.partition_point(|laid| laid.s < goal.reach).max(1) - 1)
+            .min(self.laid.len() - 2);
         let x = self.x_at(last, goal.reach, pattern.blend);
         let wish = self.steps_to(last, x, goal.fibre);
         self.enough = wish <= (most - 1) as f32;
@@ -482,8 +479,10 @@ impl Winder {
         let mut faster = 0.0;
         let mut here = point;
         let (end, stop, wanted) = loop {
-            let (turn, before) =
-                (&self.laid[mark.turn as usize], &self.laid[(mark.turn as usize).saturating_sub(1)]);
+            let (turn, before) = (
+                &self.laid[mark.turn as usize],
+                &self.laid[(mark.turn as usize).saturating_sub(1)],
+            );
             let wanted = stretch * (before.spacing + (turn.spacing - before.spacing) * mark.x);
             let (next, at, _) =
                 self.step(pattern, rail, (&mark, here, faster), wanted, &mut cursor, roll);
@@ -528,7 +527,8 @@ impl Winder {
     ) {
         let n = self.points.len();
         let base = n - 1 - TAIL.min(n - 1);
-        let chords = |points: &[Vec3]| -> f32 { points.windows(2).map(|w| w[0].distance(w[1])).sum() };
+        let chords =
+            |points: &[Vec3]| -> f32 { points.windows(2).map(|w| w[0].distance(w[1])).sum() };
         let left = chords(&self.points[base..]) + self.points[n - 1].distance(stop);
         let own = (n - 1 - base) as f32;
         // As many as there are, or one more.
@@ -565,7 +565,8 @@ impl Winder {
         roll: Option<&impl Fn((u32, f32)) -> f32>,
     ) -> (Mark, Vec3, f32) {
         let mut ahead = wanted / mark.speed;
-        ahead = wanted / (mark.speed + 0.5 * faster * ahead).clamp(0.5 * mark.speed, 2.0 * mark.speed);
+        ahead =
+            wanted / (mark.speed + 0.5 * faster * ahead).clamp(0.5 * mark.speed, 2.0 * mark.speed);
         let mut tries = 0;
         loop {
             let place = self.ahead((mark.turn, mark.x), ahead);
@@ -642,9 +643,9 @@ impl Winder {
     /// For each point the source's CV before it and the fraction of the way to the next.
     pub(crate) fn places(&self, rail: &Rail, b: f32) -> impl Iterator<Item = (u32, f32)> {
         let mut cursor = 0;
-        self.marks.iter().map(move |mark| {
-            rail.at(&mut cursor, self.s_at(mark.turn as usize, mark.x, b)).place
-        })
+        self.marks
+            .iter()
+            .map(move |mark| rail.at(&mut cursor, self.s_at(mark.turn as usize, mark.x, b)).place)
     }
 
     /// For each point whether the curl might come near what `clear` says about a ball (its middle and radius, cm): asked once

@@ -360,9 +360,8 @@ impl Sections {
             }
         }
         let id = |bounds: &[(u64, bool, f32)]| {
-            let step = |id, (line, side, _): &(u64, bool, f32)| {
-                curve_id(id, *line, u64::from(*side))
-            };
+            let step =
+                |id, (line, side, _): &(u64, bool, f32)| curve_id(id, *line, u64::from(*side));
             bounds.iter().fold(curve_id(0, SECTION_TAG, 0), step)
         };
         let mut ids: Vec<u64> = bounds.iter().map(|b| id(b)).collect();

@@ -491,4 +491,3 @@ fn cut_at_ring(family: &Family, wish: &Wish, out: &mut Drawn) {
     let id = curve_id(wish.tag, 5, 0);
     out.lines.push(Flat { id, points, closed: true, row: true });
 }
-
