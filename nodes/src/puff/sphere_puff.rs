@@ -734,6 +734,61 @@ mod tests {
     }
 
     #[test]
+    fn any_outline_is_met_and_soft_edges_and_neighbours_are_as_asked() {
+        let scalp = ball();
+        let (_, centre) = middle(&scalp);
+        let tips = |hair: &Curves| {
+            hair.each().map(|(tuft, i)| *tuft.curve(i).last().unwrap()).collect::<Vec<_>>()
+        };
+        let clean = [("depth_to", Value::Float(0.0)), ("count", Value::Int(400))];
+        let egg = [("shape", "ellipsoid".into()), ("stretch", Vec3::new(1.2, 0.9, 1.0).into())];
+        let (guides, hair, _) = puff(&[&clean[..], &egg].concat());
+        let tuft = &guides.tufts()[0];
+        assert_eq!(tuft.view(PUFF_RADIUS).at(0, 0), 0.0);
+        let (root, _) = middle(&scalp);
+        let ahead = across(Vec3::Z, root.normal).unwrap();
+        let right = ahead.cross(root.normal);
+        for tip in tips(&guides).into_iter().chain(tips(&hair)) {
+            let d = (tip - centre) / 6.0;
+            let local = Vec3::new(d.dot(right) / 1.2, d.dot(root.normal) / 0.9, d.dot(ahead));
+            assert!((local.length() - 1.0).abs() < 1e-3, "{}", local.length());
+        }
+        let soft = [("edge_softness", Value::Float(1.0))];
+        let (_, hair, _) = puff(&[&clean[..], &soft].concat());
+        let off: Vec<f32> = tips(&hair).iter().map(|tip| tip.distance(centre) - 6.0).collect();
+        assert!(off.iter().all(|off| off.abs() <= 1.001) && off.iter().any(|off| off.abs() > 0.6));
+        assert!(off.iter().filter(|off| off.abs() < 0.2).count() > off.len() / 2);
+    }
+
+    #[test]
+    fn puffs_that_meet_are_flat_between_and_grow_out_of_ties() {
+        let tied = run(
+            crate::by_id("gather").unwrap(),
+            &[
+                ("scalp", ball().into()),
+                ("position", Vec3::new(3.0, 8.0, 0.0).into()),
+                ("mirror", true.into()),
+                ("density", Value::Float(1.0)),
+            ],
+        );
+        let ties = curves_of(&tied.0[1]).clone();
+        let set = [
+            ("ties", ties.clone().into()),
+            ("count", Value::Int(300)),
+            ("flatten", Value::Float(1.0)),
+        ];
+        let (guides, hair, _) = puff(&set);
+        assert_eq!((guides.curve_count(), hair.curve_count()), (192, 600));
+        let ids: BTreeSet<u64> = ties.each().map(|(tuft, i)| tuft.id(i)).collect();
+        for (tuft, i) in hair.each() {
+            assert!(ids.contains(&tuft.view(PUFF).at(i, 0)));
+            let (centre, tip) = (tuft.view(PUFF_CENTRE).at(i, 0), *tuft.curve(i).last().unwrap());
+            assert!(tip.x * centre.x.signum() > -1e-3, "{tip} {centre}");
+            assert!(tip.distance(centre) <= 6.0 * 1.0001);
+        }
+    }
+
+    #[test]
     fn a_sphere_in_the_head_is_said() {
         let (_, _, said) = puff(&[("offset", Value::Float(0.0)), ("count", Value::Int(20))]);
         assert!(said.iter().any(|text| text.starts_with(DIPS)), "{said:?}");
