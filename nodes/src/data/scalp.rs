@@ -252,12 +252,14 @@ impl Skin<'_> {
     }
 
     /// What the field alone says about `p`: distance (within [`DistanceField::error`] where the skin is smooth) and the way
-    /// out; none farther off than the field's band. A tenth of the price of an exact answer, for hair by the million.
+    /// out (zero where that is not known); none farther outside than the field's band. A tenth of the price of an exact
+    /// answer, for hair by the million.
     #[inline]
     pub fn roughly(&self, p: Vec3) -> Option<(f32, Vec3)> {
         match self.field.depth(self.surface, p) {
             Depth::Near(d, gradient) => Some((d, gradient)),
-            _ => None,
+            Depth::Inside => Some((-1.0, Vec3::ZERO)),
+            Depth::Outside => None,
         }
     }
 
