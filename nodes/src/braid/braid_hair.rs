@@ -48,7 +48,7 @@ node! {
         scalp: Option<Arc<Scalp>>;
         /// How far hair fills its strand: 1 the tube that just touches its neighbours; more presses strands into one
         /// another, which closes the windows between them. Varies along the strand.
-        fill: FieldInput = 1.15, hard(0.1, 3.0), soft(0.7, 1.5), unit(Ratio), words("fullness volume radius thickness");
+        fill: FieldInput = 1.3, hard(0.1, 3.0), soft(0.7, 1.5), unit(Ratio), words("fullness volume radius thickness");
         /// How much the hair of one stitch is gathered there: 0 joins evenly all along the braid, 1 all at one place.
         bundling: f32 = 0.6, hard(0.0, 1.0), unit(Ratio), words("clump gather stitch grouping");
         /// Over how many stitches a hair works its way from the edge of the strand to its place in it.
@@ -74,7 +74,7 @@ node! {
         /// How far the longest flyaways stand off by their length.
         flyaway_length: f32 = 1.2, hard(0.05, 50.0), soft(0.3, 5.0), unit(Length);
         /// Points of a hair for one stitch. A hair has at most 255 in all; a longer one has fewer for each stitch.
-        points_per_stitch: f32 = 7.0, hard(3.0, 64.0), soft(5.0, 16.0), unit(Count), words("cvs resolution density");
+        points_per_stitch: f32 = 6.0, hard(3.0, 64.0), soft(5.0, 16.0), unit(Count), words("cvs resolution density");
         /// Diameter of a hair at its root.
         width_root: f32 = 0.0075, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
         /// Diameter of a hair at its tip.
@@ -239,7 +239,7 @@ impl Filler<'_> {
         let fibre = tuft.view(FIBRE);
         let side = tuft.view(SIDE);
         let mut made = [Made::default(), Made::default()];
-        let (mut points, mut alongs) = (vec![], vec![]);
+        let (mut points, mut alongs, mut even) = (vec![], vec![], Even::default());
         for i in 0..tuft.len() {
             piece.tick()?;
             let first = tuft.range(i).start;
@@ -261,7 +261,7 @@ impl Filler<'_> {
                 order: order.at(i, first).clamp(1e-4, 1.0),
                 length: fibre.at(i, first),
             };
-            self.hair(braid, way, &entry, &wish, &mut points, &mut alongs);
+            self.hair(braid, way, &entry, &wish, &mut points, &mut alongs, &mut even);
             let made = &mut made[usize::from(is_fed)];
             made.hair.push_curve(&points);
             made.along.extend_from_slice(&alongs);
@@ -319,6 +319,7 @@ impl Filler<'_> {
         wish: &Wish,
         points: &mut Vec<Vec3>,
         alongs: &mut Vec<f32>,
+        even: &mut Even,
     ) {
         points.clear();
         alongs.clear();
@@ -337,7 +338,7 @@ impl Filler<'_> {
             );
             (entry.q * 0.5 + x.normalize_or_zero()).normalize_or(entry.q)
         };
-        let mut reached = 0.0;
+        let mut reached = (0.0, spacing);
         if !wish.fed {
             let end = place(&section, come * radius);
             reached = self.comb(way, end, tube.tangent(entry.t), spacing, points);
@@ -354,21 +355,23 @@ impl Filler<'_> {
         };
         let mut until = until.max(entry.t + 2.0);
         if wish.length > 0.0 {
-            until = until.min(entry.t + ((wish.length - reached) / braid.step).max(2.0));
+            until = until.min(entry.t + ((wish.length - reached.0) / braid.step).max(2.0));
         }
         let leaves = self.leaves(braid, wish.id, entry.t, until);
         if let Some((_, end)) = leaves {
             until = end;
         }
+        // Even steps of the hair, not of its strand: on the inside of a bend it is shorter. They begin with what the way
+        // over the scalp had.
         let room = (MOST_POINTS - points.len().min(MOST_POINTS - 3) - 1) as f32;
-        let count = ((until - entry.t) / FINE).round().clamp(2.0, room);
-        let step = (until - entry.t) / count;
+        let spacing = spacing.max(1.12 * (until - entry.t) * braid.step / room);
+        let mut last = reached.1.clamp(0.4 * spacing, 2.0 * spacing);
+        let (mut t, mut gone) = (entry.t, if wish.fed { 0.0 } else { reached.0 - reached.1 });
         let settle = self.inputs.settling * braid.per_stitch;
         let mut wander = Wander::new(self, wish.id, braid.step);
         let mut parted: Option<Parted> = None;
         let mut bristle: Option<Vec2> = None;
-        for k in 0..=count as usize {
-            let t = entry.t + step * k as f32;
+        while points.len() < MOST_POINTS {
             let section = tube.section(t);
             let mut size = (wish.order / section.joined.max(1e-4)).sqrt().min(1.0);
             let settled = smooth((t - entry.t) / settle);
@@ -376,12 +379,17 @@ impl Filler<'_> {
             if let Some((from, end)) = leaves {
                 // What stands off comes from the surface.
                 size += (0.97 - size).max(0.0) * smooth(1.0 + (t - from) / settle);
-                if t >= from {
+                if t >= from && t > entry.t {
                     let parted =
                         *parted.get_or_insert_with(|| Parted::new(tube, from, q * size, end));
                     let p = parted.at((t - from) * braid.step, self, wish.id);
-                    points.push(self.outside(p));
+                    points.push(p);
                     alongs.push(section.along);
+                    if t >= until {
+                        break;
+                    }
+                    last = (last * 1.15).min(spacing);
+                    t += last / braid.step;
                     continue;
                 }
             }
@@ -403,8 +411,33 @@ impl Filler<'_> {
                 let free = b.centre + b.x * o.x + b.y * o.y;
                 p = p.lerp(free, smooth(beyond / braid.per_stitch));
             }
-            points.push(self.outside(p));
+            let before = points.last().copied().unwrap_or(p);
+            let far = p.distance(before);
+            if wish.length > 0.0 && gone + far > wish.length && points.len() > 2 {
+                let part = ((wish.length - gone) / far.max(1e-6)).clamp(0.0, 1.0);
+                points.push(before.lerp(p, part));
+                alongs.push(section.along);
+                break;
+            }
+            gone += far;
+            points.push(p);
             alongs.push(section.along);
+            if t >= until {
+                break;
+            }
+            last += (spacing - last).clamp(-0.15 * last, 0.15 * last);
+            // The pace half a step on.
+            let guess = last / braid.step;
+            let pace = if t + guess > tube.tie && brush > 0.0 {
+                braid.step
+            } else {
+                tube.pace(t + 0.5 * guess, q)
+            };
+            t += (last / pace.max(1e-6)).clamp(0.3 * guess, 4.0 * guess);
+        }
+        evened(points, alongs, even);
+        for p in points.iter_mut().skip(1) {
+            *p = self.over(*p, CLEAR);
         }
     }
 
@@ -419,7 +452,7 @@ impl Filler<'_> {
     }
 
     /// Points of the way over the scalp, its end bent to `end` and the direction `along` there, without that end; gives
-    /// the length.
+    /// its length and the spacing of its points.
     fn comb(
         &self,
         way: &[Vec3],
@@ -427,7 +460,7 @@ impl Filler<'_> {
         along: Vec3,
         spacing: f32,
         points: &mut Vec<Vec3>,
-    ) -> f32 {
+    ) -> (f32, f32) {
         const SAMPLES: usize = 16;
         let n = way.len();
         let on_way = |s: f32| {
@@ -463,9 +496,9 @@ impl Filler<'_> {
                 k += 1;
             }
             let t = ((s - lengths[k]) / (lengths[k + 1] - lengths[k]).max(1e-9)).clamp(0.0, 1.0);
-            points.push(self.outside(spline_point(&fine, k, t)));
+            points.push(spline_point(&fine, k, t));
         }
-        total
+        (total, total / count as f32)
     }
 
     /// `p` or the point above it that is at least `height` over the skin.
@@ -474,16 +507,11 @@ impl Filler<'_> {
         let Some(skin) = &self.skin else { return p };
         match skin.roughly(p) {
             // So deep, the field's way out is not good enough.
-            Some((d, _)) if d < -0.15 => skin.lift(p, height).0,
+            Some((d, _)) if d < -0.05 => skin.lift(p, height).0,
             Some((d, out)) if d < height => p + out.normalize_or_zero() * (height - d),
             _ => p,
         }
     }
-    #[inline]
-    fn outside(&self, p: Vec3) -> Vec3 {
-        self.over(p, CLEAR)
-    }
-
     fn described(&self, made: Made, tuft: &Tuft) -> Tuft {
         let mut hair = made.hair;
         if hair.is_empty() {
@@ -611,6 +639,45 @@ impl Wander {
     fn loose(&self) -> Vec2 {
         self.loose
     }
+}
+
+/// Buffers of [`evened`].
+#[derive(Default)]
+struct Even {
+    points: Vec<Vec3>,
+    alongs: Vec<f32>,
+    lengths: Vec<f32>,
+}
+
+/// Moves the points of a hair along it until they are evenly spaced; they nearly are.
+fn evened(points: &mut Vec<Vec3>, alongs: &mut Vec<f32>, even: &mut Even) {
+    let n = points.len();
+    even.lengths.clear();
+    even.points.clear();
+    even.alongs.clear();
+    let mut total = 0.0f32;
+    even.lengths.push(0.0);
+    for w in points.windows(2) {
+        total += w[0].distance(w[1]);
+        even.lengths.push(total);
+    }
+    let mut k = 0;
+    for i in 0..n {
+        let s = total * i as f32 / (n - 1) as f32;
+        while k + 2 < n && even.lengths[k + 1] < s {
+            k += 1;
+        }
+        let t = (s - even.lengths[k]) / (even.lengths[k + 1] - even.lengths[k]).max(1e-9);
+        let t = t.clamp(0.0, 1.0);
+        even.points.push(spline_point(points, k, t));
+        // 0 until it has joined.
+        let join = alongs[k] <= 0.0 && t < 1.0;
+        even.alongs.push(if join { 0.0 } else { alongs[k] + (alongs[k + 1] - alongs[k]) * t });
+    }
+    even.points[0] = points[0];
+    even.points[n - 1] = points[n - 1];
+    std::mem::swap(points, &mut even.points);
+    std::mem::swap(alongs, &mut even.alongs);
 }
 
 #[inline]

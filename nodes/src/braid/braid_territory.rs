@@ -176,7 +176,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let mut counted = vec![];
     for (i, (tuft, curve, _)) in rows.iter().enumerate() {
         let wishes = maker.wishes(tuft, *curve)?;
-        let row = maker.count(i, &wishes, &places[i][..probes[i]], inputs.density / PROBES)?;
+        let row =
+            maker.count(i, &wishes, &places[i][..probes[i]], PROBES / inputs.density.max(1e-3))?;
         if places[i].is_empty() && row.feed.is_empty() {
             cx.trouble(tuft.id(*curve), "no hair grows on the ground of a row");
         }
@@ -220,11 +221,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         if fed {
             return Ok([maker.extension(i, &rows[i].2, &counted[i], from..to)]);
         }
-        let reach = places[i].iter().fold(0.0f32, |most, place| most.max(place.owner.distance));
+        // Of the probes, so that more hair changes no way.
+        let far = places[i][..probes[i]].iter().map(|place| place.owner.distance);
+        let reach = far.fold(0.0f32, f32::max);
         let map = |side: i32| {
             maps[i][usize::from(side > 0)].get_or_init(|| {
                 let own = |p: Vec3| maker.whose(p).is_some_and(|o| o.lane == i as u32);
-                Map::new(&ground.lanes[i], scalp, side, 1.3 * reach + 0.4 * unit, own)
+                Map::new(&ground.lanes[i], scalp, side, 1.7 * reach + 0.4 * unit, own)
             })
         };
         let row = (rows[i].0, rows[i].1);
@@ -328,7 +331,7 @@ impl Maker<'_> {
         let cut = 1.0 - self.inputs.length_variation * self.dice.unit(id, 1);
         (x / lane.length, length * cut)
     }
-    /// Counts the hair of a row along it. A probe stands for `share` hairs.
+    /// Counts the hair of a row along it, in probes; an extension hair counts as `share` of one.
     fn count(
         &self,
         i: usize,
@@ -342,20 +345,20 @@ impl Maker<'_> {
         for place in probes {
             let id = self.id(lane, place);
             let (u, length) = self.joins(lane, wishes, place, id);
-            joins[bin(u)] += share;
+            joins[bin(u)] += 1.0;
             if length > 0.0 {
                 let end = u + (length - place.owner.distance).max(0.0) / (CRIMP * lane.length);
                 if end < 1.0 {
-                    ends[bin(end)] += share;
+                    ends[bin(end)] += 1.0;
                 }
             }
         }
         let feed = self.feed(lane, (wishes.tuft, wishes.curve))?;
         for u in &feed {
-            joins[bin(*u)] += 1.0;
+            joins[bin(*u)] += share;
             let end = u + self.inputs.feed_length * self.unit / (CRIMP * lane.length);
             if self.inputs.feed_length > 0.0 && end < 1.0 {
-                ends[bin(end)] += 1.0;
+                ends[bin(end)] += share;
             }
         }
         let all: f32 = joins.iter().sum::<f32>().max(1e-6);
@@ -439,8 +442,12 @@ impl Maker<'_> {
             for (k, p) in points[first..].iter_mut().enumerate().skip(1) {
                 let wanted = high * (5.0 * k as f32 / cvs as f32).min(1.0);
                 for _ in 0..2 {
-                    if let Some((d, out)) = self.skin.roughly(*p) {
-                        *p += out.normalize_or_zero() * (wanted - d);
+                    match self.skin.roughly(*p) {
+                        Some((d, out)) if d > -0.15 => {
+                            *p += out.normalize_or_zero() * (wanted - d);
+                        }
+                        // Where the columns of the map run into each other a way may cut a corner.
+                        _ => *p = lay::laid(self.scalp, *p, wanted).0,
                     }
                 }
             }

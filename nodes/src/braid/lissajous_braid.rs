@@ -55,7 +55,8 @@ node! {
         stitches | knots: FieldInput = 12.0f32, hard(1.0, 200.0), soft(3.0, 60.0), unit(Count), words("knots frequency");
         /// Distance of stitches, when they are spaced. 0 takes what suits firmly braided hair: one and a half times the
         /// amplitude (about half the braid's width) for up to four strands, less for more. Under one
-        /// amplitude strands get thin. Longer sources get more stitches, and those there are stay where they are.
+        /// amplitude strands get thin. Longer sources get more stitches, and those there are stay where they are. A ramp or
+        /// an attribute such as girth makes stitches shorter where the braid is thinner.
         stitch_spacing: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 4.0), unit(Length), words("knots frequency");
         /// Width of the whole braid over its tubes. A ramp or mask may vary it.
         width: FieldInput = 1.0f32, hard(0.01, 100.0), soft(0.2, 5.0), unit(Length), handle(Handle::Radius);
@@ -371,7 +372,14 @@ fn braid(
         asked if asked > 0.0 => asked,
         _ => length - tied_at,
     };
-    let spacing = spacing?.along(tuft, curve, 0.0) * unit;
+    let spacing = spacing?;
+    let spacing_at = |u: f32| spacing.along(tuft, curve, u) * unit;
+    let varies = inputs.stitches_by == StitchesBy::Spacing && !spacing.is_of_curves();
+    // Inner sizes are those of the widest place, where stitches are longest.
+    let spacing = match varies {
+        true => (0..=64).map(|k| spacing_at(k as f32 / 64.0)).fold(0.0, f32::max),
+        false => spacing_at(0.0),
+    };
     let asked = match inputs.stitches_by {
         StitchesBy::Count => Pitch::Cm(tied_at / count?.along(tuft, curve, 0.0).round().max(1.0)),
         StitchesBy::Spacing if spacing > 0.0 => Pitch::Cm(spacing),
@@ -392,7 +400,10 @@ fn braid(
             "stitches are closer than the amplitude of the braid, so strands are thin",
         );
     }
-    let (advance, stitches) = advance(plan, braid_id, size.pitch, tied_at);
+    let least = 0.15 * size.pitch;
+    let along = |s: f32| spacing_at(s / length).clamp(least, size.pitch);
+    let along: Option<&dyn Fn(f32) -> f32> = if varies { Some(&along) } else { None };
+    let (advance, stitches) = advance(plan, braid_id, size.pitch, along, tied_at);
 
     let start = tuft.view(attr::NORMAL).at(curve, tuft.range(curve).start);
     let start = (start != Vec3::ZERO)
@@ -533,17 +544,23 @@ fn lerp(a: f32, b: f32, t: f32) -> f32 {
 }
 
 /// How stitches follow one another up to the tie, and how many there are.
-fn advance(plan: &Plan, braid_id: u64, pitch: f32, tied_at: f32) -> (Advance, f64) {
+/// `along` tells the length of a stitch at a place (cm) where it is not the same everywhere.
+fn advance(
+    plan: &Plan,
+    braid_id: u64,
+    pitch: f32,
+    along: Option<&dyn Fn(f32) -> f32>,
+    tied_at: f32,
+) -> (Advance, f64) {
     let mut even = f64::from(tied_at) / f64::from(pitch);
     if plan.inputs.stitches_by == StitchesBy::Count {
         even = even.round().max(1.0);
     }
-    if plan.inputs.uneven_stitches <= 0.0 {
+    if plan.inputs.uneven_stitches <= 0.0 && along.is_none() {
         return (Advance::even(pitch), even);
     }
-    let draw = |k: u64| {
-        pitch * (1.0 + 0.7 * plan.inputs.uneven_stitches * plan.uneven.signed(braid_id, k))
-    };
+    let uneven = |k: u64| 1.0 + 0.7 * plan.inputs.uneven_stitches * plan.uneven.signed(braid_id, k);
+    let draw = |k: u64| pitch * uneven(k);
     match plan.inputs.stitches_by {
         // As many as asked for share the length.
         StitchesBy::Count => {
@@ -554,10 +571,11 @@ fn advance(plan: &Plan, braid_id: u64, pitch: f32, tied_at: f32) -> (Advance, f6
         // As many as go in: a longer source changes none of them.
         StitchesBy::Spacing => {
             let mut reached = 0.0;
-            let lengths = (0..).map(draw).take_while(|length| {
+            let lengths = (0..).map_while(|k| {
+                let length = along.map_or(pitch, |along| along(reached)) * uneven(k);
                 let more = reached < tied_at;
                 reached += length;
-                more
+                more.then_some(length)
             });
             let advance = Advance::uneven(pitch, lengths);
             let stitches = advance.q(tied_at);

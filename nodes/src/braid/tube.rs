@@ -81,6 +81,12 @@ impl Tube {
         let t = if span > 0.0 { (along - self.at[k].along) / span } else { 0.0 };
         k as f32 + t.clamp(0.0, 1.0)
     }
+    /// How far the place `q` of the cross-section is moved by one step, cm.
+    #[inline]
+    pub(super) fn pace(&self, t: f32, q: Vec2) -> f32 {
+        let k = (t.max(0.0) as usize).min(self.at.len() - 2);
+        place(&self.at[k + 1], q).distance(place(&self.at[k], q))
+    }
     pub(super) fn last(&self) -> f32 {
         (self.at.len() - 1) as f32
     }
