@@ -2,7 +2,9 @@
 
 use crate::define::NodeDef;
 
+mod baby_hair;
 mod edge_partition;
+mod hairline;
 mod lines;
 mod middles;
 mod net;
@@ -11,4 +13,4 @@ mod pattern;
 mod pulled;
 pub(crate) mod territory;
 
-pub(crate) const NODES: &[&NodeDef] = &[&partings::NODE, &edge_partition::NODE];
+pub(crate) const NODES: &[&NodeDef] = &[&partings::NODE, &edge_partition::NODE, &baby_hair::NODE];

@@ -252,9 +252,10 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Drawn {
     drawn
 }
 
-/// Ends lines where they meet: rows first, then what cuts rows.
+/// Ends lines where they meet: rows first, then what cuts rows. Rows twice, for what one was ended at may itself have been
+/// ended nearer since.
 fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec2>], join: f32) {
-    for rows in [true, false] {
+    for (rows, last) in [(true, false), (true, true), (false, true)] {
         for i in 0..lines.len() {
             if lines[i].row != rows || lines[i].closed {
                 continue;
@@ -273,7 +274,7 @@ fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec
                 loose += usize::from(end(chart, &mut points, &others, join) == End::Loose);
                 points.reverse();
             }
-            if loose > 0 {
+            if loose > 0 && last {
                 cx.trouble(lines[i].id, "a parting ends in the middle of hair and cuts nothing");
             }
             lines[i].points = points;
