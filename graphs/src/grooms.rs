@@ -11,6 +11,8 @@ pub const ALL: &[(&str, &str)] = &[
     ("zigzag_4b", include_str!("../grooms/zigzag_4b.ron")),
     ("afro_4c", include_str!("../grooms/afro_4c.ron")),
     ("puffs", include_str!("../grooms/puffs.ron")),
+    ("ponytail", include_str!("../grooms/ponytail.ron")),
+    ("cornrows_puffs", include_str!("../grooms/cornrows_puffs.ron")),
     ("clusters", include_str!("../grooms/clusters.ron")),
 ];
 

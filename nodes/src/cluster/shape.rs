@@ -56,11 +56,16 @@ impl Shape {
         let shift = [self.dice.unit(cluster, 0), self.dice.unit(cluster, 1)];
         (0..self.wisps).map(|k| Vec2::from(disc(k as u32, shift))).collect()
     }
-    pub(super) fn strand(&self, id: u64, q: Vec2, sections: &Sections, wisps: &[Vec2]) -> Strand<'_> {
+    pub(super) fn strand(
+        &self,
+        id: u64,
+        q: Vec2,
+        sections: &Sections,
+        wisps: &[Vec2],
+    ) -> Strand<'_> {
         let dice = self.dice;
-        let nearest = wisps.iter().min_by(|a, b| {
-            a.distance_squared(q).total_cmp(&b.distance_squared(q))
-        });
+        let nearest =
+            wisps.iter().min_by(|a, b| a.distance_squared(q).total_cmp(&b.distance_squared(q)));
         let strays = self.stray > 0.0 && dice.unit(id, 2) < self.stray;
         let off = if strays {
             let (y, x) = sin_cos_turns(dice.unit(id, 3));

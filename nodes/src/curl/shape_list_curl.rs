@@ -9,7 +9,8 @@ use super::preset::Numbers;
 use super::section::{Shape, entries};
 use super::winding::{Detail, Goal, Pattern, Sizes, Winder, arc_length};
 use crate::data::attributes::{
-    ALLOW_DEPTH, Attribute, CURL_DIAMETER, CURL_PITCH, Domain, FIBRE, NORMAL, PARENT, ROLL, SHRINKAGE,
+    ALLOW_DEPTH, Attribute, CURL_DIAMETER, CURL_PITCH, Domain, FIBRE, NORMAL, PARENT, ROLL,
+    SHRINKAGE,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::{Scalp, Skin};
@@ -391,7 +392,9 @@ fn curl(
         // What is kept, whether the source goes on for it, and the fewest points: of a whole source, as many as it
         // has, for so many its shape needs.
         let (mut goal, goes_on, fewest) = match inputs.length {
-            Keep::Span => (Goal { reach: rail.length(), fibre: f32::INFINITY }, false, points.len()),
+            Keep::Span => {
+                (Goal { reach: rail.length(), fibre: f32::INFINITY }, false, points.len())
+            }
             Keep::Visible => (Goal { reach: long, fibre: f32::INFINITY }, false, points.len()),
             Keep::Stretched => (Goal { reach: rail.length(), fibre: long }, true, 4),
             // A fibre length that was given asks for no such thing: hair made to end somewhere ends there.
@@ -409,7 +412,7 @@ fn curl(
         // A wave wider than its source's bends cuts across them and may even be shorter than the source.
         let mut more = 0.0;
         for _ in 0..6 {
-            if !goes_on || winder.fibre >= 0.999 * goal.fibre {
+            if !goes_on || winder.fibre >= 0.997 * goal.fibre {
                 break;
             }
             more += 1.5 * (goal.fibre - winder.fibre).max(1e-3 * goal.fibre);
@@ -436,7 +439,9 @@ fn curl(
             // What lies past the source reads the source's end.
             let end = points.len() as u32 - 1;
             let place = |(cv, t): (u32, f32)| if cv >= end { (end - 1, 1.0) } else { (cv, t) };
-            places.extend(winder.places(&rail, pattern.blend).map(place).map(|(cv, t)| (first + cv, t)));
+            places.extend(
+                winder.places(&rail, pattern.blend).map(place).map(|(cv, t)| (first + cv, t)),
+            );
         }
         kept.push(i as u32);
         out.push_curve(&winder.points);

@@ -9,6 +9,6 @@ mod net;
 mod partings;
 mod pattern;
 mod pulled;
-mod territory;
+pub(crate) mod territory;
 
 pub(crate) const NODES: &[&NodeDef] = &[&partings::NODE, &edge_partition::NODE];

@@ -1,6 +1,6 @@
 //! Bun: hair held by a tie is wound round it.
 //!
-//! Guarantees: roots and the way to the tie stay as they are; no point under the skin; a hair keeps its place across the
+//! Guarantees: roots stay, and so does the way to the tie; no point under the skin; a hair keeps its place across the
 //! coil; the end is tucked under it. Not promised: that coils do not press into one another.
 
 use super::bundle::{Bundle, Course, MOST_LOCKS, STEP};
@@ -47,8 +47,8 @@ node! {
         clump: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("clumping");
         /// How far locks and hairs wander from their place.
         loose: f32 = 0.08, hard(0.0, 10.0), soft(0.0, 1.0), unit(Length), words("frizz messy natural");
-        /// Points on each hair past the tie.
-        points: i64 = 60, hard(8.0, 240.0), soft(24.0, 120.0), unit(Count), words("cvs resolution segments");
+        /// Points on each hair, root and tip included.
+        points: i64 = 90, hard(8.0, 250.0), soft(16.0, 120.0), unit(Count), words("cvs resolution segments");
         /// Whether lengths follow the head's size.
         scale_with_head: bool = true;
         /// Seed tag; stored, mixed into ids and randomness.

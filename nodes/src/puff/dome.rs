@@ -143,7 +143,8 @@ impl Dome {
             let n = if n.dot(out) < 0.0 { -n } else { n };
             n.try_normalize().unwrap_or(out)
         };
-        self.skin = (0..BEARINGS * along).map(|i| (line[i], normal(i / along, i % along))).collect();
+        self.skin =
+            (0..BEARINGS * along).map(|i| (line[i], normal(i / along, i % along))).collect();
     }
 
     /// Where a point of the skin lies.

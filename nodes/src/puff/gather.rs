@@ -13,10 +13,11 @@ use super::dome::{Dome, Polar};
 use super::tie::Tie;
 use crate::data::attributes::{
     Domain, FIBRE, ID, NORMAL, PARENT, PUFF, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
-    SCALP_NORMAL, WIDTH,
+    SCALP_NORMAL, SECTION, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp, Skin};
+use crate::data::sections::Sections;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece};
 use crate::guides::even_roots::EvenRoots;
@@ -58,10 +59,17 @@ node! {
         tightness: f32 = 0.75, hard(0.0, 1.0), unit(Ratio), words("elastic band tension");
         /// Hairs on a square centimetre. People have 130 to 250.
         density: f32 = 150.0, hard(0.0, 5000.0), soft(20.0, 300.0), unit(PerCm2), words("amount number");
+        /// Hairs along the outer edges, at hairline and partings, for each that grows there: more make a firm edge where hair is
+        /// combed away from bare skin.
+        edge_density: f32 = 1.0, hard(1.0, 12.0), soft(1.0, 6.0), words("hairline parting edge dense laid crisp");
+        /// How far in from an edge hair is denser.
+        edge_width: f32 = 0.7, hard(0.0, 10.0), soft(0.2, 2.0), unit(Length), words("hairline parting edge");
         /// How many of the hairs are kept, from none to all; usually a mask or a section.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region section paint");
         /// Hair rooted farther from its tie than this, over the scalp, is not gathered. 0: no limit.
         reach: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 20.0), unit(Length), handle(Handle::Radius), words("area section");
+        /// Whether a tie takes only hair of the section that it sits in, where the scalp is parted.
+        own_section: bool = false, words("partings section parted area");
         /// Width of the bare line between the hair of two ties.
         parting: f32 = 0.15, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("part line section");
         /// How thick hair lies on hair: 1 as thick as fills the tie, 0 all on the skin.
@@ -117,6 +125,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let ties = ties(cx, &inputs, unit)?;
     let domes: Vec<Arc<Dome>> = ties.iter().map(|tie| Dome::around(cx, scalp, tie)).collect();
     cx.check()?;
+    let sections = scalp.sections().filter(|_| inputs.own_section);
     let even = EvenRoots::new(scalp, cx.dice(inputs.seed, "roots"));
     let mut gatherer = Gatherer {
         inputs: &inputs,
@@ -124,7 +133,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         skin: cx.skin(scalp),
         unit,
         even,
-        ties: ties.iter().zip(domes).map(|(tie, dome)| Gathered::new(*tie, dome)).collect(),
+        ties: ties
+            .iter()
+            .zip(domes)
+            .map(|(tie, dome)| Gathered::new(*tie, dome, sections.and_then(|s| s.of(&tie.foot))))
+            .collect(),
+        sections,
         keep: cx.dice(inputs.seed, "mask"),
         dice: cx.dice(inputs.seed, "gather"),
     };
@@ -139,7 +153,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     let count = if ties.is_empty() { 0 } else { cx.thinned(count) };
     let key = |i: usize| {
-        let key = KeyBuilder::new("gather").int(i as u64).int(count.min((i + 1) * HAIRS_A_PIECE) as u64);
+        let key =
+            KeyBuilder::new("gather").int(i as u64).int(count.min((i + 1) * HAIRS_A_PIECE) as u64);
         let key = gatherer.ties.iter().fold(key, |key, t| {
             let key = key.vec3(t.tie.foot.point).vec3(t.tie.axis).int(t.tie.id);
             t.shares.iter().fold(key, |key, share| key.float(*share))
@@ -223,6 +238,8 @@ fn band(tie: &Tie, turns: f32, height: f32, seed: i64) -> Option<Tuft> {
 struct Gathered {
     tie: Tie,
     dome: Arc<Dome>,
+    /// The section that it sits in, when only that counts.
+    section: Option<u32>,
     /// Share of the tie's hair rooted within so many steps of distance.
     shares: Vec<f32>,
     /// How thick hair lies at a distance times that distance, cm2.
@@ -230,8 +247,8 @@ struct Gathered {
 }
 
 impl Gathered {
-    fn new(tie: Tie, dome: Arc<Dome>) -> Self {
-        Self { tie, dome, shares: vec![0.0; SHARES + 1], thickness: 0.0 }
+    fn new(tie: Tie, dome: Arc<Dome>, section: Option<u32>) -> Self {
+        Self { tie, dome, section, shares: vec![0.0; SHARES + 1], thickness: 0.0 }
     }
     /// The share of the tie's hair that is rooted within a distance.
     #[inline]
@@ -256,6 +273,8 @@ struct Gatherer<'a> {
     skin: Skin<'a>,
     unit: f32,
     even: EvenRoots<'a>,
+    /// Where ties take hair of their own section alone.
+    sections: Option<&'a Sections>,
     ties: Vec<Gathered>,
     keep: Dice,
     dice: Dice,
@@ -272,6 +291,7 @@ impl Gatherer<'_> {
             });
             roots.collect()
         } else {
+            // Hair that only makes edges firm lies on top of the rest and counts with it.
             self.rooted(0..PROBES)?.iter().map(|r| (r.tie, r.place.distance)).collect()
         };
         let mut counts = vec![vec![0u32; SHARES]; self.ties.len()];
@@ -295,8 +315,7 @@ impl Gatherer<'_> {
 
     /// Roots by number in the list of even roots.
     fn rooted(&self, which: std::ops::Range<u32>) -> Result<Vec<Rooted>, NodeError> {
-        let found: Vec<(u32, Root)> =
-            which.filter_map(|i| Some((i, self.even.root(i)?))).collect();
+        let found: Vec<(u32, Root)> = which.filter_map(|i| Some((i, self.even.root(i)?))).collect();
         let mut b = TuftBuilder::even(found.iter().map(|(_, r)| r.point).collect(), 1);
         b.set(ROOT_TRIANGLE, Domain::Curve, found.iter().map(|(_, r)| r.triangle as i32).collect());
         b.set(ROOT_BARY, Domain::Curve, found.iter().map(|(_, r)| r.bary).collect());
@@ -308,10 +327,43 @@ impl Gatherer<'_> {
                 && let Some((tie, place)) = self.tie_of(&root)
             {
                 let id = curve_id(self.ties[tie].tie.id, self.inputs.seed as u64, u64::from(i));
+                self.edge(id, &root, tie, &mut out);
                 out.push(Rooted { id, root, tie, place });
             }
         }
         Ok(out)
+    }
+
+    /// More hairs beside one at an outer edge: where, a little farther from its tie, hair of this tie no longer grows.
+    fn edge(&self, id: u64, root: &Root, tie: usize, out: &mut Vec<Rooted>) {
+        let (more, width) = (self.inputs.edge_density - 1.0, self.inputs.edge_width * self.unit);
+        if more <= 0.0 || width <= 0.0 {
+            return;
+        }
+        let away = across(root.point - self.ties[tie].tie.foot.point, root.normal);
+        let Some(away) = away else { return };
+        let aside = root.normal.cross(away);
+        let grows = |p: Vec3| {
+            let hit = self.skin.closest(p)?;
+            let root = self.scalp.root(hit.triangle, hit.bary);
+            let region = self.scalp.mask_at(self.scalp.region(), root.triangle, root.bary);
+            let free = region > 0.5 && self.scalp.free(root.point);
+            let (to, place) = if free { self.tie_of(&root)? } else { return None };
+            (to == tie).then_some((root, place))
+        };
+        // Straight away from the tie and to both sides of that: an edge may run along the hair.
+        let ahead = |turn: f32| root.point + (away + aside * turn).normalize_or(away) * width;
+        if [0.0, 1.0, -1.0].iter().all(|turn| grows(ahead(*turn)).is_some()) {
+            return;
+        }
+        let wanted = more + self.dice.unit(id, 8);
+        for k in 0..wanted as u64 {
+            let near = |n| self.dice.signed(id, 16 + 2 * k + n) * 0.5 * width;
+            if let Some((root, place)) = grows(root.point + away * near(0) + aside * near(1)) {
+                let id = curve_id(id, self.inputs.seed as u64, k);
+                out.push(Rooted { id, root, tie, place });
+            }
+        }
     }
 
     /// Roots of curves.
@@ -320,9 +372,12 @@ impl Gatherer<'_> {
         for (tuft, i) in curves {
             let at = tuft.curve(*i).first().copied().unwrap_or(Vec3::NAN);
             match self.scalp.closest_root(at) {
-                Some(root) => out.extend(
-                    self.tie_of(&root).map(|(tie, place)| Rooted { id: tuft.id(*i), root, tie, place }),
-                ),
+                Some(root) => out.extend(self.tie_of(&root).map(|(tie, place)| Rooted {
+                    id: tuft.id(*i),
+                    root,
+                    tie,
+                    place,
+                })),
                 None => piece.trouble(tuft.id(*i), "a curve without a root was left out"),
             }
         }
@@ -333,7 +388,11 @@ impl Gatherer<'_> {
     fn tie_of(&self, root: &Root) -> Option<(usize, Polar)> {
         let mut best: Option<(usize, Polar)> = None;
         let mut second: Option<(usize, Polar)> = None;
+        let section = self.sections.map(|sections| sections.of(root));
         for (i, gathered) in self.ties.iter().enumerate() {
+            if section.is_some_and(|section| section != gathered.section) {
+                continue;
+            }
             let place = gathered.dome.polar(root.point);
             if best.is_none_or(|(_, p)| place.distance < p.distance) {
                 (best, second) = (Some((i, place)), best);
@@ -384,6 +443,10 @@ impl Gatherer<'_> {
             b.set(ROOT_UV, Domain::Curve, column(roots, |r| r.root.uv));
         }
         b.set(SCALP_NORMAL, Domain::Curve, column(roots, |r| r.root.normal));
+        if let Some(sections) = self.scalp.sections() {
+            let id = |r: &Rooted| sections.id_at(r.root.point).unwrap_or(0);
+            b.set(SECTION, Domain::Curve, column(roots, id));
+        }
         b.set(FIBRE, Domain::Curve, lengths);
         b.set(WIDTH, Domain::Curve, vec![self.inputs.width]);
         Ok(b.build())
@@ -429,7 +492,8 @@ impl Gatherer<'_> {
         let wander = self.inputs.wander * self.unit;
         let (sway, turn) = (dice.signed(id, 0) * wander, dice.signed(id, 1) * wander);
         let strays = dice.unit(id, 2) < self.inputs.stray;
-        let stray = if strays { dice.unit(id, 3) * self.inputs.stray_height * self.unit } else { 0.0 };
+        let stray =
+            if strays { dice.unit(id, 3) * self.inputs.stray_height * self.unit } else { 0.0 };
         let (y, x) = sin_cos_turns(rooted.place.bearing);
         let out = tie.right * x + tie.ahead() * y;
         let side = out.cross(tie.axis);
@@ -482,4 +546,136 @@ impl Gatherer<'_> {
 #[inline]
 fn way_of(p: Vec3, tie: &Tie) -> Vec3 {
     (p - tie.foot.point).normalize_or(tie.right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::scalp::tests::shared_ball;
+    use crate::define::Value;
+    use crate::maths::transcendental::atan2;
+    use crate::testing::{curves_of, run};
+    use std::collections::BTreeMap;
+    use std::f32::consts::TAU;
+
+    fn gather(set: &[(&str, Value)]) -> (Curves, Vec<Tie>) {
+        let (out, said) = run(&NODE, &[&[("scalp", shared_ball().into())], set].concat());
+        assert!(said.is_empty(), "{said:?}");
+        let host = crate::eval::PlainHost;
+        let log = crate::eval::Log::default();
+        let cx = EvalCx {
+            seed: 0,
+            quality: Default::default(),
+            node: KeyBuilder::new("test").finish(),
+            host: &host,
+            log: &log,
+        };
+        let ties = Tie::all(&cx, &shared_ball(), curves_of(&out[1]));
+        (curves_of(&out[0]).clone(), ties)
+    }
+
+    fn few() -> (&'static str, Value) {
+        ("density", Value::Float(4.0))
+    }
+
+    #[test]
+    fn hair_is_rooted_stays_out_of_the_head_and_ends_in_its_tie() {
+        let scalp = shared_ball();
+        let wild: &[(&str, Value)] =
+            &[("stray", Value::Float(0.5)), ("wander", Value::Float(0.5)), few()];
+        let high: &[(&str, Value)] = &[
+            ("position", Vec3::new(2.0, 7.0, 2.0).into()),
+            ("lean", Value::Float(30.0)),
+            ("tightness", Value::Float(0.0)),
+            ("volume", Value::Float(3.0)),
+            few(),
+        ];
+        for set in [&[few()], wild, high] {
+            let (hair, ties) = gather(set);
+            assert!(hair.curve_count() > 1000);
+            for (tuft, i) in hair.each() {
+                let points = tuft.curve(i);
+                let triangle = tuft.view(ROOT_TRIANGLE).at(i, 0) as u32;
+                let bound = scalp.root(triangle, tuft.view(ROOT_BARY).at(i, 0)).point;
+                assert!(bound.distance(points[0]) < 1e-5);
+                let deepest = points.iter().map(|p| scalp.skin().distance(*p)).fold(1.0, f32::min);
+                assert!(deepest > -1e-3, "{deepest}");
+                let tie = ties.iter().find(|t| t.id == tuft.view(PUFF).at(i, 0)).unwrap();
+                let end = points[points.len() - 1];
+                assert!(tie.place(end).length() <= 1.0 + 1e-4);
+                assert!(((end - tie.foot.point).dot(tie.axis) - tie.height).abs() < 1e-4);
+            }
+        }
+    }
+
+    #[test]
+    fn combed_hair_keeps_bearing_and_order() {
+        let (hair, ties) = gather(&[few(), ("wander", 0.0.into()), ("stray", 0.0.into())]);
+        let tie = &ties[0];
+        let turn = |p: Vec3| {
+            let place = tie.place(p);
+            atan2(place.y, place.x) / TAU
+        };
+        // Rings of the tie by sector: what is rooted farther away ends farther out.
+        let mut sectors: BTreeMap<i32, Vec<(f32, f32)>> = BTreeMap::new();
+        for (tuft, i) in hair.each() {
+            let points = tuft.curve(i);
+            let (from, to) = (turn(points[0]), turn(points[points.len() - 1]));
+            let off = from - to;
+            let far = tie.place(points[0]).length();
+            if (0.5..5.0).contains(&far) {
+                assert!((off - off.round()).abs() < 0.06, "{from} {to}");
+            }
+            let away = points[0].angle_between(tie.foot.point);
+            let sector = (to * 12.0).floor() as i32;
+            sectors
+                .entry(sector)
+                .or_default()
+                .push((away, tie.place(points[points.len() - 1]).length()));
+        }
+        for (sector, mut ends) in sectors {
+            ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let swapped = ends.windows(2).filter(|w| w[1].1 < w[0].1 - 2e-3).count();
+            assert!(swapped * 50 <= ends.len(), "{swapped} of {} in sector {sector}", ends.len());
+        }
+    }
+
+    #[test]
+    fn more_hair_only_adds_hair() {
+        let (some, _) = gather(&[("density", Value::Float(2.0))]);
+        let (more, _) = gather(&[few()]);
+        let all: BTreeMap<u64, Vec<Vec3>> =
+            more.each().map(|(tuft, i)| (tuft.id(i), tuft.curve(i).to_vec())).collect();
+        assert_eq!(all.len(), more.curve_count());
+        assert!(some.curve_count() < more.curve_count());
+        assert!(some.each().all(|(tuft, i)| all[&tuft.id(i)] == tuft.curve(i)));
+    }
+
+    #[test]
+    fn two_ties_leave_a_parting_between_them() {
+        let (hair, ties) = gather(&[
+            ("position", Vec3::new(5.0, 6.0, -3.0).into()),
+            ("mirror", true.into()),
+            ("parting", Value::Float(0.4)),
+            few(),
+        ]);
+        assert_eq!(ties.len(), 2);
+        for (tuft, i) in hair.each() {
+            let tie = ties.iter().find(|t| t.id == tuft.view(PUFF).at(i, 0)).unwrap();
+            let x = tuft.curve(i)[0].x;
+            assert!(x.abs() > 0.17 && (x > 0.0) == (tie.foot.point.x > 0.0), "{x}");
+        }
+    }
+
+    #[test]
+    fn hair_that_is_given_keeps_its_ids_and_roots() {
+        let (hair, _) = gather(&[few()]);
+        let (again, _) = gather(&[("roots", hair.clone().into())]);
+        let ids = |c: &Curves| c.each().map(|(t, i)| (t.id(i), t.curve(i)[0])).collect::<Vec<_>>();
+        let far = ids(&hair)
+            .into_iter()
+            .zip(ids(&again))
+            .find(|(a, b)| a.0 != b.0 || a.1.distance(b.1) > 1e-4);
+        assert_eq!(far, None);
+    }
 }

@@ -4,6 +4,7 @@ mod bun;
 mod bundle;
 mod dome;
 mod gather;
+mod outline;
 mod sphere_puff;
 mod tail;
 mod tie;

@@ -1,6 +1,6 @@
 //! Tail: hair held by a tie goes on past it and hangs.
 //!
-//! Guarantees: roots and the way to the tie stay as they are; no point under the skin; a hair keeps its place across the
+//! Guarantees: roots stay, and so does the way to the tie; no point under the skin; a hair keeps its place across the
 //! tail. Not promised: that a tail rests on other hair; give it `clearance` for that.
 
 use super::bundle::{Bundle, Course, MOST_LOCKS, STEP};
@@ -54,8 +54,8 @@ node! {
         loose: f32 = 0.25, hard(0.0, 10.0), soft(0.0, 1.5), unit(Length), words("frizz messy natural");
         /// How fast the tail turns about itself, in degrees a cm.
         twist: f32 = 0.0, hard(-90.0, 90.0), soft(-20.0, 20.0), unit(Angle), words("rope turn");
-        /// Points on each hair past the tie.
-        points: i64 = 36, hard(4.0, 240.0), soft(8.0, 80.0), unit(Count), words("cvs resolution segments");
+        /// Points on each hair, root and tip included.
+        points: i64 = 60, hard(8.0, 250.0), soft(16.0, 120.0), unit(Count), words("cvs resolution segments");
         /// Whether lengths follow the head's size.
         scale_with_head: bool = true;
         /// Seed tag; stored, mixed into ids and randomness.
@@ -105,7 +105,8 @@ fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
     let step = length / steps as f32;
     let ((side, across), (back, _)) =
         (sin_cos(inputs.swing.to_radians()), sin_cos(inputs.swing_back.to_radians()));
-    let down = (-frame.up * across + frame.right * side - frame.forward * back).normalize_or(-frame.up);
+    let down =
+        (-frame.up * across + frame.right * side - frame.forward * back).normalize_or(-frame.up);
     let mut p = tie.top();
     let mut direction = tie.axis;
     let mut points = vec![p];
@@ -139,4 +140,141 @@ fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
         }
     }
     Course::new(tie, &points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::attributes::{FIBRE, PARENT, PUFF, ROOT_TRIANGLE};
+    use crate::data::scalp::tests::shared_ball;
+    use crate::define::Value;
+    use crate::testing::{curves_of, run};
+    use glam::Vec3;
+    use std::collections::BTreeSet;
+
+    fn gathered() -> (Curves, Curves) {
+        let (out, _) = run(
+            crate::by_id("gather").unwrap(),
+            &[("scalp", shared_ball().into()), ("density", Value::Float(3.0))],
+        );
+        (curves_of(&out[0]).clone(), curves_of(&out[1]).clone())
+    }
+
+    /// Base, what it became, and what was said.
+    fn went_on(node: &str, set: &[(&str, Value)]) -> (Curves, Curves, Vec<String>) {
+        let (hair, ties) = gathered();
+        let given = [
+            ("curves", hair.clone().into()),
+            ("ties", ties.into()),
+            ("scalp", shared_ball().into()),
+        ];
+        let (out, said) = run(crate::by_id(node).unwrap(), &[&given, set].concat());
+        (hair, curves_of(&out[0]).clone(), said)
+    }
+
+    fn to_link(p: Vec3, a: Vec3, b: Vec3) -> f32 {
+        let t = ((p - a).dot(b - a) / (b - a).length_squared().max(1e-9)).clamp(0.0, 1.0);
+        p.distance(a + (b - a) * t)
+    }
+
+    #[track_caller]
+    fn check_laws(node: &str, set: &[(&str, Value)]) -> Curves {
+        let (hair, out, _) = went_on(node, set);
+        let scalp = shared_ball();
+        assert_eq!(hair.curve_count(), out.curve_count());
+        for ((a, i), (b, j)) in hair.each().zip(out.each()) {
+            assert_eq!((a.id(i), a.view(PUFF).at(i, 0)), (b.id(j), b.view(PUFF).at(j, 0)));
+            assert_eq!(a.view(ROOT_TRIANGLE).at(i, 0), b.view(ROOT_TRIANGLE).at(j, 0));
+            let (base, whole) = (a.curve(i), b.curve(j));
+            assert_eq!(base[0], whole[0]);
+            // On the way to the tie, and evenly.
+            let held: f32 = base.windows(2).map(|w| w[0].distance(w[1])).sum();
+            let mut s = 0.0;
+            for w in whole.windows(2) {
+                s += w[0].distance(w[1]);
+                if s > held {
+                    break;
+                }
+                let off = base.windows(2).map(|l| to_link(w[1], l[0], l[1])).fold(9.0, f32::min);
+                assert!(off < 0.06, "{off}");
+            }
+            let deepest = whole.iter().map(|p| scalp.skin().distance(*p)).fold(1.0, f32::min);
+            assert!(deepest > -1e-3 && whole.iter().all(|p| p.is_finite()), "{deepest}");
+            let length: f32 = whole.windows(2).map(|w| w[0].distance(w[1])).sum();
+            assert!((b.view(FIBRE).at(j, 0) - length).abs() < 1e-3 * length);
+        }
+        out
+    }
+
+    #[test]
+    fn a_tail_keeps_the_way_to_its_tie_and_hangs_outside_the_head() {
+        let out = check_laws("tail", &[]);
+        let locks: BTreeSet<u64> = out.each().map(|(t, i)| t.view(PARENT).at(i, 0)).collect();
+        assert!((20..=40).contains(&locks.len()), "{}", locks.len());
+        let lowest = out.each().map(|(t, i)| t.curve(i).last().unwrap().y).fold(99.0, f32::min);
+        assert!(lowest < -15.0, "{lowest}");
+        let wild = [
+            ("swing", Value::Float(-50.0)),
+            ("sway", Value::Float(5.0)),
+            ("arch", Value::Float(0.3)),
+        ];
+        check_laws("tail", &wild);
+        check_laws("tail", &[("locks", Value::Int(0)), ("clearance", Value::Float(0.0))]);
+    }
+
+    #[test]
+    fn a_tail_of_one_width_without_wandering_keeps_every_hair_in_its_place() {
+        let (hair, out, _) = went_on(
+            "tail",
+            &[
+                ("locks", Value::Int(0)),
+                ("loose", Value::Float(0.0)),
+                ("clump", Value::Float(0.0)),
+                ("uneven", Value::Float(0.0)),
+                ("layers", Value::Float(0.0)),
+                ("profile", Ramp::constant(1.0).into()),
+            ],
+        );
+        // As far from each other at the tip as in the tie.
+        let ends =
+            |c: &Curves| c.each().map(|(t, i)| *t.curve(i).last().unwrap()).collect::<Vec<_>>();
+        let (tie, tip) = (ends(&hair), ends(&out));
+        for k in (0..tie.len() - 1).step_by(7) {
+            let (a, b) = (tie[k].distance(tie[k + 1]), tip[k].distance(tip[k + 1]));
+            assert!((a - b).abs() < 0.02 + 0.02 * a, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn a_bun_lies_round_its_tie() {
+        let out = check_laws("bun", &[]);
+        let (_, ties) = gathered();
+        let foot = ties.tufts()[0].points()[0];
+        for (tuft, i) in out.each() {
+            let past = &tuft.curve(i)[60..];
+            let far = past.iter().map(|p| p.distance(foot)).fold(0.0, f32::max);
+            assert!(far < 9.0, "{far}");
+        }
+        check_laws(
+            "bun",
+            &[("turns", Value::Float(3.0)), ("hand", "right".into()), ("rise", Value::Float(0.8))],
+        );
+    }
+
+    #[test]
+    fn hair_of_no_tie_stays_and_is_said() {
+        let (hair, _) = gathered();
+        let set = [
+            ("curves", hair.clone().into()),
+            ("ties", Curves::default().into()),
+            ("scalp", shared_ball().into()),
+        ];
+        let (out, said) = run(&NODE, &set);
+        let same = |a: (&crate::data::curves::Tuft, usize),
+                    b: (&crate::data::curves::Tuft, usize)| {
+            a.0.curve(a.1) == b.0.curve(b.1)
+        };
+        assert!(hair.each().zip(curves_of(&out[0]).each()).all(|(a, b)| same(a, b)));
+        assert_eq!(said.len(), 1);
+    }
 }

@@ -31,7 +31,14 @@ pub(super) struct Tie {
 
 impl Tie {
     /// A tie whose azimuth starts at the right of somebody who looks from the top along `forward`.
-    pub(super) fn new(id: u64, foot: Root, axis: Vec3, forward: Vec3, height: f32, radius: f32) -> Self {
+    pub(super) fn new(
+        id: u64,
+        foot: Root,
+        axis: Vec3,
+        forward: Vec3,
+        height: f32,
+        radius: f32,
+    ) -> Self {
         let ahead = across(forward, axis).unwrap_or_else(|| any_normal(axis));
         Self { id, foot, axis, right: ahead.cross(axis), height, radius }
     }
