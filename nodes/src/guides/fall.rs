@@ -263,11 +263,11 @@ impl Fall<'_> {
     /// A fallen thread without corners: where it still turns sharply, squeezed between others, it is smoothed.
     fn softened(&self, at: &[Vec3]) -> Vec<Vec3> {
         let mut at = at.to_vec();
-        for _ in 0..40 {
+        for _ in 0..80 {
             let mut sharp = false;
             for k in 2..at.len().saturating_sub(1) {
                 let (a, b) = (at[k] - at[k - 1], at[k + 1] - at[k]);
-                if a.dot(b) < 0.94 * (a.length_squared() * b.length_squared()).sqrt() {
+                if a.dot(b) < 0.97 * (a.length_squared() * b.length_squared()).sqrt() {
                     sharp = true;
                     at[k] = self.lift((at[k - 1] + at[k + 1]) * 0.5, LEAST).0;
                 }

@@ -63,7 +63,7 @@ pub(super) struct Joined {
     pub(super) a_stitch: [usize; 3],
 }
 
-/// Farther than this (cm) from the skin the side of the scalp tells nothing of a braid's front.
+/// Farther than this (cm) from the skin its side tells nothing of a braid's front.
 const NEAR: f32 = 3.0;
 
 pub(super) fn measure(prim: &Prim, scalp: Option<&Scalp>) -> Option<Braids> {
@@ -205,32 +205,31 @@ impl Spine {
                 tangents[k] = tangents[k - 1];
             }
         }
-        // What tells the front: the file at each point; the skin below; the normal of the scalp at the roots, carried on.
+        // What tells the front: the file at each point; else the skin where the braid begins, or the normal of the scalp at
+        // its roots, carried on along the braid.
         let told: Vec<Vec3> = (0..n)
             .map(|k| braid.strands.iter().map(|s| s[k].front).sum::<Vec3>().normalize_or_zero())
             .collect();
         let told_everywhere = told.iter().all(|f| *f != Vec3::ZERO);
-        let below = |p: Vec3| {
-            let scalp = scalp?;
-            let hit = scalp.surface().closest_within(p, NEAR)?;
-            Some(scalp.surface().smooth_normal(hit.triangle, hit.bary))
+        let below = |p: &Vec3| {
+            let hit = scalp?.surface().closest_within(*p, NEAR)?;
+            Some(scalp?.surface().smooth_normal(hit.triangle, hit.bary))
         };
+        let begins = n.div_ceil(20);
+        let skin = at[..begins].iter().filter_map(below).sum::<Vec3>();
+        let roots = braid.curves.iter().flatten();
         let root = root_front.map_or(Vec3::ZERO, |column| {
-            let roots = braid.curves.iter().flatten();
-            roots.map(|i| column.at(*i, prim.range(*i).start)).sum::<Vec3>().normalize_or_zero()
+            roots.map(|i| column.at(*i, prim.range(*i).start)).sum::<Vec3>()
         });
-        let mut front_known = told_everywhere;
-        let mut fronts: Vec<Vec3> = vec![];
-        for k in 0..n {
-            let wanted = if told_everywhere { Some(told[k]) } else { below(at[k]) };
-            let carried = match fronts.last() {
-                Some(last) => Some(carry(*last, tangents[k - 1], tangents[k])),
-                None => Some(root).filter(|r| *r != Vec3::ZERO),
-            };
-            front_known |= k == 0 && (wanted.is_some() || carried.is_some());
-            let front = wanted.or(carried).and_then(|w| across(w, tangents[k]));
-            fronts.push(front.or(carried).unwrap_or_else(|| any_normal(tangents[k])));
+        let start = [told[0], skin, root].into_iter().find(|v| v.length_squared() > 0.0);
+        let start = start.and_then(|v| across(v.normalize_or_zero(), tangents[0]));
+        let mut fronts: Vec<Vec3> = vec![start.unwrap_or_else(|| any_normal(tangents[0]))];
+        for k in 1..n {
+            let carried = carry(fronts[k - 1], tangents[k - 1], tangents[k]);
+            let own = Some(told[k]).filter(|_| told_everywhere);
+            fronts.push(own.and_then(|own| across(own, tangents[k])).unwrap_or(carried));
         }
+        let front_known = start.is_some();
         let mut spine = Self { at, tangents, fronts, front_known };
         if !told_everywhere {
             spine.turn_to_the_broad_side(braid);
