@@ -101,6 +101,7 @@ fn the_rms_radius_is_half_the_diameter_whatever_the_shape() {
             ("diameter", Value::Float(1.0)),
             ("pitch", Value::Float(0.02)),
             ("points_per_turn", Value::Float(64.0)),
+            ("most_points", Value::Int(16_384)),
         ];
         let points = curled(&straight(2), "custom", &[&pure(section)[..], &sizes].concat());
         let spline = Spline::new(&points).unwrap();
@@ -287,6 +288,7 @@ fn the_primary_shape_has_its_share_of_a_hundred_thousand_turns() {
         let dice = Dice::new(1, 2, "turn");
         let pattern = Pattern {
             shapes: vec![],
+            widest: 1.0,
             list: entries(&list, uniformity, b_to_c),
             z_bends: 0.0,
             switchbacks: 0.0,
@@ -299,7 +301,9 @@ fn the_primary_shape_has_its_share_of_a_hundred_thousand_turns() {
             phase: 0.0,
             start: 0.0,
             rise: 1.0,
+            sponge: 0.0,
             detail: Detail::PerTurn(12.0),
+            most: 255,
             turn_dice: dice,
             curl_dice: dice,
         };
@@ -334,6 +338,7 @@ fn the_tangent_turns_half_as_much_in_half_a_step() {
             ("offset_range", Value::Float(0.3)),
             ("switchbacks", Value::Float(0.0)),
             ("points_per_turn", Value::Float(per_turn)),
+            ("most_points", Value::Int(16_384)),
         ]
     };
     let steepest = |per_turn: f32| {
@@ -345,5 +350,32 @@ fn the_tangent_turns_half_as_much_in_half_a_step() {
     for pair in turns.windows(2) {
         let ratio = pair[1] / pair[0];
         assert!((0.4..0.62).contains(&ratio), "{turns:?}");
+    }
+}
+
+/// The worst ratio of neighbouring spacings.
+fn unevenness(points: &[Vec3]) -> f32 {
+    let ratio = |w: &[Vec3]| {
+        let (a, b) = (w[0].distance(w[1]), w[1].distance(w[2]));
+        (a / b).max(b / a)
+    };
+    points.windows(3).map(ratio).fold(1.0, f32::max)
+}
+
+#[test]
+fn points_are_even_and_as_many_as_the_tolerance_asks_for_and_no_more_than_allowed() {
+    for preset in ["2a", "2b", "2c", "3a", "3b", "3c", "4a", "4b", "4c", "custom"] {
+        for id in 0..12 {
+            for keep in ["span", "fibre"] {
+                for set in
+                    [("tolerance", Value::Float(0.03)), ("points_per_turn", Value::Float(9.0))]
+                {
+                    let points = curled(&bent(id), preset, &[("length", keep.into()), set.clone()]);
+                    assert!(points.len() <= 255, "{preset} {id}: {}", points.len());
+                    let uneven = unevenness(&points);
+                    assert!(uneven <= 1.2, "{preset} {id} {keep} {set:?}: {uneven}");
+                }
+            }
+        }
     }
 }

@@ -30,19 +30,27 @@ pub(crate) struct Shape {
     table: Vec<(Vec2, Vec2)>,
     /// Length around.
     pub(crate) perimeter: f32,
+    /// How much it bends: acceleration over a turn in the root of the mean square, that of a circle being 1.
+    pub(crate) bend: f32,
+    /// The farthest it goes from its centre.
+    pub(crate) widest: f32,
 }
 
 impl Shape {
-    /// The point at `theta` turns, any finite number. C1.
-    #[inline]
-    pub(crate) fn at(&self, theta: f32) -> Vec2 {
-        let x = (theta - theta.floor()) * TABLE as f32;
+    /// The point at `theta` turns, any finite number, and how it changes with `theta`. C1.
+    #[inline(always)]
+    pub(crate) fn at(&self, theta: f32) -> (Vec2, Vec2) {
+        // Truncated and mended: a floor, without asking the library for one.
+        let whole = theta as i32 as f32;
+        let part = theta - whole;
+        let x = (if part < 0.0 { part + 1.0 } else { part }) * TABLE as f32;
         let i = (x as usize).min(TABLE - 1);
         let t = x - i as f32;
         let ((p0, m0), (p1, m1)) = (self.table[i], self.table[i + 1]);
         let d = p1 - p0;
         let (a, b) = (m0 + m1 - d * 2.0, d * 3.0 - m0 * 2.0 - m1);
-        ((a * t + b) * t + m0) * t + p0
+        let velocity = (a * (3.0 * t) + b * 2.0) * t + m0;
+        (((a * t + b) * t + m0) * t + p0, velocity * TABLE as f32)
     }
 
     fn new(outline: &[Vec2]) -> Self {
@@ -52,8 +60,12 @@ impl Shape {
             let velocity = (outline[(i + 1) % n] - outline[(i + n - 1) % n]) * 0.5;
             (outline[i % n], velocity * stride as f32)
         };
-        let table = (0..=TABLE).map(|i| entry((i * stride) % n)).collect();
-        Self { table, perimeter: perimeter(outline) }
+        let table: Vec<(Vec2, Vec2)> = (0..=TABLE).map(|i| entry((i * stride) % n)).collect();
+        let steps = table.windows(2).map(|w| (w[1].1 - w[0].1).length_squared());
+        let turn = std::f32::consts::TAU / TABLE as f32;
+        let bend = (steps.sum::<f32>() / TABLE as f32).sqrt() / (turn * turn);
+        let widest = outline.iter().fold(0.0f32, |far, p| far.max(p.length()));
+        Self { table, perimeter: perimeter(outline), bend, widest }
     }
 
     /// The shape of a section.
@@ -326,13 +338,13 @@ mod tests {
             for rounding in [0.05, 0.2] {
                 let shape = Shape::of(&section, rounding);
                 let n = 4096;
-                let at = |k: usize| shape.at(k as f32 / n as f32);
+                let at = |k: usize| shape.at(k as f32 / n as f32).0;
                 let points: Vec<Vec2> = (0..n).map(at).collect();
                 let what = format!("{section:?} {rounding}");
                 assert!((rms(&points) - 1.0).abs() < 2e-3, "{what}: {}", rms(&points));
-                assert!(shape.at(0.0).y.abs() < 2e-3 && shape.at(0.0).x > 0.0, "{what}");
-                assert!(shape.at(0.02).y > 0.0, "{what}");
-                assert!(shape.at(3.25).distance(shape.at(0.25)) < 1e-5, "{what}");
+                assert!(shape.at(0.0).0.y.abs() < 2e-3 && shape.at(0.0).0.x > 0.0, "{what}");
+                assert!(shape.at(0.02).0.y > 0.0, "{what}");
+                assert!(shape.at(3.25).0.distance(shape.at(0.25).0) < 1e-5, "{what}");
                 if matches!(section, Section::Ellipse(_)) {
                     continue;
                 }

@@ -7,8 +7,11 @@
 
 use super::preset::Numbers;
 use super::section::{Shape, entries};
-use super::winding::{Detail, Pattern, Sizes, Winder};
-use crate::data::attributes::{ALLOW_DEPTH, Attribute, Domain, FIBRE, NORMAL, Name, PARENT, ROLL};
+use super::winding::{Detail, Goal, Pattern, Sizes, Winder, arc_length};
+use crate::data::attributes::{
+    ALLOW_DEPTH, Attribute, CURL_DIAMETER, CURL_PITCH, Domain, FIBRE, NORMAL, PARENT, ROLL,
+    SHRINKAGE,
+};
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::shapes::ShapeList;
@@ -28,7 +31,7 @@ node! {
     /// Choose a preset and change what you like: every number left unset is the preset's, every number that is set
     /// replaces it. What was used is told in the node's messages. Hairs of one parent share a curl as far as
     /// `definition` says.
-    "shape_list_curl", version 1, label "Shape-list curl",
+    "shape_list_curl", version 2, label "Shape-list curl",
         words "curl curly wave wavy coil coily kink kinky ringlets helix spiral perm texture type 2a 2b 2c 3a 3b 3c 4a 4b 4c zigzag guide process cross-section uniformity";
     inputs {
         /// Curves to wind, one curl along each.
@@ -77,6 +80,8 @@ node! {
         start: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 10.0), unit(Length), handle(Handle::Along), words("offset root straight");
         /// Turns over which the curl grows to its full size; few let it turn away from the root at once. Unset: the preset's.
         rise: Option<f32>, hard(0.25, 100.0), soft(0.5, 6.0), words("blend root grow");
+        /// Length of hair at the root where the curl is still forming: smaller turns, closer together, half of full size at the skin. It gives the spongy root of coily hair. 0: none.
+        sponge: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), handle(Handle::Along), words("spongy root new growth density lift");
         /// Direction of the turns, seen along the hair from the root.
         hand: Hand = Hand::Random, words("handedness chirality clockwise s z");
         /// What starts in the same phase.
@@ -87,12 +92,16 @@ node! {
         roll: FieldInput = 0.0, hard(-36000.0, 36000.0), soft(-180.0, 180.0), unit(Angle), handle(Handle::Angle);
         /// Whether a hair reaches as far as before or stays as long as before.
         length: Keep = Keep::Span, words("shrinkage stretch keep");
+        /// Length of each hair where `length` is `visible` or `stretched`.
+        hair_length: FieldInput = 15.0, hard(0.1, 1000.0), soft(1.0, 60.0), unit(Length), words("ask visible stretched grown long short");
         /// What decides the number of points.
-        points: Points = Points::PerTurn, words("cvs resolution segments");
-        /// Points on a turn of full size, when given by the turn. Smaller turns get fewer, but eight at least.
-        points_per_turn: f32 = 12.0, hard(8.0, 256.0), soft(8.0, 32.0), unit(Count), words("cvs resolution segments");
-        /// How far a coil may lie off the straight line between two points, when given by tolerance.
-        tolerance: f32 = 0.01, hard(0.0001, 1.0), soft(0.001, 0.1), unit(Length), words("chord accuracy");
+        points: Points = Points::Auto, words("cvs resolution segments");
+        /// Points on a turn of full size, when given by the turn. Smaller turns get fewer, but eight at least. Unset: as many as the tolerance asks for, or 12.
+        points_per_turn: Option<f32>, hard(8.0, 256.0), soft(8.0, 32.0), unit(Count), words("cvs resolution segments");
+        /// How far a coil may lie off the straight line between two points, as a share of its radius: 3 % makes 13 points a turn, 1 % 22. Sharp shapes get more, small turns fewer.
+        tolerance: f32 = 0.03, hard(0.0005, 0.2), soft(0.01, 0.1), unit(Ratio), words("chord error accuracy cvs");
+        /// The most points on a hair. Hairs that the tolerance would give more are drawn coarser, evenly, and counted.
+        most_points: i64 = 255, hard(4.0, 16384.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
         /// Seed tag; stored, mixed into randomness.
         seed: i64 = 0;
     }
@@ -162,21 +171,24 @@ choice! {
         Span = "span",
         /// The hair keeps its length, so the curl ends short of the curve's end. Where curves have a `fibre_length`, it is kept as far as the curve has room for it.
         Fibre = "fibre",
+        /// The hair is seen to be `hair_length` long: its curl takes so much of the curve, or goes straight on past its end.
+        Visible = "visible",
+        /// The hair is `hair_length` long when pulled straight; its curl makes it shorter to see.
+        Stretched = "stretched",
     }
 }
 
 choice! {
     /// What decides the number of points.
     Points {
+        /// By the turn where `points_per_turn` is set, else by the tolerance.
+        Auto = "auto",
         /// So many on a turn.
         PerTurn = "turn",
-        /// As many as keep the curl within a distance.
+        /// As many as keep the curl within the tolerance.
         Tolerance = "tolerance",
     }
 }
-
-/// Name of the curve attribute that says by which share the span is shorter than the fibre.
-const SHRINKAGE: Name = Name::Borrowed("shrinkage");
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let (numbers, used) = inputs.numbers();
@@ -254,6 +266,7 @@ impl Inputs {
     fn pattern(&self, cx: &EvalCx, numbers: &Numbers, shapes: Vec<Shape>) -> Pattern {
         let alternating = self.hand == Hand::Alternating;
         Pattern {
+            widest: shapes.iter().fold(0.0, |most, shape| shape.widest.max(most)),
             shapes,
             list: entries(&numbers.shapes, numbers.uniformity, numbers.b_to_c),
             z_bends: numbers.z_bends,
@@ -271,10 +284,13 @@ impl Inputs {
             phase: self.phase / 360.0,
             start: self.start,
             rise: numbers.rise,
-            detail: match self.points {
-                Points::PerTurn => Detail::PerTurn(self.points_per_turn),
-                Points::Tolerance => Detail::Tolerance(self.tolerance),
+            sponge: self.sponge,
+            detail: match (self.points, self.points_per_turn) {
+                (Points::PerTurn, n) => Detail::PerTurn(n.unwrap_or(12.0)),
+                (Points::Auto, Some(n)) => Detail::PerTurn(n),
+                (Points::Auto, None) | (Points::Tolerance, _) => Detail::Tolerance(self.tolerance),
             },
+            most: self.most_points as usize,
             turn_dice: cx.dice(self.seed, "turn"),
             curl_dice: cx.dice(self.seed, "curl"),
         }
@@ -311,10 +327,12 @@ fn curl(
     let by_points = tuft.attributes().iter().any(|a| a.domain == Domain::Point);
 
     let mut out = TuftBuilder::new();
+    let asked_length = inputs.hair_length.on(tuft, scalp)?;
     let (mut rail, mut winder, mut spline) =
         (Rail::default(), Winder::default(), Spline::default());
     let (mut kept, mut places, mut fibres, mut shrinkages) = (vec![], vec![], vec![], vec![]);
-    let mut longer: Vec<Vec3> = vec![];
+    let (mut diameters, mut pitches) = (vec![], vec![]);
+    let (mut longer, mut near): (Vec<Vec3>, Vec<bool>) = (vec![], vec![]);
     for i in 0..tuft.len() {
         piece.tick()?;
         let (points, first) = (tuft.curve(i), tuft.offsets()[i]);
@@ -335,82 +353,97 @@ fn curl(
         };
         let eighths = (0..=8).map(|k| k as f32 / 8.0);
         if eighths.into_iter().all(|u| (sizes.diameter)(u) * (sizes.amount)(u) == 0.0) {
-            winder.points.clear();
-            winder.places.clear();
-            winder.points.extend_from_slice(points);
-            let last = points.len() - 2;
-            let place = |k: usize| (k.min(last) as u32, k.saturating_sub(last) as f32);
-            winder.places.extend((0..points.len()).map(place));
             fibres.push(rail.length());
             shrinkages.push(0.0);
-        } else {
-            let id = tuft.id(i);
-            let clump = match (inputs.phase_lock, parent.at(i, root)) {
-                (Lock::Free, _) | (_, 0) => id,
-                (_, parent) => parent,
-            };
+            diameters.push(0.0);
+            pitches.push(0.0);
+            kept.push(i as u32);
+            if by_points {
+                let last = points.len() - 2;
+                let place = |k: usize| (first + k.min(last) as u32, k.saturating_sub(last) as f32);
+                places.extend((0..points.len()).map(place));
+            }
+            out.push_curve(points);
+            continue;
+        }
+        let id = tuft.id(i);
+        let clump = match (inputs.phase_lock, parent.at(i, root)) {
+            (Lock::Free, _) | (_, 0) => id,
+            (_, parent) => parent,
+        };
+        let roll = (!level).then_some(|(cv, t): (u32, f32)| {
+            // Past the source's end, as at its end.
+            let last = points.len() as u32 - 2;
+            let (cv, t) = if cv > last { (last, 1.0) } else { (cv, t) };
+            let at = root + cv as usize;
+            let (a, b) = (rolls.at(i, at), rolls.at(i, at + 1));
+            let u = (cv as f32 + t) / (points.len() - 1) as f32;
+            a + (b - a) * t + turned.along(tuft, i, u)
+        });
+        let roll = roll.as_ref();
+        // Where the source ends too early, it goes straight on.
+        let mut extend = |rail: &mut Rail, more: f32| {
+            longer.clear();
+            longer.extend_from_slice(points);
+            longer.push(rail_end(points, more));
+            rail.rebuild(&longer, start).is_ok()
+        };
+        let long = asked_length.at(i, root, 0.0);
+        // What is kept, whether the source goes on for it, and the fewest points: of a whole source, as many as it
+        // has, for so many its shape needs.
+        let (mut goal, goes_on, fewest) = match inputs.length {
+            Keep::Span => {
+                (Goal { reach: rail.length(), fibre: f32::INFINITY }, false, points.len())
+            }
+            Keep::Visible => (Goal { reach: long, fibre: f32::INFINITY }, false, points.len()),
+            Keep::Stretched => (Goal { reach: rail.length(), fibre: long }, true, 4),
+            // A fibre length that was given asks for no such thing: hair made to end somewhere ends there.
+            Keep::Fibre => match fibre.at(i, root) {
+                given if given > 0.0 => (Goal { reach: rail.length(), fibre: given }, false, 4),
+                _ => (Goal { reach: rail.length(), fibre: rail.length() }, true, 4),
+            },
+        };
+        let missing = goal.reach - rail.length();
+        if missing > 0.0 && extend(&mut rail, missing) {
+            goal.reach = rail.length();
+        }
+        winder.draw(pattern, &rail, (clump, id), &sizes);
+        winder.lay(pattern, &rail, goal, fewest, roll);
+        // A wave wider than its source's bends cuts across them and may even be shorter than the source.
+        let mut more = 0.0;
+        for _ in 0..6 {
+            if !goes_on || winder.fibre >= 0.999 * goal.fibre {
+                break;
+            }
+            more += 1.5 * (goal.fibre - winder.fibre).max(1e-3 * goal.fibre);
+            if !extend(&mut rail, more) {
+                break;
+            }
+            goal.reach = rail.length();
             winder.draw(pattern, &rail, (clump, id), &sizes);
-            let roll = (!level).then_some(|(cv, t): (u32, f32)| {
-                // Past the source's end, as at its end.
-                let last = points.len() as u32 - 2;
-                let (cv, t) = if cv > last { (last, 1.0) } else { (cv, t) };
-                let at = root + cv as usize;
-                let (a, b) = (rolls.at(i, at), rolls.at(i, at + 1));
-                let u = (cv as f32 + t) / (points.len() - 1) as f32;
-                a + (b - a) * t + turned.along(tuft, i, u)
-            });
-            let roll = roll.as_ref();
-            // As many points as the source at least: what its shape needs.
-            let fewest = points.len();
-            winder.lay(pattern, &rail, rail.length(), fewest, &sizes, roll);
-            let mut span = rail.length();
-            if inputs.length == Keep::Fibre {
-                let wanted = match fibre.at(i, root) {
-                    given if given > 0.0 => given,
-                    _ => rail.length(),
-                };
-                let mut lay = |rail: &Rail, winder: &mut Winder, reach| {
-                    winder.lay(pattern, rail, reach, 4, &sizes, roll);
-                    spline.rebuild(&winder.points).map_or(0.0, |()| spline.length())
-                };
-                let mut all = lay(&rail, &mut winder, span);
-                // A wave wider than its source's bends cuts across them and is shorter than the source: then the source
-                // goes straight on for as much as is missing. (A fibre length that was given asks for no such thing:
-                // hair made to end somewhere ends there.)
-                let mut more = 0.0;
-                for _ in 0..6 {
-                    if all >= wanted || fibre.at(i, root) > 0.0 {
-                        break;
-                    }
-                    more += 1.5 * (wanted - all).max(1e-3 * wanted);
-                    longer.clear();
-                    longer.extend_from_slice(points);
-                    longer.push(rail_end(points, more));
-                    if rail.rebuild(&longer, start).is_err() {
-                        break;
-                    }
-                    winder.draw(pattern, &rail, (clump, id), &sizes);
-                    span = rail.length();
-                    all = lay(&rail, &mut winder, span);
-                }
-                span = reach_of(wanted, (span, all), |reach| lay(&rail, &mut winder, reach));
-                // What lies past the source reads the source's end.
-                let end = points.len() as u32 - 1;
-                let past = winder.places.iter_mut().filter(|place| place.0 >= end);
-                past.for_each(|place| *place = (end - 1, 1.0));
-            }
-            winder.points[0] = points[0];
-            if let Some(skin) = skin {
-                rest_on(skin, &mut winder.points, depth.at(i, root));
-            }
-            let length = winder.arc_length();
-            fibres.push(length);
-            shrinkages.push((1.0 - span / length).max(0.0));
+            winder.lay(pattern, &rail, goal, fewest, roll);
+        }
+        winder.points[0] = points[0];
+        if let Some(skin) = skin {
+            let depth = depth.at(i, root);
+            let clear = |middle, radius| skin.is_clear(middle, radius);
+            winder.near(&rail, pattern, clear, &mut near);
+            rest_on(skin, &mut winder.points, &near, depth, &mut spline);
+        }
+        let length = arc_length(&winder.points);
+        fibres.push(length);
+        shrinkages.push((1.0 - winder.span / length).max(0.0));
+        diameters.push(winder.asked.diameter);
+        pitches.push(winder.asked.pitch);
+        if by_points {
+            // What lies past the source reads the source's end.
+            let end = points.len() as u32 - 1;
+            let place = |(cv, t): (u32, f32)| if cv >= end { (end - 1, 1.0) } else { (cv, t) };
+            places.extend(
+                winder.places(&rail, pattern.blend).map(place).map(|(cv, t)| (first + cv, t)),
+            );
         }
         kept.push(i as u32);
-        if by_points {
-            places.extend(winder.places.iter().map(|(cv, t)| (first + cv, *t)));
-        }
         out.push_curve(&winder.points);
     }
     for attribute in tuft.attributes() {
@@ -421,7 +454,9 @@ fn curl(
         out.set_column(Attribute { values, ..attribute.clone() });
     }
     out.set(FIBRE, Domain::Curve, fibres);
-    out.set_named(SHRINKAGE, Domain::Curve, shrinkages);
+    out.set(SHRINKAGE, Domain::Curve, shrinkages);
+    out.set(CURL_DIAMETER, Domain::Curve, diameters);
+    out.set(CURL_PITCH, Domain::Curve, pitches);
     Ok(out.build())
 }
 
@@ -443,63 +478,52 @@ fn rail_end(points: &[Vec3], more: f32) -> Vec3 {
     last + (last - before).normalize_or(Vec3::Y) * more
 }
 
-/// How much of the source a curl of `wanted` cm takes; all of it when that is not enough. `all` is the source's length and
-/// the length of the curl along it, which is laid; `lay` lays a curl along less and tells its length.
-fn reach_of(wanted: f32, all: (f32, f32), mut lay: impl FnMut(f32) -> f32) -> f32 {
-    const CLOSE: f32 = 5e-4;
-    // Between a reach that is too short and one that is long enough, by false position kept off the ends.
-    let (mut low, mut high) = ((0.0, 0.0), all);
-    if high.1 <= wanted {
-        return all.0;
-    }
-    // The length jumps a little where a point is added: then the nearest reach tried is taken.
-    let mut best = (high.1 - wanted, high.0);
-    for _ in 0..24 {
-        let t = ((wanted - low.1) / (high.1 - low.1)).clamp(0.02, 0.98);
-        let reach = low.0 + (high.0 - low.0) * t;
-        let length = lay(reach);
-        let off = (length - wanted).abs();
-        if off <= CLOSE * wanted {
-            return reach;
-        }
-        if off < best.0 {
-            best = (off, reach);
-        }
-        if length < wanted { low = (reach, length) } else { high = (reach, length) }
-    }
-    lay(best.1);
-    best.1
-}
-
-/// Pushes points out of the skin; where any was moved, puts each chord's length right once, from the root on, and
-/// pushes again.
-fn rest_on(skin: &Skin, points: &mut [Vec3], depth: f32) {
-    let chord = |points: &[Vec3], k: usize| points[k].distance(points[k - 1]);
+/// Pushes the points that may be near out of the skin; where any was moved, puts each chord's length right once, from the
+/// root on, pushes again, and spreads the points evenly again where the skin drew them apart.
+fn rest_on(skin: &Skin, points: &mut [Vec3], near: &[bool], depth: f32, spline: &mut Spline) {
     let mut chords: Option<Vec<f32>> = None;
     for k in 1..points.len() {
+        if !near[k] {
+            continue;
+        }
         let (out, moved) = skin.push_out(points[k], depth);
         if moved {
-            chords.get_or_insert_with(|| {
-                (0..points.len()).map(|k| if k == 0 { 0.0 } else { chord(points, k) }).collect()
-            });
+            chords.get_or_insert_with(|| points.windows(2).map(|w| w[0].distance(w[1])).collect());
             points[k] = out;
         }
     }
     let Some(chords) = chords else { return };
     for k in 1..points.len() {
         let along = (points[k] - points[k - 1]).normalize_or_zero();
-        points[k] = skin.push_out(points[k - 1] + along * chords[k], depth).0;
+        points[k] = skin.push_out(points[k - 1] + along * chords[k - 1], depth).0;
     }
+    for _ in 0..4 {
+        if is_even(points) || spline.rebuild(points).is_err() {
+            break;
+        }
+        let last = points.len() - 1;
+        for k in 1..last {
+            points[k] = spline.at(k as f32 / last as f32);
+        }
+        for p in &mut points[1..last] {
+            *p = skin.push_out(*p, depth).0;
+        }
+    }
+}
+
+/// Whether neighbouring points are spaced within 1.2 : 1 (methods.md 0).
+fn is_even(points: &[Vec3]) -> bool {
+    points.windows(3).all(|w| {
+        let (a, b) = (w[0].distance_squared(w[1]), w[1].distance_squared(w[2]));
+        a <= b * 1.44 && b <= a * 1.44
+    })
 }
 
 fn remark_on_shrinkage(cx: &EvalCx, curves: &Curves) {
     let mut sum = 0.0f64;
     for tuft in curves.tufts() {
-        if let Some(View::Curve(values)) = tuft.view_named::<f32>(&SHRINKAGE) {
-            sum += values.iter().map(|x| f64::from(*x)).sum::<f64>();
-        } else if let Some(View::Shared(value)) = tuft.view_named::<f32>(&SHRINKAGE) {
-            sum += f64::from(value);
-        }
+        let values = tuft.view(SHRINKAGE);
+        sum += (0..tuft.len()).map(|i| f64::from(values.at(i, 0))).sum::<f64>();
     }
     let n = curves.curve_count();
     if n > 0 {

@@ -10,13 +10,15 @@
 //! theta(x) = theta_j + h_{j-1} x + (h_j - h_{j-1}) w(x)      h: direction, +1 or -1
 //! ```
 //!
-//! so the path is C1 whatever is drawn, without integration. CVs are spread by the speed of the path, so that a small
-//! turn beside a large one gets fewer, though never under eight.
+//! so the path is C1 whatever is drawn, without integration. CVs lie on the path, spaced within 1.2 : 1 of their neighbours
+//! (where no skin is in the way), so that every reader of Catmull-Rom curves reads the same curl: the path is walked with a
+//! step that its own speed predicts, and a step that comes out too long or too short is taken again. How long
+//! steps are follows from what is asked of the error and changes slowly along the hair.
 
 use super::section::{ENTRIES, Shape};
 use crate::maths::hash::{Dice, mix};
 use crate::maths::rail::Rail;
-use crate::maths::transcendental::{acos, sin_cos_turns};
+use crate::maths::transcendental::sin_cos_turns;
 use glam::{Vec2, Vec3};
 
 /// What all curls of a node share.
@@ -24,6 +26,8 @@ use glam::{Vec2, Vec3};
 pub(crate) struct Pattern {
     /// The list's shapes, and the zigzag of Z-bends last.
     pub(crate) shapes: Vec<Shape>,
+    /// The farthest that any of them goes from its centre.
+    pub(crate) widest: f32,
     /// Which shape each entry of the shape list is.
     pub(crate) list: Vec<u16>,
     /// Shares of turns.
@@ -43,7 +47,11 @@ pub(crate) struct Pattern {
     pub(crate) start: f32,
     /// Turns over which the curl grows to its full size.
     pub(crate) rise: f32,
+    /// cm from the root over which turns grow from half their size and pitch.
+    pub(crate) sponge: f32,
     pub(crate) detail: Detail,
+    /// The most CVs on a curl.
+    pub(crate) most: usize,
     pub(crate) turn_dice: Dice,
     pub(crate) curl_dice: Dice,
 }
@@ -53,7 +61,7 @@ pub(crate) struct Pattern {
 pub(crate) enum Detail {
     /// CVs on a turn of full size.
     PerTurn(f32),
-    /// cm that the chord between two CVs may lie off a circle.
+    /// How far the chord between two CVs may lie off the curl, as a share of the curl's radius.
     Tolerance(f32),
 }
 
@@ -90,10 +98,20 @@ const PLANE_REACH: u64 = 7;
 /// Where the numbers of runs and of planes begin among a curl's random numbers.
 const RUNS: u64 = 1 << 40;
 const PLANES: u64 = 1 << 41;
-/// The most CVs on one curl; beyond, CVs are spread wider.
-const MOST_CVS: usize = 16_384;
-/// The fewest CVs on a turn.
-pub(crate) const FEWEST: f32 = 8.0;
+/// The most turns on one curl; a smaller pitch is taken as one that gives so many.
+const MOST_TURNS: f32 = 16_384.0;
+/// The fewest CVs on a turn, whatever its size.
+const FEWEST: f32 = 8.0;
+/// By how much the length of steps may differ from one turn to the next: less than a twelfth from one CV to the next.
+const STEADY: f32 = 1.7;
+/// How far the length of a step may lie off what it should be.
+const LENIENT: f32 = 0.06;
+/// How close a curl comes to the length that is asked for, as a share.
+const CLOSE: f32 = 1e-3;
+/// How many CVs share what is left over at the tip.
+const TAIL: usize = 10;
+/// Places along a curl between which its amount is taken as linear.
+const AMOUNTS: usize = 32;
 
 impl Pattern {
     /// Turn number `j` of the curl that `key` names.
@@ -161,15 +179,27 @@ pub(crate) struct Sizes<D, P, A> {
     pub(crate) definition: f32,
 }
 
+impl<D: Fn(f32) -> f32, P: Fn(f32) -> f32, A: Fn(f32) -> f32> Sizes<D, P, A> {
+    /// What is asked of a curl that starts so: the diameter in the root of the mean square and the pitch by the number of
+    /// turns, where they change along the hair.
+    fn asked(&self, start: Start) -> Asked {
+        let (mut square, mut turns) = (0.0, 0.0);
+        for k in 0..8 {
+            let u = (k as f32 + 0.5) / 8.0;
+            let diameter = (self.diameter)(u) * (self.amount)(u);
+            square += diameter * diameter;
+            turns += 1.0 / (self.pitch)(u).max(1e-6);
+        }
+        Asked { diameter: (square / 8.0).sqrt() * start.size, pitch: 8.0 / turns * start.pitch }
+    }
+}
+
 /// A turn on a curve.
 #[derive(Clone, Copy, Debug, Default)]
 struct Laid {
-    /// Distance along the source, angle and CV clock at its start.
+    /// Distance along the source and angle at its start.
     s: f32,
     theta: f32,
-    clock: f32,
-    /// CVs' density at its start, per turn.
-    density: f32,
     pitch: f32,
     hand: f32,
     phase: f32,
@@ -179,6 +209,39 @@ struct Laid {
     plane: Vec2,
     offset: Vec2,
     shape: u16,
+    /// Length of the curl on it, cm, about.
+    length: f32,
+    /// cm between CVs at its end.
+    spacing: f32,
+}
+
+/// A point of a curl.
+#[derive(Clone, Copy, Debug)]
+struct Mark {
+    turn: u32,
+    /// Fraction of the turn.
+    x: f32,
+    /// cm of curl for each turn, here.
+    speed: f32,
+    /// Way here from the last point: unit direction; and length along the curl up to here, cm.
+    way: Vec3,
+    arc: f32,
+}
+
+/// What was asked of one curl after all that varies over the head.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Asked {
+    /// cm.
+    pub(crate) diameter: f32,
+    /// cm.
+    pub(crate) pitch: f32,
+}
+
+/// How far a curl goes: along the first `reach` cm of its source, and no farther than `fibre` cm of its own.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Goal {
+    pub(crate) reach: f32,
+    pub(crate) fibre: f32,
 }
 
 /// Winds curves; keeps its memory from curve to curve.
@@ -189,20 +252,29 @@ pub(crate) struct Winder {
     laid: Vec<Laid>,
     /// cm over which the curl grows.
     rise: f32,
+    /// Factor of the size at even places along the source; none: one for all.
+    amounts: Vec<f32>,
+    amount: f32,
+    /// What was asked of the curl last drawn.
+    pub(crate) asked: Asked,
     /// The curl, root first.
     pub(crate) points: Vec<Vec3>,
-    /// For each point the source's CV before it and the fraction of the way to the next.
-    pub(crate) places: Vec<(u32, f32)>,
+    marks: Vec<Mark>,
+    /// Arc length of the curl and cm of source that it takes.
+    pub(crate) fibre: f32,
+    pub(crate) span: f32,
+    /// Whether all points that were asked for are there.
+    pub(crate) enough: bool,
 }
 
-/// Smoothstep and its integral from 0, for a step of width `b`.
-#[inline]
-fn blended(x: f32, b: f32) -> (f32, f32) {
+/// Smoothstep, its integral from 0 and its slope, for a step of width `b`.
+#[inline(always)]
+fn blended(x: f32, b: f32) -> (f32, f32, f32) {
     if x < b {
         let y = x / b;
-        (y * y * (3.0 - 2.0 * y), b * y * y * y * (1.0 - 0.5 * y))
+        (y * y * (3.0 - 2.0 * y), b * y * y * y * (1.0 - 0.5 * y), 6.0 * y * (1.0 - y) / b)
     } else {
-        (1.0, x - 0.5 * b)
+        (1.0, x - 0.5 * b, 0.0)
     }
 }
 
@@ -238,23 +310,12 @@ impl Winder {
             self.clump = (clump, vec![]);
         }
         self.laid.clear();
-        let (nominal_size, nominal_pitch) = (
-            0.5 * (sizes.diameter)(0.0) * start.size,
-            ((sizes.pitch)(0.0) * start.pitch).max(length / MOST_CVS as f32),
-        );
-        self.rise = pattern.rise * nominal_pitch;
-        let perimeter = pattern.shapes[0].perimeter;
-        let speed =
-            |pitch: f32, size: f32| (pitch * pitch + perimeter * perimeter * size * size).sqrt();
-        let cvs = match pattern.detail {
-            Detail::PerTurn(cvs) => cvs,
-            Detail::Tolerance(chord) => {
-                let angle = acos(1.0 - chord / nominal_size.max(1e-6));
-                (std::f32::consts::PI / angle.max(1e-3)).clamp(FEWEST, 256.0)
-            }
-        };
-        // The clock runs by `cvs` over a turn of full size and by eight or more over any.
-        let per_speed = cvs / speed(nominal_pitch, nominal_size).max(1e-9);
+        let least_pitch = length / MOST_TURNS;
+        self.asked = sizes.asked(start);
+        self.set_amounts(sizes);
+        let radius = 0.5 * self.asked.diameter;
+        self.rise = pattern.rise * ((sizes.pitch)(0.0) * start.pitch).max(least_pitch);
+        let spacing = Spacing::new(pattern, self.asked);
         let mut last = Laid { hand: start.hand, ..Laid::default() };
         let mut j = 0;
         loop {
@@ -281,9 +342,9 @@ impl Winder {
                 laid.theta += previous.hand + (last.hand - previous.hand) * half;
             }
             let u = (laid.s / length).min(1.0);
-            laid.size = 0.5 * (sizes.diameter)(u) * start.size * turn.size;
-            laid.pitch =
-                ((sizes.pitch)(u) * start.pitch * turn.pitch).max(length / MOST_CVS as f32);
+            let young = young(laid.s, pattern.sponge);
+            laid.size = 0.5 * (sizes.diameter)(u) * start.size * turn.size * young;
+            laid.pitch = ((sizes.pitch)(u) * start.pitch * turn.pitch * young).max(least_pitch);
             if turn.back && j > 0 {
                 laid.hand = -last.hand;
             }
@@ -292,113 +353,417 @@ impl Winder {
             laid.offset = turn.offset * laid.size;
             laid.shape = turn.shape;
             let before = if j == 0 { laid } else { last };
-            let grown = envelope(laid.s, pattern.start, self.rise) * (sizes.amount)(u);
-            let size = 0.5 * (before.size + laid.size) * grown;
-            let density = speed(0.5 * (before.pitch + laid.pitch), size) * per_speed;
-            laid.density = density.max(FEWEST);
-            if j > 0 {
-                laid.clock += 0.5 * (last.density + laid.density);
-            }
+            let amount = self.amount_at(u);
+            (laid.length, laid.spacing) = spacing.of(pattern, &before, &laid, amount, radius);
+            laid.length *= 1.0 - 0.5 * pattern.blend * f32::from(laid.hand != before.hand);
             self.laid.push(laid);
             last = laid;
-            // The turn after the last is there too, for its density.
+            // One turn more than the source has room for, so that there is one everywhere.
             if self.laid.len() > 1 && laid.s >= length {
                 break;
             }
             j += 1;
         }
+        for j in 1..self.laid.len() {
+            let most = self.laid[j - 1].spacing * STEADY;
+            self.laid[j].spacing = self.laid[j].spacing.min(most);
+        }
+        for j in (1..self.laid.len()).rev() {
+            let most = self.laid[j].spacing * STEADY;
+            self.laid[j - 1].spacing = self.laid[j - 1].spacing.min(most);
+        }
     }
 
-    /// Lays what was drawn along the first `reach` cm of `rail`, into `points` and `places`. At least `fewest`
-    /// points are made.
+    fn set_amounts(
+        &mut self,
+        sizes: &Sizes<impl Fn(f32) -> f32, impl Fn(f32) -> f32, impl Fn(f32) -> f32>,
+    ) {
+        let at = |k: usize| (sizes.amount)(k as f32 / AMOUNTS as f32);
+        self.amount = at(0);
+        self.amounts.clear();
+        if [1, 2, 3, 4].into_iter().any(|k| at(k * AMOUNTS / 4) != self.amount) {
+            self.amounts.extend((0..=AMOUNTS).map(at));
+        }
+    }
+
+    #[inline(always)]
+    fn amount_at(&self, u: f32) -> f32 {
+        if self.amounts.is_empty() {
+            return self.amount;
+        }
+        let x = u * AMOUNTS as f32;
+        let k = (x as usize).min(AMOUNTS - 1);
+        let (a, b) = (self.amounts[k], self.amounts[k + 1]);
+        a + (b - a) * (x - k as f32).min(1.0)
+    }
+
+    /// Lays what was drawn along `rail` as far as `goal` says, into `points`. As many points as the tolerance wants, at
+    /// least `fewest` and at most the pattern's.
     pub(crate) fn lay(
         &mut self,
         pattern: &Pattern,
         rail: &Rail,
-        reach: f32,
+        goal: Goal,
         fewest: usize,
-        sizes: &Sizes<impl Fn(f32) -> f32, impl Fn(f32) -> f32, impl Fn(f32) -> f32>,
-        roll: Option<impl Fn((u32, f32)) -> f32>,
+        roll: Option<&impl Fn((u32, f32)) -> f32>,
     ) {
-        let b = pattern.blend;
-        let last =
-            (self.laid.partition_point(|laid| laid.s < reach).max(1) - 1).min(self.laid.len() - 2);
-        let end = self.clock_at(last, reach, b);
-        let n = (end.ceil() as usize).clamp(fewest.max(4) - 1, MOST_CVS);
-        let step = end / n as f32;
-        let per_length = 1.0 / rail.length();
-        let constant = (sizes.amount)(0.0);
-        let varies = constant != (sizes.amount)(0.5) || constant != (sizes.amount)(1.0);
-        self.points.clear();
-        self.places.clear();
-        let (mut j, mut cursor) = (0, 0);
-        for k in 0..=n {
-            let clock = k as f32 * step;
-            while j < last && self.laid[j + 1].clock <= clock {
-                j += 1;
+        let most = pattern.most.max(4);
+        let fewest = fewest.clamp(4, most);
+        let last = (self.laid.partition_point(|laid| laid.s < goal.reach).max(1) - 1)
+            .min(self.laid.len() - 2);
+        let x = self.x_at(last, goal.reach, pattern.blend);
+        let wish = self.steps_to(last, x, goal.fibre);
+        self.enough = wish <= (most - 1) as f32;
+        let mut stretch =
+            (wish / (fewest - 1) as f32).min(1.0).max(wish * 1.01 / (most - 1) as f32);
+        // The spline through the points is a little shorter than the path: how long it is shows when it is there. And
+        // a walk that needs more points than there may be is begun again with longer steps.
+        let (mut fibre, mut corrections) = (goal.fibre, 0);
+        for _ in 0..8 {
+            match self.walk(pattern, rail, (last as u32, x), fibre, (stretch, most), roll) {
+                Ok(whole) => {
+                    self.fibre = arc_length(&self.points);
+                    let off = self.fibre - goal.fibre;
+                    if whole && off < 0.0 || off.abs() <= CLOSE * goal.fibre || corrections == 3 {
+                        return;
+                    }
+                    if goal.fibre == f32::INFINITY {
+                        return;
+                    }
+                    corrections += 1;
+                    fibre *= goal.fibre / self.fibre;
+                }
+                Err(part) => {
+                    self.enough = false;
+                    stretch *= 1.01 / part.clamp(0.5, 0.99);
+                }
             }
-            let (turn, next) = (&self.laid[j], &self.laid[j + 1]);
-            let before = &self.laid[j.saturating_sub(1)];
-            let (d, dd) = (turn.density, next.density - turn.density);
-            let c = clock - turn.clock;
-            let x = 2.0 * c / (d + (d * d + 2.0 * dd * c).max(0.0).sqrt());
-            let (w, integral) = blended(x, b);
-            let s = turn.s + before.pitch * x + (turn.pitch - before.pitch) * integral;
-            let theta = turn.theta
-                + before.hand * x
-                + (turn.hand - before.hand) * integral
-                + before.phase
-                + (turn.phase - before.phase) * w;
-            let of = |turn: &Laid| {
-                let p = pattern.shapes[turn.shape as usize].at(theta);
-                turn.plane.rotate(p) + turn.offset
-            };
-            let mut across = of(turn);
-            if w < 1.0 {
-                let from = of(before);
-                across = from + (across - from) * w;
-            }
-            let amount = if varies { (sizes.amount)(s * per_length) } else { constant };
-            across *= envelope(s, pattern.start, self.rise) * amount;
-            let stop = rail.at(&mut cursor, s);
-            if let Some(roll) = &roll {
-                let (sin, cos) = sin_cos_turns(roll(stop.place) / 360.0);
-                across =
-                    Vec2::new(across.x * cos + across.y * sin, across.y * cos - across.x * sin);
-            }
-            self.points.push(stop.point + stop.binormal * across.x + stop.normal * across.y);
-            self.places.push(stop.place);
         }
     }
 
-    /// The CV clock where turn `j` has come to `s` along the source.
-    fn clock_at(&self, j: usize, s: f32, b: f32) -> f32 {
+    /// About how many steps of the wanted length lead to the fraction `x` of turn `last`, or to `fibre` cm of curl.
+    fn steps_to(&self, last: usize, x: f32, fibre: f32) -> f32 {
+        let (mut steps, mut gone) = (0.0, 0.0);
+        for j in 0..=last {
+            let (turn, before) = (&self.laid[j], &self.laid[j.saturating_sub(1)]);
+            let part = if j == last { x } else { 1.0 };
+            let length = turn.length * part;
+            let left = if length > 0.0 { ((fibre - gone) / length).clamp(0.0, 1.0) } else { 1.0 };
+            steps += left * length / (0.5 * (turn.spacing + before.spacing));
+            gone += length;
+            if left < 1.0 {
+                break;
+            }
+        }
+        steps.max(1e-3)
+    }
+
+    /// Walks to the place `end` (turn and fraction), or as far as `fibre` cm of curl. Steps are `stretch` times as long as wanted.
+    /// Tells whether it came to the end; when that would take more than `most` points, the part of the way that was gone.
+    fn walk(
+        &mut self,
+        pattern: &Pattern,
+        rail: &Rail,
+        whole: (u32, f32),
+        fibre: f32,
+        (stretch, most): (f32, usize),
+        roll: Option<&impl Fn((u32, f32)) -> f32>,
+    ) -> Result<bool, f32> {
+        self.points.clear();
+        self.marks.clear();
+        let mut cursor = 0;
+        let (point, speed) = self.at(pattern, rail, (0, 0.0), &mut cursor, roll);
+        let mut mark = Mark { turn: 0, x: 0.0, speed, way: Vec3::ZERO, arc: 0.0 };
+        self.points.push(point);
+        self.marks.push(mark);
+        let mut faster = 0.0;
+        let mut here = point;
+        let (end, stop, wanted) = loop {
+            let (turn, before) = (
+                &self.laid[mark.turn as usize],
+                &self.laid[(mark.turn as usize).saturating_sub(1)],
+            );
+            let wanted = stretch * (before.spacing + (turn.spacing - before.spacing) * mark.x);
+            let (next, at, _) =
+                self.step(pattern, rail, (&mark, here, faster), wanted, &mut cursor, roll);
+            let past = (next.turn, next.x) >= whole;
+            if past || next.arc >= fibre {
+                let mut place = whole;
+                if next.arc >= fibre {
+                    let part = (fibre - mark.arc) / (next.arc - mark.arc).max(1e-9);
+                    let ahead = (next.turn - mark.turn) as f32 + next.x - mark.x;
+                    let cut = self.ahead((mark.turn, mark.x), ahead * part.clamp(0.0, 1.0));
+                    place = if cut < whole { cut } else { whole };
+                }
+                let (point, speed) = self.at(pattern, rail, place, &mut cursor, roll);
+                let (way, far) = way(here, point);
+                let arc = mark.arc + arc(far, way, &mark);
+                break (Mark { turn: place.0, x: place.1, speed, way, arc }, point, wanted);
+            }
+            if self.points.len() + 1 >= most {
+                let gone = mark.turn as f32 + mark.x;
+                return Err(gone / (whole.0 as f32 + whole.1).max(gone));
+            }
+            let ahead = (next.turn - mark.turn) as f32 + next.x - mark.x;
+            faster = (next.speed - mark.speed) / ahead.max(1e-9);
+            self.points.push(at);
+            self.marks.push(next);
+            (mark, here) = (next, at);
+        };
+        self.span = self.s_at(end.turn as usize, end.x, pattern.blend);
+        self.finish(pattern, rail, (end, stop), wanted, &mut cursor, roll);
+        Ok((end.turn, end.x) >= whole)
+    }
+
+    /// Ends the walk at `end`: what is left over is shared by the last points.
+    fn finish(
+        &mut self,
+        pattern: &Pattern,
+        rail: &Rail,
+        (end, stop): (Mark, Vec3),
+        wanted: f32,
+        cursor: &mut usize,
+        roll: Option<&impl Fn((u32, f32)) -> f32>,
+    ) {
+        let n = self.points.len();
+        let base = n - 1 - TAIL.min(n - 1);
+        let chords =
+            |points: &[Vec3]| -> f32 { points.windows(2).map(|w| w[0].distance(w[1])).sum() };
+        let left = chords(&self.points[base..]) + self.points[n - 1].distance(stop);
+        let own = (n - 1 - base) as f32;
+        // As many as there are, or one more.
+        let mean = if base + 1 < n { chords(&self.points[base..]) / own } else { wanted };
+        let steps = (left / mean).round().clamp(1.0, own + 1.0);
+        let step = left / steps;
+        self.points.truncate(base + 1);
+        self.marks.truncate(base + 1);
+        let mut gone = 0.0;
+        for k in 1..steps as usize {
+            let (mark, here) = (self.marks[base + k - 1], self.points[base + k - 1]);
+            let want = (step * k as f32 - gone).max(0.5 * step);
+            let (next, at, far) = self.step(pattern, rail, (&mark, here, 0.0), want, cursor, roll);
+            if (next.turn, next.x) >= (end.turn, end.x) {
+                break;
+            }
+            gone += far;
+            self.points.push(at);
+            self.marks.push(next);
+        }
+        self.points.push(stop);
+        self.marks.push(end);
+    }
+
+    /// The point `wanted` cm from a point of the curl, where the speed changes by `faster` a turn; and its distance.
+    #[inline(always)]
+    fn step(
+        &self,
+        pattern: &Pattern,
+        rail: &Rail,
+        (mark, here, faster): (&Mark, Vec3, f32),
+        wanted: f32,
+        cursor: &mut usize,
+        roll: Option<&impl Fn((u32, f32)) -> f32>,
+    ) -> (Mark, Vec3, f32) {
+        let mut ahead = wanted / mark.speed;
+        ahead =
+            wanted / (mark.speed + 0.5 * faster * ahead).clamp(0.5 * mark.speed, 2.0 * mark.speed);
+        let mut tries = 0;
+        loop {
+            let place = self.ahead((mark.turn, mark.x), ahead);
+            let (point, speed) = self.at(pattern, rail, place, cursor, roll);
+            let (way, far) = way(here, point);
+            tries += 1;
+            if (far - wanted).abs() <= LENIENT * wanted || tries == 5 {
+                let arc = mark.arc + arc(far, way, mark);
+                return (Mark { turn: place.0, x: place.1, speed, way, arc }, point, far);
+            }
+            ahead *= (wanted / far.max(1e-9)).clamp(0.4, 2.5);
+        }
+    }
+
+    /// The place `ahead` turns on; the last turn goes on for ever.
+    #[inline(always)]
+    fn ahead(&self, (turn, x): (u32, f32), ahead: f32) -> (u32, f32) {
+        let (mut turn, mut x) = (turn, x + ahead);
+        let last = self.laid.len() as u32 - 1;
+        while x >= 1.0 && turn < last {
+            x -= 1.0;
+            turn += 1;
+        }
+        (turn, x)
+    }
+
+    /// The curl's point at a fraction of a turn, and its speed there in cm a turn.
+    #[inline(always)]
+    fn at(
+        &self,
+        pattern: &Pattern,
+        rail: &Rail,
+        (j, x): (u32, f32),
+        cursor: &mut usize,
+        roll: Option<&impl Fn((u32, f32)) -> f32>,
+    ) -> (Vec3, f32) {
+        let turn = &self.laid[j as usize];
+        let before = &self.laid[(j as usize).saturating_sub(1)];
+        let (w, integral, slope) = blended(x, pattern.blend);
+        let (longer, back) = (turn.pitch - before.pitch, turn.hand - before.hand);
+        let shift = turn.phase - before.phase;
+        let s = turn.s + before.pitch * x + longer * integral;
+        let along = before.pitch + longer * w;
+        let theta = turn.theta + before.hand * x + back * integral + before.phase + shift * w;
+        let around = before.hand + back * w + shift * slope;
+        let of = |turn: &Laid| {
+            let (p, v) = pattern.shapes[turn.shape as usize].at(theta);
+            (turn.plane.rotate(p) + turn.offset, turn.plane.rotate(v) * around)
+        };
+        let (mut across, mut velocity) = of(turn);
+        if w < 1.0 {
+            let (from, leaving) = of(before);
+            let step = across - from;
+            velocity = leaving + (velocity - leaving) * w + step * slope;
+            across = from + step * w;
+        }
+        let size = envelope(s, pattern.start, self.rise) * self.amount_at(s / rail.length());
+        across *= size;
+        let speed = (along * along + velocity.length_squared() * size * size).sqrt();
+        let stop = rail.at(cursor, s);
+        if let Some(roll) = roll {
+            let (sin, cos) = sin_cos_turns(roll(stop.place) / 360.0);
+            across = Vec2::new(across.x * cos + across.y * sin, across.y * cos - across.x * sin);
+        }
+        (stop.point + stop.binormal * across.x + stop.normal * across.y, speed)
+    }
+
+    /// Where the source is at the fraction `x` of turn `j`, cm from its root.
+    fn s_at(&self, j: usize, x: f32, b: f32) -> f32 {
+        let (turn, before) = (&self.laid[j], &self.laid[j.saturating_sub(1)]);
+        turn.s + before.pitch * x + (turn.pitch - before.pitch) * blended(x, b).1
+    }
+
+    /// For each point the source's CV before it and the fraction of the way to the next.
+    pub(crate) fn places(&self, rail: &Rail, b: f32) -> impl Iterator<Item = (u32, f32)> {
+        let mut cursor = 0;
+        self.marks
+            .iter()
+            .map(move |mark| rail.at(&mut cursor, self.s_at(mark.turn as usize, mark.x, b)).place)
+    }
+
+    /// For each point whether the curl might come near what `clear` says about a ball (its middle and radius, cm): asked once
+    /// a turn.
+    pub(crate) fn near(
+        &self,
+        rail: &Rail,
+        pattern: &Pattern,
+        clear: impl Fn(Vec3, f32) -> bool,
+        out: &mut Vec<bool>,
+    ) {
+        out.clear();
+        let (mut cursor, mut turn, mut near) = (0, u32::MAX, false);
+        for mark in &self.marks {
+            if mark.turn != turn {
+                turn = mark.turn;
+                let (now, before) =
+                    (&self.laid[turn as usize], &self.laid[(turn as usize).saturating_sub(1)]);
+                let wide = |t: &Laid| t.size * pattern.widest + t.offset.length();
+                let half = 0.5 * now.pitch.max(before.pitch);
+                let middle = rail.at(&mut cursor, now.s + half).point;
+                let most = self.amounts.iter().fold(self.amount, |most, x| most.max(*x));
+                near = !clear(middle, half + most * wide(now).max(wide(before)));
+            }
+            out.push(near);
+        }
+    }
+
+    /// The fraction of turn `j` at which it has come to `s` along the source.
+    fn x_at(&self, j: usize, s: f32, b: f32) -> f32 {
         let (turn, next) = (&self.laid[j], &self.laid[j + 1]);
         let before = &self.laid[j.saturating_sub(1)];
         let mut x = ((s - turn.s) / (next.s - turn.s)).clamp(0.0, 1.0);
         for _ in 0..5 {
-            let (w, integral) = blended(x, b);
+            let (w, integral, _) = blended(x, b);
             let off = turn.s + before.pitch * x + (turn.pitch - before.pitch) * integral - s;
             let slope = before.pitch + (turn.pitch - before.pitch) * w;
             x = (x - off / slope).clamp(0.0, 1.0);
         }
-        turn.clock + (turn.density + 0.5 * (next.density - turn.density) * x) * x
+        x
+    }
+}
+
+/// Unit direction and distance from one point to another.
+#[inline(always)]
+fn way(from: Vec3, to: Vec3) -> (Vec3, f32) {
+    let step = to - from;
+    let far = step.length();
+    (if far > 0.0 { step / far } else { Vec3::ZERO }, far)
+}
+
+/// Arc over a chord of `far` cm: longer than the chord by as much as the way turned since the last chord.
+#[inline(always)]
+fn arc(far: f32, way: Vec3, last: &Mark) -> f32 {
+    if last.way == Vec3::ZERO { far } else { far * (1.0 + way.distance_squared(last.way) / 24.0) }
+}
+
+/// Arc length of the spline through even points, cm: each span by Simpson's rule.
+pub(crate) fn arc_length(points: &[Vec3]) -> f32 {
+    let (mut sum, mut tangent) = (0.0f32, points[1] - points[0]);
+    let mut speed = tangent.length();
+    for k in 1..points.len() {
+        let chord = points[k] - points[k - 1];
+        let next = points.get(k + 1).map_or(chord, |after| (*after - points[k - 1]) * 0.5);
+        let then = next.length();
+        sum += speed + then + (chord * 6.0 - tangent - next).length();
+        (tangent, speed) = (next, then);
+    }
+    sum / 6.0
+}
+
+/// What decides how far apart the CVs of one curl are.
+struct Spacing {
+    detail: Detail,
+    /// cm of curl on a turn of full size.
+    turn: f32,
+}
+
+impl Spacing {
+    fn new(pattern: &Pattern, asked: Asked) -> Self {
+        let around = pattern.shapes[0].perimeter * 0.5 * asked.diameter;
+        let turn = (asked.pitch * asked.pitch + around * around).sqrt();
+        Self { detail: pattern.detail, turn: turn.max(1e-6) }
     }
 
-    /// Arc length of the curl, cm, from chords over one and two points (Richardson): right to 2e-3 from
-    /// eight CVs a turn on.
-    pub(crate) fn arc_length(&self) -> f32 {
-        let p = &self.points;
-        let (mut single, mut double) = (0.0, 0.0);
-        let mut pairs = p.windows(3).step_by(2);
-        for w in &mut pairs {
-            single += w[0].distance(w[1]) + w[1].distance(w[2]);
-            double += w[0].distance(w[2]);
-        }
-        let left =
-            if p.len().is_multiple_of(2) { p[p.len() - 2].distance(p[p.len() - 1]) } else { 0.0 };
-        single + (single - double) / 3.0 + left
+    /// Length of a turn on the curl, and the spacing of CVs on it, cm.
+    fn of(
+        &self,
+        pattern: &Pattern,
+        before: &Laid,
+        turn: &Laid,
+        amount: f32,
+        radius: f32,
+    ) -> (f32, f32) {
+        let (a, b) = (&pattern.shapes[before.shape as usize], &pattern.shapes[turn.shape as usize]);
+        let size = 0.5 * (before.size + turn.size) * amount;
+        let around = a.perimeter.max(b.perimeter) * size;
+        let pitch = 0.5 * (before.pitch + turn.pitch);
+        let length = (pitch * pitch + around * around).sqrt();
+        let on_turn = match self.detail {
+            Detail::PerTurn(cvs) => cvs * length / self.turn,
+            // A chord of c over a bend of radius r lies c^2 / 8 r off it; r by the acceleration of the shape.
+            Detail::Tolerance(share) => {
+                let bend = a.bend.max(b.bend) * size;
+                std::f32::consts::TAU * (bend / (8.0 * share * radius.max(1e-6))).sqrt()
+            }
+        };
+        (length, length / on_turn.clamp(FEWEST, 256.0))
     }
+}
+
+/// Which share of its size and pitch a turn has that the sponge at the root holds: half at the root.
+fn young(s: f32, sponge: f32) -> f32 {
+    if s >= sponge {
+        return 1.0;
+    }
+    let y = s / sponge;
+    0.5 + 0.5 * y * y * (3.0 - 2.0 * y)
 }
 
 /// Which share of a clump's hairs leaves it at each turn, by how defined it is: none at 1, a tenth at a half, all at 0.
