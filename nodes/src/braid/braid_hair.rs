@@ -507,8 +507,10 @@ impl Filler<'_> {
         let Some(skin) = &self.skin else { return p };
         match skin.roughly(p) {
             // So deep, the field's way out is not good enough.
-            Some((d, _)) if d < -0.05 => skin.lift(p, height).0,
-            Some((d, out)) if d < height => p + out.normalize_or_zero() * (height - d),
+            Some((d, _, doubt)) if d < -0.05 || (doubt > 0.05 && d - doubt < height) => {
+                skin.lift(p, height).0
+            }
+            Some((d, out, _)) if d < height => p + out.normalize_or_zero() * (height - d),
             _ => p,
         }
     }

@@ -11,7 +11,7 @@
 use super::ground::{Ground, Lane, Map, Owner};
 use crate::data::attributes::{
     ALONG, Attribute, Domain, FED, FIBRE, ID, PARENT, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
-    SCALP_NORMAL, SIDE,
+    SCALP_NORMAL, SECTION, SIDE,
 };
 use crate::data::curves::{Curves, MOST_CURVES, Tuft, TuftBuilder};
 use crate::data::field::Sampler;
@@ -151,7 +151,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             }
         };
         match Lane::new(id, &source, scalp, 0.9 * unit) {
-            Some(lane) => {
+            Some(mut lane) => {
+                let section = tuft.view(SECTION).at(curve, tuft.range(curve).start);
+                lane.section = (section != 0).then_some(section);
                 lanes.push(lane);
                 rows.push((tuft, curve, source));
             }
@@ -278,7 +280,23 @@ impl Maker<'_> {
     }
     /// The owner of a place, unless it lies in a parting or too far off.
     fn whose(&self, p: Vec3) -> Option<Owner> {
-        let owner = self.ground.owner(p, |_| true)?;
+        self.owner(&self.scalp.closest_root(p)?)
+    }
+    /// The owner of a root, unless it lies in a parting or too far off.
+    fn owner(&self, root: &Root) -> Option<Owner> {
+        let p = root.point;
+        let section = match self.scalp.sections() {
+            Some(cut) => {
+                let place = cut.at(root.point)?;
+                place.free.then_some(Some(cut.list()[place.section as usize].id))?
+            }
+            None => None,
+        };
+        let of_section = |lane: u32| {
+            let own = self.ground.lanes[lane as usize].section;
+            section.is_none() || own.is_none() || own == section
+        };
+        let owner = self.ground.owner(p, of_section)?;
         let reach = self.inputs.reach * self.unit;
         (owner.ahead >= self.parting && (reach <= 0.0 || owner.distance <= reach)).then_some(owner)
     }
@@ -294,7 +312,7 @@ impl Maker<'_> {
             }
             let place = |index: u32| {
                 let root = self.even.root(index)?;
-                let owner = self.whose(root.point)?;
+                let owner = self.owner(&root)?;
                 let lane = &self.ground.lanes[owner.lane as usize];
                 let side = lane.side(root.point, owner.foot, owner.u);
                 Some(Place { index, root, owner, side })
@@ -443,7 +461,7 @@ impl Maker<'_> {
                 let wanted = high * (5.0 * k as f32 / cvs as f32).min(1.0);
                 for _ in 0..2 {
                     match self.skin.roughly(*p) {
-                        Some((d, out)) if d > -0.15 => {
+                        Some((d, out, doubt)) if d > -0.15 && doubt < 0.06 => {
                             *p += out.normalize_or_zero() * (wanted - d);
                         }
                         // Where the columns of the map run into each other a way may cut a corner.

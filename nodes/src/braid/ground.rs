@@ -26,6 +26,8 @@ pub(crate) struct Lane {
     pub(crate) row: Row,
     /// Length of the whole source, cm.
     pub(crate) length: f32,
+    /// The section that it is the middle of; none: whatever is nearest to it.
+    pub(crate) section: Option<u64>,
     /// Along and scalp normal at even places of the row.
     ways: Vec<(Vec3, Vec3)>,
 }
@@ -60,7 +62,7 @@ impl Lane {
             (along, normal)
         };
         let ways = (0..WAYS).map(way).collect();
-        Some(Self { id, row, length, ways })
+        Some(Self { id, row, length, section: None, ways })
     }
     /// Along and the scalp's normal at a fraction of the row.
     fn way(&self, u: f32) -> (Vec3, Vec3) {

@@ -305,7 +305,7 @@ impl Skin<'_> {
     /// smooth, off by up to a tenth at creases, +-1 beyond the field's band. Cheap; for whoever may err on the safe side.
     #[inline]
     pub fn about(&self, p: Vec3) -> f32 {
-        self.roughly(p).map_or(1.0, |(d, _)| d)
+        self.roughly(p).map_or(1.0, |(d, ..)| d)
     }
 
     /// The scalp point closest to `p`: [`Surface::closest`], told by the field how far to look.
@@ -329,14 +329,13 @@ impl Skin<'_> {
         }
     }
 
-    /// What the field alone says about `p`: distance (within [`DistanceField::error`] where the skin is smooth) and the way
-    /// out (zero where that is not known); none farther outside than the field's band. A tenth of the price of an exact
-    /// answer, for hair by the million.
+    /// What the field alone says about `p`: distance, the way out (zero where that is not known), and how far the distance may
+    /// be wrong; none farther outside than the field's band. A tenth of the price of an exact answer, for hair by the million.
     #[inline]
-    pub fn roughly(&self, p: Vec3) -> Option<(f32, Vec3)> {
+    pub fn roughly(&self, p: Vec3) -> Option<(f32, Vec3, f32)> {
         match self.field.depth(self.surface, p) {
-            Depth::Near(d, gradient, _) => Some((d, gradient)),
-            Depth::Inside => Some((-1.0, Vec3::ZERO)),
+            Depth::Near(d, gradient, doubt) => Some((d, gradient, doubt)),
+            Depth::Inside => Some((-1.0, Vec3::ZERO, 1.0)),
             Depth::Outside => None,
         }
     }

@@ -74,11 +74,7 @@ struct Chain {
 
 impl Fall<'_> {
     /// The finished curves, in the order of the threads.
-    pub(super) fn all(
-        &self,
-        threads: &[Thread],
-        cx: &EvalCx,
-    ) -> Result<Vec<Vec<Vec3>>, NodeError> {
+    pub(super) fn all(&self, threads: &[Thread], cx: &EvalCx) -> Result<Vec<Vec<Vec3>>, NodeError> {
         let mut order: Vec<usize> = (0..threads.len()).collect();
         let height = |i: usize| -threads[i].point.dot(self.down);
         order.sort_by(|a, b| {
@@ -396,7 +392,11 @@ impl Grid {
 }
 
 /// What `make` gives for each number, made by all threads there are.
-fn each<T: Default + Send + Sync>(cx: &EvalCx, n: usize, make: impl Fn(usize) -> T + Sync) -> Vec<T> {
+fn each<T: Default + Send + Sync>(
+    cx: &EvalCx,
+    n: usize,
+    make: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
     let made: Vec<OnceLock<T>> = (0..n).map(|_| OnceLock::new()).collect();
     cx.host.for_each(n, &|i| {
         let _ = made[i].set(make(i));

@@ -110,8 +110,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     let start = (inputs.roots.key(), || Ok(vec![]));
     let bytes = |fallen: &Vec<Vec<Vec3>>| fallen.iter().map(|c| c.len() * 12 + 24).sum();
-    let fallen =
-        cx.fold(start, &[(Key(0), ())], |_, ()| fall.all(&threads, cx), bytes)?;
+    let fallen = cx.fold(start, &[(Key(0), ())], |_, ()| fall.all(&threads, cx), bytes)?;
 
     let tufts = threads.iter().zip(&from).zip(&*fallen).map(|((thread, (tuft, i)), points)| {
         let mut b = TuftBuilder::new();
