@@ -14,6 +14,9 @@ pub const ALL: &[(&str, &str)] = &[
     ("clusters", include_str!("../grooms/clusters.ron")),
 ];
 
+/// The grooms that are as full as a film's hero: 60,000 strands and more, a few seconds to evaluate.
+pub const HEROES: &[&str] = &["afro_4c"];
+
 /// The groom of that name, with or without `.ron`.
 pub fn by_name(name: &str) -> Option<&'static str> {
     let name = name.strip_suffix(".ron").unwrap_or(name);

@@ -4,7 +4,7 @@
 //! writes the new ones, and the changelog says why.
 
 use coif_graphs::grooms;
-use coif_tests::eval;
+use coif_tests::{eval, lean};
 use expect_test::expect_file;
 
 #[test]
@@ -29,7 +29,7 @@ fn every_shipped_groom_has_its_hash() {
 fn one_thread_gives_the_same_hair_as_two() {
     for (name, _) in grooms::ALL {
         let hashes = |threads: &str| {
-            let report = eval(name, &["--threads", threads]);
+            let report = eval(name, &[&["--threads", threads], lean(name)].concat());
             let outputs = report["outputs"].as_array().unwrap().clone();
             outputs.iter().map(|o| o["hash"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
         };

@@ -2,7 +2,7 @@
 
 use coif_graphs::document::graph::check;
 use coif_graphs::{file, grooms};
-use coif_tests::{Folder, HEADS, eval, run, shared, usd_python};
+use coif_tests::{Folder, HEADS, eval, lean, run, shared, usd_python};
 use serde_json::Value as Json;
 
 #[test]
@@ -23,6 +23,7 @@ fn check_on(name: &str, head: Option<&std::path::Path>) {
     let out = file.display().to_string();
     let mesh = head.map(|h| h.display().to_string());
     let mut more = vec!["--out", &out];
+    more.extend(lean(name));
     if let Some(mesh) = &mesh {
         more.extend(["--scalp", mesh]);
     }
@@ -88,7 +89,7 @@ fn openusd_opens_every_written_file_and_finds_what_the_report_says() {
         let (usda, usdc) =
             (folder.path(&format!("{name}.usda")), folder.path(&format!("{name}.usdc")));
         let (a, b) = (usda.display().to_string(), usdc.display().to_string());
-        let report = eval(name, &["--out", &a, "--out", &b]);
+        let report = eval(name, &[&["--out", &a, "--out", &b], lean(name)].concat());
         let script = coif_tests::repository().join("tests/usd/validate.py");
         let judge = |what: &str| {
             std::process::Command::new(&python).arg(&script).args([what, &a, &b]).output().unwrap()

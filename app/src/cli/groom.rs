@@ -17,7 +17,8 @@ use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::result::content_hash;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
-use coif_nodes::data::curves::Curves;
+use coif_nodes::data::attributes::DRIFT;
+use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{NodeError, Type, Value};
 use coif_nodes::eval::Quality;
@@ -302,12 +303,25 @@ impl Wanted {
             hash: content_hash(&curves),
             resampled: conformed.resampled,
             reading_difference: conformed.difference,
+            root_drift_cm: root_drift(&curves),
         });
         if curves.curve_count() == 0 {
             return Err(Stop::failed(format!("{graph}: {socket} gives no curves")));
         }
         Ok(export::Group { name: self.group.clone(), guides: self.guides, curves })
     }
+}
+
+/// Middle and largest drift of the curves that were drawn.
+fn root_drift(curves: &Curves) -> Option<[f32; 2]> {
+    let drawn = curves.tufts().iter().filter(|tuft| tuft.attribute(DRIFT.name).is_some());
+    let each = |tuft: &Arc<Tuft>| {
+        let drift = tuft.view(DRIFT);
+        (0..tuft.len()).map(|i| drift.at(i, tuft.range(i).start)).collect::<Vec<f32>>()
+    };
+    let mut all: Vec<f32> = drawn.flat_map(each).collect();
+    all.sort_by(f32::total_cmp);
+    Some([*all.get(all.len() / 2)?, *all.last()?])
 }
 
 fn head_of(socket: &Socket, scalp: &Scalp) -> Head {

@@ -70,6 +70,9 @@ pub(crate) struct Output {
     pub(crate) resampled: usize,
     /// Largest distance, cm, between the curves as coif and as USD readers understand them.
     pub(crate) reading_difference: f32,
+    /// How far roots lie from where they were drawn, carried over to this head: the middle and the largest distance, cm;
+    /// null where nothing was drawn.
+    pub(crate) root_drift_cm: Option<[f32; 2]>,
 }
 
 /// A picture, or all those of a turntable.

@@ -1,11 +1,12 @@
 //! What an evaluation gave: values, what ran, what was said, and the hash by which machines are compared.
 
 use crate::document::{Document, Setting};
-use coif_nodes::data::attributes::{Attribute, Column, Domain, default_of};
+use coif_nodes::data::attributes::{Attribute, Column, Domain, Item, default_of};
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::define::{NodeError, Value};
 use coif_nodes::eval::Message;
 use coif_nodes::maths::hash::canonical;
+use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -60,8 +61,7 @@ pub fn content_hash(curves: &Curves) -> String {
         put(&mut hash, &mut buffer, counts.flat_map(u32::to_le_bytes));
     }
     for tuft in curves.tufts() {
-        let numbers = bytemuck::cast_slice::<_, f32>(tuft.points());
-        put(&mut hash, &mut buffer, numbers.iter().flat_map(|x| canonical(*x).to_le_bytes()));
+        put_all(&mut hash, &mut buffer, tuft.points());
     }
     // A column that varies over points anywhere is hashed by points everywhere.
     let mut columns: BTreeMap<&str, (Domain, &Column)> = BTreeMap::new();
@@ -116,6 +116,64 @@ fn put(hash: &mut blake3::Hasher, buffer: &mut Vec<u8>, bytes: impl Iterator<Ite
     hash.update(buffer);
 }
 
+/// A type of value as the hash reads it.
+trait Hashed: Item {
+    /// Whether `values` lie in memory as they are hashed.
+    fn plain(values: &[Self]) -> bool;
+    /// Appends the value's bytes.
+    fn put(self, buffer: &mut Vec<u8>);
+}
+
+macro_rules! whole_numbers {
+    ($($ty:ty),*) => {$(
+        impl Hashed for $ty {
+            fn plain(_: &[Self]) -> bool {
+                cfg!(target_endian = "little")
+            }
+            fn put(self, buffer: &mut Vec<u8>) {
+                buffer.extend(self.to_le_bytes());
+            }
+        }
+    )*};
+}
+whole_numbers!(i32, u64);
+
+impl Hashed for f32 {
+    fn plain(values: &[Self]) -> bool {
+        // -0.0 and every NaN have another spelling than their own.
+        let odd = |x: &f32| x.is_nan() | (x.to_bits() == 1 << 31);
+        cfg!(target_endian = "little") && !values.iter().fold(false, |any, x| any | odd(x))
+    }
+    fn put(self, buffer: &mut Vec<u8>) {
+        buffer.extend(canonical(self).to_le_bytes());
+    }
+}
+
+macro_rules! vectors {
+    ($($ty:ty),*) => {$(
+        impl Hashed for $ty {
+            fn plain(values: &[Self]) -> bool {
+                f32::plain(bytemuck::cast_slice(values))
+            }
+            fn put(self, buffer: &mut Vec<u8>) {
+                self.to_array().into_iter().for_each(|x| x.put(buffer));
+            }
+        }
+    )*};
+}
+vectors!(Vec2, Vec3);
+
+/// Hashes one value for each item.
+fn put_all<T: Hashed>(hash: &mut blake3::Hasher, buffer: &mut Vec<u8>, values: &[T]) {
+    if T::plain(values) {
+        hash.update(bytemuck::cast_slice::<T, u8>(values));
+    } else {
+        buffer.clear();
+        values.iter().for_each(|value| value.put(buffer));
+        hash.update(buffer);
+    }
+}
+
 fn column(
     hash: &mut blake3::Hasher,
     buffer: &mut Vec<u8>,
@@ -131,31 +189,31 @@ fn column(
         (Some(values), Some(a)) => (values, a.domain),
         _ => (&default, Domain::Curve),
     };
-    // For each item of the hashed domain, the number of its value in the column.
-    let curve_of_point =
-        || (0..tuft.len()).flat_map(|i| std::iter::repeat_n(i, tuft.range(i).len()));
-    let items: Vec<usize> = match (values.len(), own, domain) {
-        (1, _, Domain::Curve) => vec![0; tuft.len()],
-        (1, _, Domain::Point) => vec![0; tuft.points().len()],
-        (_, Domain::Curve, Domain::Point) => curve_of_point().collect(),
-        (n, ..) => (0..n).collect(),
-    };
     match values {
-        Column::F32(v) => {
-            put(hash, buffer, items.iter().flat_map(|i| canonical(v[*i]).to_le_bytes()));
+        Column::F32(v) => spread(hash, buffer, tuft, (v, own), domain),
+        Column::I32(v) => spread(hash, buffer, tuft, (v, own), domain),
+        Column::U64(v) => spread(hash, buffer, tuft, (v, own), domain),
+        Column::Vec2(v) => spread(hash, buffer, tuft, (v, own), domain),
+        Column::Vec3(v) => spread(hash, buffer, tuft, (v, own), domain),
+    }
+}
+
+/// Hashes a column with one value for each item of `domain`, however it is stored.
+fn spread<T: Hashed>(
+    hash: &mut blake3::Hasher,
+    buffer: &mut Vec<u8>,
+    tuft: &Tuft,
+    (values, own): (&[T], Domain),
+    domain: Domain,
+) {
+    match (values, own, domain) {
+        ([one], _, Domain::Curve) => put_all(hash, buffer, &vec![*one; tuft.len()]),
+        ([one], _, Domain::Point) => put_all(hash, buffer, &vec![*one; tuft.points().len()]),
+        (_, Domain::Curve, Domain::Point) => {
+            let each = (0..tuft.len()).map(|i| std::iter::repeat_n(values[i], tuft.range(i).len()));
+            put_all(hash, buffer, &each.flatten().collect::<Vec<T>>());
         }
-        Column::I32(v) => put(hash, buffer, items.iter().flat_map(|i| v[*i].to_le_bytes())),
-        Column::U64(v) => put(hash, buffer, items.iter().flat_map(|i| v[*i].to_le_bytes())),
-        Column::Vec2(v) => put(
-            hash,
-            buffer,
-            items.iter().flat_map(|i| v[*i].to_array()).flat_map(|x| canonical(x).to_le_bytes()),
-        ),
-        Column::Vec3(v) => put(
-            hash,
-            buffer,
-            items.iter().flat_map(|i| v[*i].to_array()).flat_map(|x| canonical(x).to_le_bytes()),
-        ),
+        _ => put_all(hash, buffer, values),
     }
 }
 

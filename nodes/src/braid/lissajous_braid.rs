@@ -15,7 +15,7 @@ use super::stray::{self, Strand};
 use super::touch::{Line, Near, touching_radii};
 use super::weave::{Paths, Pitch, Weave, coprime, default_frequency};
 use crate::data::attributes::{self as attr, Attribute, Domain, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV};
-use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, choice, node};
@@ -464,6 +464,7 @@ fn braid(
     }
     let along =
         |line: &Line| -> Vec<f32> { line.s.iter().map(|s| (s / length).clamp(0.0, 1.0)).collect() };
+    carry_along(&mut out, tuft, curve, &source, &laid.lines, length);
     out.set(attr::ID, Domain::Curve, ids.clone());
     out.set(attr::PARENT, Domain::Curve, vec![source_id]);
     out.set(attr::BRAID, Domain::Curve, vec![braid_id]);
@@ -575,6 +576,32 @@ fn rest(below: &Below, p: Vec3, grip: f32, radius: &mut f32) -> f32 {
     }
     // A thousandth over, for what lies between CVs.
     if *radius > d + 1e-4 { (*radius - d) + 1e-3 } else { 0.0 }
+}
+
+/// Gives strands the numbers that their source has at its points, such as how much hair has joined there.
+fn carry_along(
+    out: &mut TuftBuilder,
+    tuft: &Tuft,
+    curve: usize,
+    source: &Spline,
+    lines: &[Line],
+    length: f32,
+) {
+    let own = [attr::ALONG.name, attr::RADIUS.name, attr::ALLOW_DEPTH.name];
+    for attribute in tuft.attributes() {
+        let (Domain::Point, false) = (attribute.domain, own.contains(&attribute.name.as_ref()))
+        else {
+            continue;
+        };
+        let Some(View::Point(all)) = tuft.view_named::<f32>(&attribute.name) else { continue };
+        let all = &all[tuft.range(curve)];
+        let at = |s: &f32| {
+            let place = source.locate((s / length).clamp(0.0, 1.0));
+            lerp(all[place.span], all[place.span + 1], place.t)
+        };
+        let values = lines.iter().flat_map(|line| line.s.iter().map(at)).collect();
+        out.set_named(attribute.name.clone(), Domain::Point, values);
+    }
 }
 
 /// Binds curves to the scalp where their source is bound, or else where it is closest.

@@ -7,13 +7,15 @@
 //! promised: that strands keep clear of each other, or that points of strands pushed off the skin or
 //! frizzed are as evenly spaced as the cluster's.
 
-use super::sections::{Sections, reads_attribute};
+use super::sections::{Section, Sections, reads_attribute};
+use super::shape::Shape;
 use crate::data::attributes::{
     Attribute, COLOUR, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY, ROOT_TRIANGLE,
     ROOT_UV, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
+use crate::data::ramp::Ramp;
 use crate::data::scalp::{Scalp, Skin};
 use crate::define::{Colour, FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece};
@@ -48,6 +50,27 @@ node! {
         /// root decides where roots lie and how many.
         radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()),
             hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), words("thickness size"), handle(Handle::Radius);
+        /// Multiplies the radius from root to tip: let it fall for locks that end in a point.
+        profile: Arc<Ramp> = Ramp::constant(1.0), words("taper shape lock wisp tip falloff");
+        /// Thickness of the cross-section by its width: 1 is round, less is flat. The flat side lies to the head, or as the
+        /// cluster's own normal says.
+        flatness: FieldInput = 1.0, hard(0.02, 1.0), unit(Ratio), words("ellipse elliptic oval flat ribbon section");
+        /// Turns the flat side about the cluster.
+        flat_angle: f32 = 0.0, hard(-360.0, 360.0), soft(-90.0, 90.0), unit(Angle), words("ellipse orientation section");
+        /// Wisps that strands draw together to; 0: all to the cluster's middle.
+        wisps: i64 = 0, hard(0.0, 4096.0), soft(0.0, 40.0), unit(Count), words("clumps sub clumps locks");
+        /// How far strands are drawn together at the root: 0 not at all, 1 to a point.
+        root_clump: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("clumping gather");
+        /// How far strands are drawn together at the tip: 0 not at all, 1 to a point.
+        tip_clump: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("clumping gather taper wisp");
+        /// How much shorter strands may be than the cluster, drawn for each: 0 none, 1 down to nothing. They are cut.
+        length_variation: f32 = 0.0, hard(0.0, 0.95), unit(Ratio), words("random vary cut taper ends");
+        /// How far each strand waves about its place, within the radius.
+        jitter: f32 = 0.0, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("random noise natural wave");
+        /// Share of strands that leave the cluster on their way.
+        stray: f32 = 0.0, hard(0.0, 1.0), soft(0.0, 0.2), unit(Ratio), words("flyaways loose hairs");
+        /// How far stray strands are off at most at their tips.
+        stray_amount: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 4.0), unit(Length), words("flyaways loose hairs");
         /// How full the cluster is: 0 has no strands, 1 has all. Read at the root.
         density: FieldInput = Field::Attribute(DENSITY.name.to_owned()), hard(0.0, 1.0), unit(Ratio), words("fullness");
         /// How much each strand wanders within the cluster: 0 runs parallel to it, 1 may cross all of it from one
@@ -100,6 +123,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         seed: inputs.seed,
         scalp,
         skin,
+        shape: Shape::asked(&inputs, unit, cx.dice(inputs.seed, "shape")),
     };
     let [curves] = cx.each_curve(&inputs.curves, |tuft, curve, piece| {
         let id = tuft.id(curve);
@@ -111,6 +135,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             points: inputs.points as usize,
             radius: &inputs.radius.on(tuft, scalp)?,
             radius_unit,
+            profile: &inputs.profile,
+            flatness: &inputs.flatness.on(tuft, scalp)?,
+            flat_angle: inputs.flat_angle,
             frizz: &inputs.frizz.on(tuft, scalp)?,
             frizz_step: inputs.frizz_step * unit,
             twist: &inputs.twist.on(tuft, scalp)?,
@@ -144,6 +171,25 @@ struct Filler<'a> {
     seed: i64,
     scalp: Option<&'a Scalp>,
     skin: Option<Skin<'a>>,
+    /// None where strands run as their cluster does.
+    shape: Option<Shape>,
+}
+
+impl Shape {
+    /// The shape that inputs ask for.
+    fn asked(inputs: &Inputs, unit: f32, dice: Dice) -> Option<Self> {
+        let shape = Shape {
+            wisps: inputs.wisps as usize,
+            root_clump: inputs.root_clump,
+            tip_clump: inputs.tip_clump,
+            shorter: inputs.length_variation,
+            jitter: inputs.jitter * unit,
+            stray: inputs.stray,
+            stray_amount: inputs.stray_amount * unit,
+            dice,
+        };
+        shape.changes_anything().then_some(shape)
+    }
 }
 
 impl Filler<'_> {
@@ -166,12 +212,16 @@ impl Filler<'_> {
         let wanders = !sections.steps.is_empty();
         // Two equal values before the first and after the last knot keep the walk's ends level.
         let mut walk = vec![Vec2::ZERO; sections.steps.len() + 2];
+        let wisps = self.shape.as_ref().map_or(vec![], |shape| shape.wisps(cluster));
         for i in 0..count {
             piece.tick()?;
             let id = curve_id(cluster, self.seed as u64, i as u64);
             ids.push(id);
             let q = Vec2::from(disc(i as u32, shift));
-            let mut root = sections.root + sections.disc[0] * q.x + sections.disc[1] * q.y;
+            let strand = self.shape.as_ref().map(|shape| shape.strand(id, q, sections, &wisps));
+            let at_root = strand.as_ref().map_or(q, |strand| strand.root(q));
+            let mut root =
+                sections.root + sections.disc[0] * at_root.x + sections.disc[1] * at_root.y;
             if let (Some(skin), Some(scalp)) = (&self.skin, self.scalp)
                 && let Some(hit) = skin.closest(root)
             {
@@ -183,12 +233,23 @@ impl Filler<'_> {
             }
             points.push(root);
             self.wander(id, q, &sections.steps, &mut walk);
-            points.extend(sections.at[1..].iter().map(|section| {
+            let walked = |section: &Section| {
                 let [a, b, c] = section.weights;
-                let d = match walk.get(section.knot..section.knot + 3) {
+                match walk.get(section.knot..section.knot + 3) {
                     Some([before, here, after]) if wanders => *before * a + *here * b + *after * c,
                     _ => q,
-                };
+                }
+            };
+            if let Some(strand) = strand {
+                points.extend((1..each).map(|k| {
+                    let p = strand.point(k, sections, root, walked);
+                    let depth = sections.at[strand.before(k)].depth;
+                    skin.map_or(p, |skin| skin.push_out(p, depth).0)
+                }));
+                continue;
+            }
+            points.extend(sections.at[1..].iter().map(|section| {
+                let d = walked(section);
                 let mut p = section.centre + section.x * d.x + section.y * d.y;
                 if section.root_share > 0.0 {
                     p = section.on_the_way(root - sections.root, p);

@@ -4,12 +4,13 @@
 //! while those stay; shapes are read when the hair of one guide is made. So combing a guide makes again
 //! exactly the hair that follows it. Guarantees: roots on the scalp; more only adds hair; weights go to zero where a
 //! guide stops counting, so nothing pops as roots move; no point under the skin by more than the guide's
-//! `allow_depth`; a hair rooted where a guide is has its shape. Not promised: that partings are respected.
+//! `allow_depth`; a hair rooted where a guide is has its shape; on a parted scalp no hair is rooted on a parting or led by a
+//! guide of another section. Not promised: that hair stays over its section, for it goes where its guides go.
 
 use super::plan::{Hair, Plan};
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, Domain, ID, PARENT, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
-    SCALP_NORMAL, WIDTH,
+    SCALP_NORMAL, SECTION, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::ramp::Ramp;
@@ -94,6 +95,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         seed: inputs.seed,
     };
     let plan = Plan::of(cx, &guides, scalp, &asked)?;
+    if plan.led_by_none > 0 {
+        let n = plan.led_by_none;
+        cx.warn(format!("{n} hairs are left out: no guide is rooted in their sections"));
+    }
     let skin = cx.skin(scalp);
     let maker = Maker {
         inputs: &inputs,
@@ -117,7 +122,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             .map(|guide| (&*guides[*guide as usize], plan.normals[*guide as usize]))
             .collect();
         let along = &plan.weights[group.weights.clone()];
-        Ok([maker.hair(&read, hairs, along, piece)?])
+        let section = plan.sections[group.guides[0] as usize];
+        Ok([maker.hair(&read, hairs, along, section, piece)?])
     })?;
     Ok(Outputs { curves })
 }
@@ -204,6 +210,7 @@ impl Maker<'_> {
         guides: &[(&Tuft, Vec3)],
         hairs: &[Hair],
         weights: &[(u16, f32)],
+        section: u64,
         piece: &mut Piece,
     ) -> Result<Tuft, NodeError> {
         let each = self.inputs.points as usize;
@@ -266,6 +273,9 @@ impl Maker<'_> {
         out.set(ID, Domain::Curve, hairs.iter().map(id).collect());
         out.set(PARENT, Domain::Curve, vec![own.id(0)]);
         out.set(WIDTH, Domain::Curve, vec![self.inputs.width]);
+        if section != 0 {
+            out.set(SECTION, Domain::Curve, vec![section]);
+        }
         out.set(ROOT_TRIANGLE, Domain::Curve, hairs.iter().map(|h| h.triangle as i32).collect());
         out.set(ROOT_BARY, Domain::Curve, hairs.iter().map(|h| h.bary).collect());
         if self.scalp.uvs().is_some() {

@@ -6,5 +6,8 @@ mod cluster_to_strands;
 mod interpolate;
 mod plan;
 mod sections;
+mod separation;
+mod shape;
 
-pub(crate) const NODES: &[&NodeDef] = &[&cluster_to_strands::NODE, &interpolate::NODE];
+pub(crate) const NODES: &[&NodeDef] =
+    &[&cluster_to_strands::NODE, &interpolate::NODE, &separation::NODE];

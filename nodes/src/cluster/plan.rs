@@ -4,6 +4,7 @@ use super::interpolate::MOST_GUIDES;
 use crate::data::attributes::{Domain, ROOT_BARY, ROOT_TRIANGLE};
 use crate::data::curves::{Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp};
+use crate::data::sections::Sections;
 use crate::define::{FieldInput, NodeError};
 use crate::eval::EvalCx;
 use crate::guides::even_roots::EvenRoots;
@@ -12,6 +13,7 @@ use crate::maths::nearest::Nearest;
 use crate::maths::spline::Spline;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// What the artist asks of the plan.
@@ -58,6 +60,10 @@ pub(super) struct Plan {
     pub weights: Vec<(u16, f32)>,
     /// Scalp normal at each guide's root.
     pub normals: Vec<Vec3>,
+    /// Id of the section that each guide is rooted in; 0 where the scalp is not parted.
+    pub sections: Vec<u64>,
+    /// Hairs left out because no guide stands in their section.
+    pub led_by_none: usize,
 }
 
 /// Roots found in one piece of work.
@@ -139,7 +145,7 @@ impl Plan {
                 }
             })
             .collect();
-        let tree = Nearest::new(roots.iter().copied());
+        let forest = Forest::new(roots, scalp);
         let even = EvenRoots::new(scalp, cx.dice(asked.seed, "roots"));
         let keep = cx.dice(asked.seed, "mask");
         let wanted =
@@ -148,6 +154,7 @@ impl Plan {
         // edge, a mask or a reach may make more than that; ten times is where one gives up.
         let last = if asked.count.is_some() { wanted.saturating_mul(10) } else { wanted };
         let last = last.min(20_000_000);
+        let led_by_none = AtomicUsize::new(0);
         let mut hairs: Vec<Found> = vec![];
         let mut start = 0;
         while start < last && hairs.len() < wanted && even.area() > 0.0 && !guides.is_empty() {
@@ -171,11 +178,19 @@ impl Plan {
                     }
                 };
                 let mut near = vec![];
+                let mut alone = 0;
                 let blend = |(index, root): (u32, Root)| {
-                    let (blend, count) = weigh(&tree, root.point, asked, &mut near);
+                    let Some(tree) = forest.tree_at(root.point) else {
+                        alone += 1;
+                        return None;
+                    };
+                    let (blend, count) = weigh(tree, root.point, asked, &mut near);
                     (count > 0).then_some(Found { index, root, blend, count })
                 };
-                let _ = found[b].set(some.into_iter().filter_map(blend).collect());
+                let found = found[b].set(some.into_iter().filter_map(blend).collect());
+                if found.is_ok() {
+                    led_by_none.fetch_add(alone, Ordering::Relaxed);
+                }
             });
             if let Some(fault) = fault.into_inner().unwrap_or_else(PoisonError::into_inner) {
                 return Err(fault);
@@ -185,7 +200,10 @@ impl Plan {
             start += round;
         }
         hairs.truncate(wanted);
-        Ok(Self::grouped(hairs, normals))
+        let mut plan = Self::grouped(hairs, normals);
+        plan.sections = forest.ids;
+        plan.led_by_none = led_by_none.into_inner();
+        Ok(plan)
     }
 
     fn grouped(found: Vec<Found>, normals: Vec<Vec3>) -> Self {
@@ -229,6 +247,42 @@ impl Plan {
             });
         }
         plan
+    }
+}
+
+/// Guides by the section that they are rooted in: those of another section have no say, however near they are.
+struct Forest<'a> {
+    cut: Option<&'a Sections>,
+    /// One for each section (with guides), or one for a scalp that is not parted.
+    trees: Vec<Option<Nearest>>,
+    ids: Vec<u64>,
+}
+
+impl<'a> Forest<'a> {
+    fn new(roots: &[Vec3], scalp: &'a Scalp) -> Self {
+        let Some(cut) = scalp.sections() else {
+            let trees = vec![Some(Nearest::new(roots.iter().copied()))];
+            return Self { cut: None, trees, ids: vec![0; roots.len()] };
+        };
+        let at: Vec<Option<u32>> =
+            roots.iter().map(|p| cut.at(*p).map(|place| place.section)).collect();
+        // A tree leaves out what is not finite, and keeps the others' numbers.
+        let of = |section: u32| {
+            let own = |(p, at): (&Vec3, &Option<u32>)| {
+                if *at == Some(section) { *p } else { Vec3::NAN }
+            };
+            at.contains(&Some(section)).then(|| Nearest::new(roots.iter().zip(&at).map(own)))
+        };
+        let trees = (0..cut.list().len() as u32).map(of).collect();
+        let id = |at: &Option<u32>| at.map_or(0, |at| cut.list()[at as usize].id);
+        Self { cut: Some(cut), trees, ids: at.iter().map(id).collect() }
+    }
+    fn tree_at(&self, p: Vec3) -> Option<&Nearest> {
+        let at = match self.cut {
+            Some(cut) => cut.at(p)?.section as usize,
+            None => 0,
+        };
+        self.trees[at].as_ref()
     }
 }
 

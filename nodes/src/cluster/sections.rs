@@ -1,11 +1,13 @@
 //! The cross-sections of a cluster where its strands have points: worked out once, used by every strand.
 
-use crate::data::attributes::{ALLOW_DEPTH, COLOUR, ROLL, SCALP_NORMAL};
+use crate::data::attributes::{ALLOW_DEPTH, COLOUR, NORMAL, ROLL, SCALP_NORMAL};
 use crate::data::curves::{Tuft, View};
 use crate::data::field::{Field, Sampler};
+use crate::data::ramp::Ramp;
 use crate::data::scalp::{Scalp, Skin};
-use crate::maths::frame::{Frame, any_normal, carry, frames};
+use crate::maths::frame::{Frame, across, any_normal, carry, frames};
 use crate::maths::spline::{CurveFault, Place, Spline};
+use crate::maths::transcendental::{atan2, sin_cos};
 use glam::Vec3;
 
 /// The most that the cross-section turns between two points of a strand, degrees.
@@ -23,6 +25,12 @@ pub(super) struct Asked<'a> {
     pub points: usize,
     pub radius: &'a Sampler<'a>,
     pub radius_unit: f32,
+    /// Multiplies the radius, root to tip.
+    pub profile: &'a Ramp,
+    /// Thickness by width of the cross-section.
+    pub flatness: &'a Sampler<'a>,
+    /// Degrees from the skin's normal to the thin way.
+    pub flat_angle: f32,
     pub frizz: &'a Sampler<'a>,
     /// cm; 0: one step at each CV.
     pub frizz_step: f32,
@@ -35,6 +43,8 @@ pub(super) struct Sections {
     /// Where the cluster starts.
     pub root: Vec3,
     pub root_radius: f32,
+    /// Length of the cluster, cm.
+    pub length: f32,
     /// Half axes of the disc of roots, in the scalp's tangent plane, cm.
     pub disc: [Vec3; 2],
     /// One for each point of a strand; the root's is not used.
@@ -58,7 +68,7 @@ pub(super) struct Section {
     /// How much of the offset from the centre is still the root's.
     pub root_share: f32,
     tangent: Vec3,
-    radius: f32,
+    pub radius: f32,
 }
 
 impl Section {
@@ -98,7 +108,10 @@ impl Sections {
         let (us, places) = strand_points(&spline, asked.points, &rolls);
 
         let (root, tangent) = (tuft.curve(curve)[0], spline.tangent(places[0]));
-        let root_radius = sample(asked.radius, places[0], 0.0) * asked.radius_unit;
+        let radius_at = |place: Place, u: f32| {
+            sample(asked.radius, place, u) * asked.radius_unit * asked.profile.at(u).max(0.0)
+        };
+        let root_radius = radius_at(places[0], 0.0);
         let hit = head.and_then(|(skin, scalp)| Some((skin.closest(root)?, scalp)));
         let normal = match hit {
             Some((hit, scalp)) => scalp.surface().smooth_normal(hit.triangle, hit.bary),
@@ -122,20 +135,25 @@ impl Sections {
                 _ => asked.frizz.at(curve, cvs.start + knot, spline.u_of_cv(knot)),
             })
             .collect();
-        let at = frames(&spline, &us, Some(start), |_, _, _| None)
+        let carried = frames(&spline, &us, Some(start), |_, _, _| None);
+        let flat = Flat::new(asked, tuft.view(NORMAL).at(curve, cvs.start), normal, &carried);
+        let thin = |place: Place, u: f32| sample(asked.flatness, place, u);
+        let at = carried
             .into_iter()
             .zip(us.iter().zip(&places))
             .map(|(frame, (&u, &place))| {
-                let radius = sample(asked.radius, place, u) * asked.radius_unit;
+                let radius = radius_at(place, u);
                 let frame = frame.rolled(roll_at(place));
+                let axes = [frame.normal * radius, frame.binormal() * radius];
+                let [x, y] = flat.pressed(axes, thin(place, u));
                 let (knot, weights) = smooth(match asked.frizz_step {
                     step if step > 0.0 => u * spans as f32,
                     _ => place.span as f32 + place.t,
                 });
                 Section {
                     centre: spline.point(place),
-                    x: frame.normal * radius,
-                    y: frame.binormal() * radius,
+                    x,
+                    y,
                     knot,
                     weights,
                     depth: between(place, |cv| depth.at(curve, cvs.start + cv)),
@@ -146,8 +164,9 @@ impl Sections {
             })
             .collect();
         let disc = [upright.normal * root_radius, upright.binormal() * root_radius];
+        let disc = flat.pressed(disc, thin(places[0], 0.0));
         let steps = if steps.iter().all(|s| *s <= 0.0) { vec![] } else { steps };
-        Ok(Self { root, root_radius, disc, at, steps, places })
+        Ok(Self { root, root_radius, length, disc, at, steps, places })
     }
 
     /// The cluster's colour at each point of a strand, or the one it has everywhere.
@@ -160,6 +179,42 @@ impl Sections {
             }
             other => vec![other.at(curve, 0)],
         }
+    }
+}
+
+/// Which way cross-sections are flat.
+struct Flat {
+    /// The thin way in a frame: parts of its normal and its binormal.
+    thin: [f32; 2],
+    /// No section is flat.
+    round: bool,
+}
+
+impl Flat {
+    /// The thin way is that of the curve's own normal where it has one, else that of the skin's, seen where the
+    /// cluster has left its root.
+    fn new(asked: &Asked, own: Vec3, skin: Vec3, carried: &[Frame]) -> Self {
+        let round = asked.flatness.is_of_curves() && asked.flatness.at(0, 0, 0.0) >= 1.0;
+        let (frame, wanted) = match own.try_normalize() {
+            Some(own) => (carried.first(), own),
+            None => (carried.get(carried.len() / 6), skin),
+        };
+        let angle = frame.map_or(0.0, |frame| {
+            let wanted = across(wanted, frame.tangent).unwrap_or(frame.normal);
+            atan2(wanted.dot(frame.binormal()), wanted.dot(frame.normal))
+        });
+        let (sin, cos) = sin_cos(angle + asked.flat_angle.to_radians());
+        Self { thin: [cos, sin], round }
+    }
+    /// Half axes of a section whose thickness along the thin way is so much of its width.
+    fn pressed(&self, [x, y]: [Vec3; 2], thickness: f32) -> [Vec3; 2] {
+        if self.round || thickness >= 1.0 {
+            return [x, y];
+        }
+        let [c, s] = self.thin;
+        let thin = x * c + y * s;
+        let less = 1.0 - thickness;
+        [x - thin * (c * less), y - thin * (s * less)]
     }
 }
 

@@ -369,7 +369,9 @@ fn points_are_even_and_as_many_as_the_tolerance_asks_for_and_no_more_than_allowe
     for preset in ["2a", "2b", "2c", "3a", "3b", "3c", "4a", "4b", "4c", "custom"] {
         for id in 0..3 {
             for keep in ["span", "fibre"] {
-                for set in [("tolerance", Value::Float(0.03)), ("points_per_turn", Value::Float(9.0))] {
+                for set in
+                    [("tolerance", Value::Float(0.03)), ("points_per_turn", Value::Float(9.0))]
+                {
                     let points = curled(&bent(id), preset, &[("length", keep.into()), set.clone()]);
                     assert!(points.len() <= 255, "{preset} {id}: {}", points.len());
                     let uneven = unevenness(&points);

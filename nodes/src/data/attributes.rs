@@ -215,6 +215,8 @@ declare! {
     GROUP: i32 = "group", 0;
     /// Arc length before shortening or coiling, cm; 0: as it is.
     FIBRE: f32 = "fibre_length", 0.0;
+    /// How far the root lies from where it was drawn, when that is carried over to this head, cm.
+    DRIFT: f32 = "drift", 0.0;
     /// Id of the section of the scalp, between partings, that the root lies in. 0: none.
     SECTION: u64 = "section", 0;
     /// Id of the parting that a curve on the scalp is a piece of. 0: none.

@@ -82,18 +82,29 @@ impl Field {
             }
             Field::Mask(name) => {
                 let scalp = scalp.ok_or_else(|| FieldFault::NoScalp(name.clone()))?;
+                let (triangle, bary) = (tuft.view(ROOT_TRIANGLE), tuft.view(ROOT_BARY));
+                let place = |i: usize| {
+                    let root = tuft.offsets()[i] as usize;
+                    Some((u32::try_from(triangle.at(i, root)).ok()?, bary.at(i, root)))
+                };
+                // A section of the parted scalp is a mask by its name, sharp at its partings.
+                if let Some((sections, number)) =
+                    scalp.sections().and_then(|s| Some((s, s.named(name)?)))
+                {
+                    let known = scalp.surface().triangles.len();
+                    let value = |i: usize| {
+                        let (t, bary) = place(i).filter(|(t, _)| (*t as usize) < known)?;
+                        sections.of(&scalp.root(t, bary)).filter(|at| *at == number)
+                    };
+                    let values = (0..tuft.len()).map(|i| f32::from(value(i).is_some()));
+                    return Ok(Part::Roots(values.collect()));
+                }
                 let mask = scalp.mask(name).ok_or_else(|| FieldFault::NoMask {
                     name: name.clone(),
                     known: scalp.mask_names().join(", "),
                 })?;
-                let (triangle, bary) = (tuft.view(ROOT_TRIANGLE), tuft.view(ROOT_BARY));
-                let value = |i: usize| {
-                    let root = tuft.offsets()[i] as usize;
-                    match u32::try_from(triangle.at(i, root)) {
-                        Ok(t) => scalp.mask_at(mask, t, bary.at(i, root)),
-                        Err(_) => 0.0,
-                    }
-                };
+                let value =
+                    |i: usize| place(i).map_or(0.0, |(t, bary)| scalp.mask_at(mask, t, bary));
                 Part::Roots((0..tuft.len()).map(value).collect())
             }
             Field::Product(parts) => Part::Product(

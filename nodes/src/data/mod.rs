@@ -1,10 +1,12 @@
 //! What wires carry, and what readers and writers exchange with it.
 
 pub mod attributes;
+pub mod chart;
 pub mod curves;
 pub mod field;
 pub mod mesh;
 pub mod ramp;
 pub mod scalp;
+pub mod sections;
 pub mod shapes;
 pub mod strokes;

@@ -389,18 +389,23 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
             spline.resample(last + 1, |p| points.push(p));
             points[0] = old[0];
             points[last] = old[old.len() - 1];
+            let mut cursor = 0;
             for (k, p) in points.iter_mut().enumerate().take(last).skip(1) {
-                let place = spline.locate(k as f32 / last as f32);
+                let Some(skin) = skin else { break };
+                let s = k as f32 / last as f32 * spline.length();
+                let place = spline.locate_rising(&mut cursor, s);
                 let near = first as usize + place.span + usize::from(place.t > 0.5);
-                *p = skin.map_or(*p, |skin| skin.push_out(*p, allowed.at(i, near)).0);
+                *p = skin.push_out(*p, allowed.at(i, near)).0;
             }
             if readings_differ(&points) <= AGREE {
                 break;
             }
         }
         let last = points.len() - 1;
+        let mut cursor = 0;
         places.extend((0..=last).map(|k| {
-            let place = spline.locate(k as f32 / last as f32);
+            let s = k as f32 / last as f32 * spline.length();
+            let place = spline.locate_rising(&mut cursor, s);
             (first + place.span as u32, place.t)
         }));
         worst = worst.max(readings_differ(&points));
@@ -428,24 +433,23 @@ fn is_even(points: &[Vec3]) -> bool {
 pub fn readings_differ(points: &[Vec3]) -> f32 {
     let n = points.len();
     let knot = |i: usize| points[i].distance(points[i + 1]).sqrt();
-    // Tangents at the points: per unit of the centripetal parameter, and of the uniform one.
-    let tangents = |i: usize| -> Option<(Vec3, Vec3)> {
-        (i > 0 && i + 1 < n).then(|| {
-            let (p0, p1, p2) = (points[i - 1], points[i], points[i + 1]);
-            let (a, b) = (knot(i - 1), knot(i));
-            let centripetal = if a > 0.0 && b > 0.0 {
-                (p1 - p0) / a - (p2 - p0) / (a + b) + (p2 - p1) / b
-            } else {
-                Vec3::ZERO
-            };
-            (centripetal, (p2 - p0) * 0.5)
-        })
+    // Tangents at the inner point `i`, whose segments have the knots `a` and `b`: per unit of the centripetal
+    // parameter, and of the uniform one.
+    let tangents = |i: usize, a: f32, b: f32| -> (Vec3, Vec3) {
+        let (p0, p1, p2) = (points[i - 1], points[i], points[i + 1]);
+        let centripetal = if a > 0.0 && b > 0.0 {
+            (p1 - p0) / a - (p2 - p0) / (a + b) + (p2 - p1) / b
+        } else {
+            Vec3::ZERO
+        };
+        (centripetal, (p2 - p0) * 0.5)
     };
     let mut worst = 0.0f32;
     let mut before = None;
+    let mut d = if n > 1 { knot(0) } else { 0.0 };
     for i in 0..n.saturating_sub(1) {
-        let after = tangents(i + 1);
-        let d = knot(i);
+        let next = if i + 2 < n { knot(i + 1) } else { 0.0 };
+        let after = (i + 2 < n).then(|| tangents(i + 1, d, next));
         let delta = |t: Option<(Vec3, Vec3)>| t.map_or(Vec3::ZERO, |(c, u)| c * d - u);
         let (d1, d2) = (delta(before), delta(after));
         // 4/27 is the largest value of either Hermite basis.
@@ -464,7 +468,7 @@ pub fn readings_differ(points: &[Vec3]) -> f32 {
         } else {
             worst = worst.max(bound.min(AGREE));
         }
-        before = after;
+        (before, d) = (after, next);
     }
     worst
 }

@@ -72,10 +72,11 @@ impl<'a> EvenRoots<'a> {
         (share >= 1.0 || self.dice.unit(1, u64::from(i)) < share).then_some((triangle, bary))
     }
 
-    /// [`Self::get`] bound to the scalp.
+    /// [`Self::get`] bound to the scalp; none on the bare skin of a parting.
     pub(crate) fn root(&self, i: u32) -> Option<Root> {
         let (triangle, bary) = self.get(i)?;
-        Some(self.scalp.root(triangle, bary))
+        let root = self.scalp.root(triangle, bary);
+        self.scalp.free(root.point).then_some(root)
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::even_roots::{Apart, EvenRoots};
 use crate::data::attributes::{
-    DENSITY, Domain, ID, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL,
+    DENSITY, Domain, ID, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp, Skin};
@@ -140,6 +140,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         if scalp.uvs().is_some() {
             b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
         }
+        if let Some(section) = scalp.sections().and_then(|s| s.id_at(root.point)) {
+            b.set(SECTION, Domain::Curve, vec![section]);
+        }
         Ok([b.build()])
     })?;
     Ok(Outputs { curves })
@@ -220,6 +223,7 @@ impl Grower<'_> {
         let mut direction = flow * cos + root.normal * sin;
         let (mut p, mut normal) = (root.point, root.normal);
         let mut grown = vec![p];
+        let mut below = root.triangle;
         for _ in 0..steps {
             let next = p + direction * step;
             let (lifted, moved) = self.skin.lift(next, CLEARANCE);
@@ -231,21 +235,24 @@ impl Grower<'_> {
             direction = (to - p).try_normalize().unwrap_or(direction);
             p = to;
             grown.push(p);
-            let Some(hit) = self.skin.closest(p) else { continue };
-            let below = self.scalp.surface().smooth_normal(hit.triangle, hit.bary);
+            // The skin below is near that of the step before: far off it, that saves most of the search.
+            let surface = self.scalp.surface();
+            let Some(hit) = surface.closest_from(p, below) else { continue };
+            below = hit.triangle;
+            let skin_normal = surface.smooth_normal(hit.triangle, hit.bary);
             // Hair near the skin turns with it, and with the flow; a few cm off it is free.
             let near = exp(-hit.distance / (2.0 * self.unit));
-            let carried = smallest_rotation(normal, below) * direction;
+            let carried = smallest_rotation(normal, skin_normal) * direction;
             direction = direction.lerp(carried, near).normalize_or(direction);
-            normal = below;
-            let flow = turned(self.flow(p, below), below, turn);
-            if let Some(flat) = across(direction, below) {
-                let high = direction.dot(below);
+            normal = skin_normal;
+            let flow = turned(self.flow(p, skin_normal), skin_normal, turn);
+            if let Some(flat) = across(direction, skin_normal) {
+                let high = direction.dot(skin_normal);
                 let flat = flat.lerp(flow, 0.3 * near).normalize_or(flat);
-                direction = (flat * (1.0 - high * high).max(0.0).sqrt() + below * high)
+                direction = (flat * (1.0 - high * high).max(0.0).sqrt() + skin_normal * high)
                     .normalize_or(direction);
             }
-            if let Some(axis) = direction.cross(-below).try_normalize() {
+            if let Some(axis) = direction.cross(-skin_normal).try_normalize() {
                 direction = turned(direction, axis, bend);
             }
             let pull = self.inputs.droop * 0.25 * step / self.unit;

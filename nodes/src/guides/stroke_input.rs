@@ -7,7 +7,7 @@
 //! scalp at every CV; free ones never run under the skin. A stroke without length is left out and
 //! named.
 
-use crate::data::attributes::{Domain, ID, RADIUS, SCALP_NORMAL};
+use crate::data::attributes::{DRIFT, Domain, ID, RADIUS, SCALP_NORMAL};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::data::strokes::{Stroke, Strokes};
@@ -51,7 +51,8 @@ node! {
         seed: i64 = 0;
     }
     outputs {
-        /// One curve for each stroke and each mirrored twin, in drawing order, with radius, pressure, root and scalp normals.
+        /// One curve for each stroke and each mirrored twin, in drawing order, with radius, pressure, root, scalp normals and how
+        /// far the root had to drift to lie on this head.
         curves: Curves;
     }
 }
@@ -125,6 +126,7 @@ fn drawn_curve(
         piece.trouble(stroke.id, "a stroke without length was left out");
         return Ok(TuftBuilder::new().build());
     }
+    let drawn = points[0];
     let hand = Polyline::new(points);
     let pressure_at = |part: f32| {
         let (i, t) = hand.place(part * hand.length());
@@ -172,6 +174,9 @@ fn drawn_curve(
     tuft.set(SCALP_NORMAL, Domain::Point, normals.clone());
     tuft.set_named("pressure".into(), Domain::Point, pressure.clone());
     lay::bind(&mut tuft, root.as_slice());
+    if let Some(root) = &root {
+        tuft.set(DRIFT, Domain::Curve, vec![root.point.distance(drawn)]);
+    }
     let bound = tuft.build();
     let (radius, offset) =
         (inputs.radius.on(&bound, Some(scalp))?, inputs.offset.on(&bound, Some(scalp))?);
@@ -252,6 +257,9 @@ mod tests {
             }
             let step = tuft.curve(0)[0].distance(tuft.curve(0)[1]);
             assert!((step - 0.5 * unit).abs() < 0.05 * unit, "{step}");
+            // It was drawn 1 cm over a head of average size, and from 2 cm beside the middle.
+            let drift = tuft.view(DRIFT).at(0, 0) / unit;
+            assert!((drift - (1.0 + 0.2)).abs() < 0.05, "{drift}");
             // The binding is the scalp point under the first CV.
             let triangle = tuft.view(ROOT_TRIANGLE).at(0, 0);
             let root = scalp.root(triangle as u32, tuft.view(ROOT_BARY).at(0, 0));

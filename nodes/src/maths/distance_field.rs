@@ -31,8 +31,9 @@ const MOST_BLOCKS: f32 = 200_000.0;
 /// What the field knows about a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Depth {
-    /// Signed distance (negative inside) and its gradient (about unit, outward).
-    Near(f32, Vec3),
+    /// Signed distance (negative inside), its gradient (about unit, outward) and how far it may be wrong, cm: little where
+    /// the skin is smooth, half a cell where it may have a crease.
+    Near(f32, Vec3, f32),
     /// More than the band inside.
     Inside,
     /// More than the band outside.
@@ -110,7 +111,15 @@ impl DistanceField {
         );
         let dy = lerp(x10 - x00, x11 - x01, f.z);
         let gradient = Vec3::new(dx, dy, y1 - y0) * self.per_cell;
-        Depth::Near(lerp(y0, y1, f.z), gradient)
+        // Over smooth skin distances grow evenly: the gradient has length 1, and what the eight samples differ by from a
+        // plane is nothing. A ridge or a groove shows in one or the other.
+        let bent = (s(0) - s(1) - s(Y) + s(Y + 1)).abs()
+            + (s(Z) - s(Z + 1) - s(Z + Y) + s(Z + Y + 1)).abs()
+            + (x10 - x00 - x11 + x01).abs()
+            + (s(0) + s(Y) - s(1) - s(Y + 1) - s(Z) - s(Z + Y) + s(Z + 1) + s(Z + Y + 1)).abs();
+        let steep = (gradient.length_squared() - 1.0).abs();
+        let doubt = (0.05 * self.cell + bent + 0.6 * self.cell * steep).min(0.5 * self.cell);
+        Depth::Near(lerp(y0, y1, f.z), gradient, doubt)
     }
 
     #[cold]
@@ -178,10 +187,11 @@ mod tests {
             let p = Vec3::new(dice.signed(id, 0), dice.signed(id, 1), dice.signed(id, 2)) * 7.5;
             let exact = surface.signed_distance(p, &surface.closest(p).unwrap());
             match field.depth(&surface, p) {
-                Depth::Near(d, gradient) => {
+                Depth::Near(d, gradient, doubt) => {
                     near += 1;
                     if exact.abs() < 1.0 {
                         worst = worst.max((d - exact).abs());
+                        assert!(doubt <= 0.5 * CELL);
                         assert!(gradient.dot(p.normalize()) > 0.97, "{p} {gradient}");
                     }
                 }
@@ -190,6 +200,30 @@ mod tests {
             }
         }
         assert!(near > 1500 && worst < 0.1 * CELL, "{near} {worst}");
+    }
+
+    #[test]
+    fn near_the_skin_the_field_is_no_farther_off_than_it_says() {
+        for (radius, rows, least) in [(8.9, 80, 0.95), (6.0, 64, 0.9), (2.0, 8, 0.0), (1.5, 5, 0.0)] {
+            let surface = sphere(radius, rows);
+            let field = DistanceField::new(&surface);
+            let dice = Dice::new(7, 0, "query");
+            let (mut near, mut sure, mut wrong) = (0, 0, 0);
+            for id in 0..20_000 {
+                let v = Vec3::new(dice.signed(id, 0), dice.signed(id, 1), dice.signed(id, 2));
+                let p = v.normalize() * (radius + 0.3 * dice.signed(id, 3));
+                let exact = surface.signed_distance(p, &surface.closest(p).unwrap());
+                if let Depth::Near(d, _, doubt) = field.depth(&surface, p)
+                    && exact.abs() < 0.2
+                {
+                    near += 1;
+                    sure += usize::from(doubt < 0.2 * CELL);
+                    wrong += usize::from((d - exact).abs() > doubt);
+                }
+            }
+            assert!(near > 4000 && wrong * 1000 <= near, "{radius}: {wrong} of {near}");
+            assert!(sure as f32 >= least * near as f32, "{radius}: {sure} of {near}");
+        }
     }
 
     #[test]

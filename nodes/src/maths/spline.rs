@@ -100,7 +100,21 @@ impl Spline {
     /// Where arc length `s` from the root lies; clamped to the curve.
     pub fn locate_length(&self, s: f32) -> Place {
         let s = s.clamp(0.0, self.length());
-        let after = self.lengths.partition_point(|length| *length <= s);
+        self.place_within(self.lengths.partition_point(|length| *length <= s), s)
+    }
+
+    /// [`Self::locate_length`] for lengths that rise from call to call: `cursor`, 0 at first, remembers how far they have
+    /// come.
+    pub fn locate_rising(&self, cursor: &mut usize, s: f32) -> Place {
+        let s = s.clamp(0.0, self.length());
+        while *cursor < self.lengths.len() && self.lengths[*cursor] <= s {
+            *cursor += 1;
+        }
+        self.place_within(*cursor, s)
+    }
+
+    /// The place of arc length `s`, where `after` sub-intervals begin at or before it.
+    fn place_within(&self, after: usize, s: f32) -> Place {
         let sub = after.saturating_sub(1).min(self.speeds.len() - 1);
         let (start, end) = (self.lengths[sub], self.lengths[sub + 1]);
         let fraction = if end > start { (s - start) / (end - start) } else { 0.0 };
@@ -182,8 +196,10 @@ impl Spline {
 
     /// Calls `put` with `n` points at even arc length, ends included; n < 2 gives the root alone.
     pub fn resample(&self, n: usize, mut put: impl FnMut(Vec3)) {
+        let mut cursor = 0;
         for k in 0..n {
-            put(self.at(if n > 1 { k as f32 / (n - 1) as f32 } else { 0.0 }));
+            let u = if n > 1 { k as f32 / (n - 1) as f32 } else { 0.0 };
+            put(self.point(self.locate_rising(&mut cursor, u * self.length())));
         }
     }
 }

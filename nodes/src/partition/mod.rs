@@ -1,9 +1,14 @@
-//! Parting hairs.
+//! Partings, and the hair that lies along them.
 
 use crate::define::NodeDef;
 
 mod edge_partition;
+mod lines;
+mod middles;
+mod net;
+mod partings;
+mod pattern;
 mod pulled;
-mod territory;
+pub(crate) mod territory;
 
-pub(crate) const NODES: &[&NodeDef] = &[&edge_partition::NODE];
+pub(crate) const NODES: &[&NodeDef] = &[&partings::NODE, &edge_partition::NODE];

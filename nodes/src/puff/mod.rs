@@ -1,7 +1,42 @@
-//! Puffs.
+//! Puffs, and what else hair is gathered into.
 
+mod bun;
+mod bundle;
+mod dome;
+mod gather;
+mod outline;
 mod sphere_puff;
+mod tail;
+mod tie;
 
+use crate::data::curves::Curves;
+use crate::data::scalp::{Root, Scalp};
 use crate::define::NodeDef;
+use crate::eval::EvalCx;
+use glam::Vec3;
 
-pub(crate) const NODES: &[&NodeDef] = &[&sphere_puff::NODE];
+pub(crate) const NODES: &[&NodeDef] = &[&gather::NODE, &sphere_puff::NODE, &tail::NODE, &bun::NODE];
+
+/// The roots of placements and their ids.
+fn placed(cx: &EvalCx, scalp: &Scalp, placements: &Curves) -> Vec<(Root, u64)> {
+    let mut out = vec![];
+    for (tuft, i) in placements.each() {
+        let at = tuft.curve(i).first().copied().unwrap_or(Vec3::NAN);
+        match scalp.closest_root(at) {
+            Some(middle) => out.push((middle, tuft.id(i))),
+            None => cx.trouble(tuft.id(i), "a placement without a root was left out"),
+        }
+    }
+    out
+}
+
+/// The scalp in a direction (head units) from the middle of the cranium: the outermost surface there, else the closest.
+fn picked(scalp: &Scalp, position: Vec3) -> Option<Root> {
+    let frame = scalp.frame();
+    let to = frame.point_from_head(position);
+    let out = (to - frame.origin).try_normalize().unwrap_or(frame.up);
+    let (low, high) = scalp.surface().bounds();
+    let reach = low.distance(high) + frame.origin.distance(0.5 * (low + high));
+    let hit = scalp.surface().ray(frame.origin + out * reach, -out * reach, 1.0);
+    hit.map(|hit| scalp.root(hit.triangle, hit.bary)).or_else(|| scalp.closest_root(to))
+}

@@ -4,12 +4,17 @@
 //! the disc within a root is the share of the covered cap within its tip. Guides stand on rows and columns of
 //! that map; the fill takes its directions from the guides around it by slerp.
 //!
+//! Any other outline takes the sphere's place along the same directions.
+//!
 //! Guarantees: guides end on the sphere to 1e-4 of its radius, leave the scalp along its normal and stay outside it;
 //! more fill only adds hairs. Not promised: that a sphere set so low that it dips into the head keeps its
 //! tips outside (they are counted in a warning).
 
+use super::outline::Outline;
+use super::tie::Tie;
 use crate::data::attributes::{
-    Domain, FIBRE, ID, PARENT, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL,
+    Domain, FIBRE, ID, PARENT, PUFF, PUFF_CENTRE, PUFF_RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
+    SCALP_NORMAL,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp, Skin};
@@ -37,6 +42,9 @@ node! {
         scalp: Arc<Scalp>;
         /// Curves whose roots are the middles of puffs, one puff a root. Without them there is one puff at `position`.
         placements: Option<Curves>, words("points roots several");
+        /// Ties that puffs grow out of, one puff a tie, as Gather into tie gives them. They say where puffs are, which way they stand, and
+        /// how wide and how high they are tied: position, root radius, tie height and tightness then do not count.
+        ties: Option<Curves>, words("gather base elastic band");
         /// Where the puff is, in head units (cm on a head of average size) from the middle of the cranium: the place on the
         /// scalp that lies in this direction.
         position: Vec3 = Vec3::new(0.0, 8.0, -4.0), handle(Handle::Point), words("place pick centre");
@@ -44,6 +52,24 @@ node! {
         root_radius: f32 = 3.0, hard(0.01, 30.0), soft(0.5, 8.0), unit(Length), handle(Handle::Radius), words("base section");
         /// Radius of the sphere.
         sphere_radius: f32 = 6.0, hard(0.1, 60.0), soft(2.0, 15.0), unit(Length), handle(Handle::Radius), words("size ball");
+        /// What the tips lie on.
+        shape: Shape = Shape::Sphere, words("outline silhouette ellipsoid mesh drawn trim topiary");
+        /// Half axes of the ellipsoid in sphere radii: to the puff's right, along its axis, ahead.
+        stretch: Vec3 = Vec3::ONE, words("ellipsoid egg oval flat wide tall");
+        /// Closed mesh that the tips lie on, where it is: a Head node that reads it, without a fit. The puff's middle is the mesh's.
+        mesh: Option<Arc<Scalp>>, words("volume outline topiary");
+        /// Closed outline as seen from the front, drawn round the sphere's middle.
+        front: Option<Curves>, words("outline silhouette draw stroke");
+        /// Closed outline as seen from the side, drawn round the sphere's middle.
+        side: Option<Curves>, words("outline silhouette draw stroke");
+        /// How far tips may lie within or outside the outline; most lie close to it. 0 is the clean outline.
+        edge_softness: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 1.5), unit(Length), words("fuzzy halo frizz natural");
+        /// Share of hairs that reach over the outline.
+        stray: f32 = 0.0, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("flyaways loose");
+        /// How far they reach over it at most.
+        stray_length: f32 = 0.8, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("flyaways loose");
+        /// How flat puffs press against each other where they meet: 0 lets them overlap, 1 ends them at the plane between.
+        flatten: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("press collide touch");
         /// Height of the sphere's middle over the scalp. Unset: the sphere's radius, so that it rests on the scalp.
         offset: Option<f32>, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), handle(Handle::Length), words("height centre");
         /// Angle from the top of the sphere down to which tips reach: 90 degrees is the upper half, 180 all of it.
@@ -87,6 +113,20 @@ node! {
 }
 
 choice! {
+    /// What tips lie on.
+    Shape {
+        /// A sphere.
+        Sphere = "sphere",
+        /// A ball stretched along its three axes.
+        Ellipsoid = "ellipsoid",
+        /// A closed mesh.
+        Mesh = "mesh",
+        /// Outlines drawn from front and side; the sphere where one is missing.
+        Drawn = "drawn",
+    }
+}
+
+choice! {
     /// What decides the number of hairs.
     Fill {
         /// So many in a puff.
@@ -103,29 +143,42 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     if unit != 1.0 {
         cx.remark(format!("lengths are multiplied by {unit:.3}, the size of the head"));
     }
+    let dice = cx.dice(inputs.seed, "puff");
+    let puffs: Vec<Puff> = match (&inputs.ties, &inputs.placements) {
+        (Some(ties), _) => {
+            let ties = Tie::all(cx, scalp, ties);
+            ties.iter().map(|tie| Puff::tied(&inputs, skin, unit, tie)).collect()
+        }
+        (_, Some(placements)) => {
+            let middles = super::placed(cx, scalp, placements);
+            middles
+                .into_iter()
+                .map(|(m, parent)| Puff::new(&inputs, skin, unit, m, parent))
+                .collect()
+        }
+        _ => match super::picked(scalp, inputs.position) {
+            Some(middle) => vec![Puff::new(&inputs, skin, unit, middle, 0)],
+            None => return Err(NodeError::failed("the scalp has no surface to place a puff on")),
+        },
+    };
+    let puffs = beside(puffs);
+    let density = |puff: &Puff| inputs.density * PI * puff.root_radius * puff.root_radius;
     let count = match inputs.fill {
         Fill::Count => inputs.count as usize,
-        Fill::Density => (inputs.density * PI * inputs.root_radius * inputs.root_radius) as usize,
+        Fill::Density => (puffs.first().map_or(0.0, density) / (unit * unit)) as usize,
     };
     let count = cx.thinned(count.min(MOST_HAIRS));
-    let dice = cx.dice(inputs.seed, "puff");
-    let middles = match &inputs.placements {
-        Some(placements) => placed(cx, scalp, placements),
-        None => picked(scalp, inputs.position).map(|middle| (middle, 0)).into_iter().collect(),
-    };
-    if middles.is_empty() && inputs.placements.is_none() {
-        return Err(NodeError::failed("the scalp has no surface to place a puff on"));
-    }
-    let puffs: Vec<Puff> = middles
-        .into_iter()
-        .map(|(middle, parent)| Puff::new(&inputs, skin, unit, middle, parent))
-        .collect();
     // Each puff is one piece of work for its guides and one for each so many hairs.
     let pieces = 1 + count.div_ceil(HAIRS_A_PIECE);
     let key = |i: usize| {
         let puff = &puffs[i / pieces];
-        let key = KeyBuilder::new("puff").int(puff.id).vec3(puff.middle.point);
-        key.vec3(puff.middle.normal).int((i % pieces) as u64).finish()
+        let key = KeyBuilder::new("puff").int(puff.id).vec3(puff.middle.point).vec3(puff.axis);
+        let key = key.vec3(puff.right).float(puff.root_radius).float(puff.tie_height);
+        // What is drawn, and the puffs beside it, are read too.
+        let key =
+            [&inputs.front, &inputs.side].into_iter().flatten().fold(key, |k, c| k.key(c.key()));
+        let key = puff.others.iter().fold(key, |key, centre| key.vec3(*centre));
+        key.int((i % pieces) as u64).finish()
     };
     let [guides, curves] = cx.each_item(puffs.len() * pieces, key, |i, piece| {
         let puff = &puffs[i / pieces];
@@ -141,19 +194,6 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { guides, curves })
 }
 
-/// The roots of placements and their ids.
-fn placed(cx: &EvalCx, scalp: &Scalp, placements: &Curves) -> Vec<(Root, u64)> {
-    let mut out = vec![];
-    for (tuft, i) in placements.each() {
-        let at = tuft.curve(i).first().copied().unwrap_or(Vec3::NAN);
-        match scalp.closest_root(at) {
-            Some(middle) => out.push((middle, tuft.id(i))),
-            None => cx.trouble(tuft.id(i), "a placement without a root was left out"),
-        }
-    }
-    out
-}
-
 /// Hairs that are made in one piece of work.
 const HAIRS_A_PIECE: usize = 1024;
 /// The most hairs of one puff, whatever the density asks.
@@ -161,23 +201,16 @@ const MOST_HAIRS: usize = 1_000_000;
 /// Samples of a path before its CVs are spread evenly.
 const SAMPLES: usize = 64;
 
-/// The scalp in a direction (head units) from the middle of the cranium: the outermost surface there, else the closest.
-fn picked(scalp: &Scalp, position: Vec3) -> Option<Root> {
-    let frame = scalp.frame();
-    let to = frame.point_from_head(position);
-    let out = (to - frame.origin).try_normalize().unwrap_or(frame.up);
-    let (low, high) = scalp.surface().bounds();
-    let reach = low.distance(high) + frame.origin.distance(0.5 * (low + high));
-    let hit = scalp.surface().ray(frame.origin + out * reach, -out * reach, 1.0);
-    hit.map(|hit| scalp.root(hit.triangle, hit.bary)).or_else(|| scalp.closest_root(to))
-}
-
 /// One puff: its place and sizes in cm, and where its guides point.
 struct Puff<'a> {
     inputs: &'a Inputs,
     skin: Skin<'a>,
     id: u64,
+    /// What its hairs have as [`PUFF`].
+    puff: u64,
     middle: Root,
+    /// Which way it stands. Unit.
+    axis: Vec3,
     /// Axes of the root disc; azimuth 0 is `right`.
     right: Vec3,
     ahead: Vec3,
@@ -185,30 +218,70 @@ struct Puff<'a> {
     root_radius: f32,
     radius: f32,
     tie_height: f32,
+    /// Radius of the hair in the tie, in root radii.
+    tie_width: f32,
+    /// A typed centimetre, cm.
+    unit: f32,
+    outline: Outline<'a>,
+    /// Middles of the puffs beside it.
+    others: Vec<Vec3>,
     /// By row and column, from the sphere's centre. Unit.
     directions: Vec<Vec3>,
 }
 
 impl<'a> Puff<'a> {
     fn new(inputs: &'a Inputs, skin: Skin<'a>, unit: f32, middle: Root, parent: u64) -> Self {
-        let (up, frame) = (middle.normal, inputs.scalp.frame());
-        let ahead = across(frame.forward, up)
-            .or_else(|| across(frame.up, up))
-            .unwrap_or_else(|| any_normal(up));
+        let frame = inputs.scalp.frame();
+        let ahead = across(frame.forward, middle.normal)
+            .or_else(|| across(frame.up, middle.normal))
+            .unwrap_or_else(|| any_normal(middle.normal));
+        let tie = Tie {
+            id: parent,
+            foot: middle,
+            axis: middle.normal,
+            right: ahead.cross(middle.normal),
+            height: inputs.tie_height * unit,
+            radius: inputs.root_radius * unit,
+        };
+        let id = curve_id(parent, inputs.seed as u64, 0);
+        let tie_width = 1.0 - 0.98 * inputs.tightness;
+        Self::on(inputs, skin, unit, &tie, (id, id, tie_width))
+    }
+
+    /// A puff that grows out of a tie.
+    fn tied(inputs: &'a Inputs, skin: Skin<'a>, unit: f32, tie: &Tie) -> Self {
+        let id = curve_id(tie.id, inputs.seed as u64, 0);
+        Self::on(inputs, skin, unit, tie, (id, tie.id, 1.0))
+    }
+
+    fn on(
+        inputs: &'a Inputs,
+        skin: Skin<'a>,
+        unit: f32,
+        tie: &Tie,
+        (id, of, tie_width): (u64, u64, f32),
+    ) -> Self {
         let offset = inputs.offset.unwrap_or(inputs.sphere_radius);
         let mut puff = Self {
             inputs,
             skin,
-            id: curve_id(parent, inputs.seed as u64, 0),
-            middle,
-            right: ahead.cross(up),
-            ahead,
-            centre: middle.point + up * (offset * unit),
-            root_radius: inputs.root_radius * unit,
+            id,
+            puff: of,
+            middle: tie.foot,
+            axis: tie.axis,
+            right: tie.right,
+            ahead: tie.ahead(),
+            centre: tie.foot.point + tie.axis * (offset * unit),
+            root_radius: tie.radius,
             radius: inputs.sphere_radius * unit,
-            tie_height: inputs.tie_height * unit,
+            tie_height: tie.height,
+            tie_width,
+            unit,
+            outline: Outline::Sphere,
+            others: vec![],
             directions: vec![],
         };
+        puff.outline = puff.outlined();
         let (rows, columns) = (inputs.rows as usize, inputs.columns as usize);
         puff.directions = (0..rows * columns)
             .map(|i| {
@@ -219,6 +292,54 @@ impl<'a> Puff<'a> {
         puff
     }
 
+    /// The outline that is asked for; a mesh also says where the middle is.
+    fn outlined(&mut self) -> Outline<'a> {
+        let inputs = self.inputs;
+        match inputs.shape {
+            Shape::Sphere => Outline::Sphere,
+            Shape::Ellipsoid => Outline::Ellipsoid(inputs.stretch.abs()),
+            Shape::Mesh => match &inputs.mesh {
+                Some(mesh) => {
+                    let (low, high) = mesh.surface().bounds();
+                    self.centre = 0.5 * (low + high);
+                    Outline::Mesh(mesh.surface(), self.centre, [self.right, self.axis, self.ahead])
+                }
+                None => Outline::Sphere,
+            },
+            Shape::Drawn => {
+                let (centre, axis) = (self.centre, self.axis);
+                let radii = |lines: &Option<Curves>, aside: Vec3| match lines {
+                    Some(lines) => Outline::drawn(lines, self.radius, |p| {
+                        Vec2::new((p - centre).dot(aside), (p - centre).dot(axis))
+                    }),
+                    None => Outline::drawn(&Curves::default(), self.radius, |_| Vec2::ZERO),
+                };
+                Outline::Drawn(radii(&inputs.front, self.right), radii(&inputs.side, self.ahead))
+            }
+        }
+    }
+
+    /// How far the outline is from the middle in a direction, cm.
+    fn reach(&self, direction: Vec3) -> f32 {
+        let d = direction;
+        let local = Vec3::new(d.dot(self.right), d.dot(self.axis), d.dot(self.ahead));
+        self.outline.reach(local, self.radius)
+    }
+
+    /// A tip, pressed back to the plane between this puff and those beside it.
+    fn pressed(&self, tip: Vec3) -> Vec3 {
+        let mut tip = tip;
+        for other in &self.others {
+            let between = *other - self.centre;
+            let over = (tip - self.centre).dot(between) / between.length_squared().max(1e-6);
+            if over > 0.5 {
+                let on_plane = self.centre + (tip - self.centre) * (0.5 / over);
+                tip = tip.lerp(on_plane, self.inputs.flatten);
+            }
+        }
+        tip
+    }
+
     /// The angle from the top within which lies the share `area` of the covered cap.
     fn polar(&self, area: f32) -> f32 {
         acos(1.0 - area * (1.0 - cos(self.inputs.coverage.to_radians())))
@@ -227,7 +348,7 @@ impl<'a> Puff<'a> {
     /// The direction from the sphere's centre at an angle from the top and an azimuth in turns.
     fn direction(&self, polar: f32, azimuth: f32) -> Vec3 {
         let ((sin, cos), (y, x)) = (sin_cos(polar), sin_cos_turns(azimuth));
-        self.middle.normal * cos + (self.right * x + self.ahead * y) * sin
+        self.axis * cos + (self.right * x + self.ahead * y) * sin
     }
 
     /// The root under a place of the unit disc.
@@ -251,14 +372,14 @@ impl<'a> Puff<'a> {
             let (row, column) = (i / columns, i % columns);
             let area = (row + 1) as f32 / self.inputs.rows as f32;
             let (y, x) = sin_cos_turns(column as f32 / columns as f32);
-            let tip = self.centre + *direction * self.radius;
+            let tip = self.pressed(self.centre + *direction * self.reach(*direction));
             let id = self.guide_id(row, column);
             if self.skin.distance(tip) < 0.0 {
                 piece.trouble(id, DIPS);
             }
             self.grow(Vec2::new(x, y) * area.sqrt(), tip, (id, self.id), &mut out);
         }
-        Ok(out.build())
+        Ok(out.build(self))
     }
 
     fn hair(&self, which: Range<usize>, dice: Dice, piece: &mut Piece) -> Result<Tuft, NodeError> {
@@ -271,12 +392,22 @@ impl<'a> Puff<'a> {
             let (direction, (row, column)) = self.between(place);
             let id = curve_id(self.id, self.inputs.seed as u64, k as u64);
             let depth = dice.range(id, 2, from.min(to), from.max(to));
-            let tip = self.centre + direction * (self.radius * (1.0 - depth));
+            let mut reach = self.reach(direction) * (1.0 - depth);
+            let soft = self.inputs.edge_softness * self.unit;
+            if soft > 0.0 {
+                let aside = dice.signed(id, 3);
+                reach = (reach + soft * aside * aside * aside).max(0.2 * self.radius);
+            }
+            if self.inputs.stray > 0.0 && dice.unit(id, 4) < self.inputs.stray {
+                let over = dice.unit(id, 5);
+                reach += self.inputs.stray_length * self.unit * over * over;
+            }
+            let tip = self.pressed(self.centre + direction * reach);
             // Where the sphere dips into the head, hair ends on the skin.
             let tip = self.skin.push_out(tip, 0.0).0;
             self.grow(place, tip, (id, self.guide_id(row, column)), &mut out);
         }
-        Ok(out.build())
+        Ok(out.build(self))
     }
 
     /// The direction at a place of the unit disc, by slerp between the four guides around it (the axis stands for
@@ -289,7 +420,7 @@ impl<'a> Puff<'a> {
         let column = (atan2(place.y, place.x) / TAU).rem_euclid(1.0) * columns as f32;
         let (first, beside) = (column as usize % columns, column.fract());
         let at = |row: usize, column: usize| match row {
-            0 => self.middle.normal,
+            0 => self.axis,
             row => self.directions[(row - 1) * columns + column % columns],
         };
         // Rows lie evenly in area, not in angle.
@@ -305,9 +436,9 @@ impl<'a> Puff<'a> {
     /// Adds the curve from a place of the unit disc to a tip.
     fn grow(&self, place: Vec2, tip: Vec3, ids: (u64, u64), out: &mut Bundle) {
         let Some(root) = self.root(place) else { return };
-        let up = self.middle.normal;
+        let up = self.axis;
         let aside = (self.right * place.x + self.ahead * place.y) * self.root_radius;
-        let tie_width = 1.0 - 0.98 * self.inputs.tightness;
+        let tie_width = self.tie_width;
         let tie = self.middle.point + up * self.tie_height + aside * tie_width;
         // Leaving the tie towards the axis by `bulge` of the way's angle from it, a parabola ends as much away from
         // it: square to a sphere that rests on the tie, when `bulge` is 1. Angles that grow with the distance
@@ -378,6 +509,16 @@ fn slerp(a: Vec3, b: Vec3, t: f32) -> Vec3 {
     ((a * sin((1.0 - t) * angle) + b * sin(t * angle)) / sin(angle)).normalize_or(a)
 }
 
+/// Puffs that know the middles of those beside them, where they press against each other.
+fn beside(mut puffs: Vec<Puff>) -> Vec<Puff> {
+    let centres: Vec<Vec3> = puffs.iter().map(|puff| puff.centre).collect();
+    for (i, puff) in puffs.iter_mut().enumerate().filter(|(_, puff)| puff.inputs.flatten > 0.0) {
+        let others = centres.iter().enumerate().filter(|(j, _)| *j != i);
+        puff.others = others.map(|(_, centre)| *centre).collect();
+    }
+    puffs
+}
+
 /// Curves of one puff while they are made.
 #[derive(Default)]
 struct Bundle {
@@ -392,7 +533,7 @@ struct Bundle {
 }
 
 impl Bundle {
-    fn build(self) -> Tuft {
+    fn build(self, puff: &Puff) -> Tuft {
         let mut tuft = self.tuft;
         fn each<T>(roots: &[Root], of: impl Fn(&Root) -> T) -> Vec<T> {
             roots.iter().map(of).collect()
@@ -405,6 +546,11 @@ impl Bundle {
         tuft.set(ROOT_UV, Domain::Curve, each(roots, |root| root.uv));
         tuft.set(SCALP_NORMAL, Domain::Curve, each(roots, |root| root.normal));
         tuft.set(FIBRE, Domain::Curve, self.fibres);
+        tuft.set(PUFF, Domain::Curve, vec![puff.puff]);
+        tuft.set(PUFF_CENTRE, Domain::Curve, vec![puff.centre]);
+        if matches!(puff.outline, Outline::Sphere) {
+            tuft.set(PUFF_RADIUS, Domain::Curve, vec![puff.radius]);
+        }
         tuft.build()
     }
 }
@@ -425,7 +571,7 @@ mod tests {
 
     /// The ball's place for a puff, its normal there, and the sphere's centre for a radius of 6.
     fn middle(scalp: &Scalp) -> (Root, Vec3) {
-        let root = picked(scalp, Vec3::new(0.0, 8.0, -4.0)).unwrap();
+        let root = super::super::picked(scalp, Vec3::new(0.0, 8.0, -4.0)).unwrap();
         (root, root.point + root.normal * 6.0)
     }
 

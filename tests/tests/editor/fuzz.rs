@@ -71,7 +71,10 @@ const NOT: &[&str] =
 fn random_events_leave_a_sound_document() {
     let (seeds, events) = if cfg!(debug_assertions) { (4, 500) } else { (20, 2000) };
     for seed in 0..seeds {
-        let name = grooms::ALL[seed as usize % grooms::ALL.len()].0;
+        // Heroes are the same nodes with more hair.
+        let all = grooms::ALL.iter().map(|(name, _)| *name);
+        let light: Vec<&str> = all.filter(|name| !grooms::HEROES.contains(name)).collect();
+        let name = light[seed as usize % light.len()];
         let mut ui = on_groom(name);
         let before = ui.state().state.document.clone();
         let mut dice = Dice { seed, thrown: 0 };

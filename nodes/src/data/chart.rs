@@ -1,0 +1,253 @@
+//! The scalp as a flat map, for what lives on it as in a plane: partings and the sections between them.
+//!
+//! A point of the scalp is told by its direction from the middle of the cranium, and directions are laid out by Lambert's
+//! equal-area projection about an axis that leans back from the crown, so that forehead and nape are equally far from the
+//! middle. No transcendental is needed either way. What is known of the region (where hair grows, how far out the skin is,
+//! how many cm2) stands in a fine grid.
+//!
+//! Guarantees: equal areas of directions have equal areas on the map; a point of the region comes back to within the flatness
+//! of the mesh's triangles. Not promised: anything on a mesh whose region cannot be seen from one point within it (that of a
+//! whole animal): of several layers the outermost counts.
+
+use super::scalp::{HeadFrame, Root, Scalp};
+use crate::maths::closest::Surface;
+use glam::{Vec2, Vec3};
+
+/// Cells along a side of the grid.
+pub const CELLS: usize = 304;
+/// The map reaches this far from its middle (a whole sphere has a radius of 2); 1.9 is 143 degrees.
+const REACH: f32 = 1.9;
+/// Side of a cell in units of the map: 1.1 mm on a cranium of 8.9 cm.
+pub const CELL: f32 = 2.0 * REACH / CELLS as f32;
+/// How the axis leans back from the crown: sine and cosine of 35 degrees.
+const LEAN: (f32, f32) = (0.573_576_4, 0.819_152);
+/// Triangles that are larger than this on the map (those about the point opposite its middle) are left out.
+const TOO_WIDE: f32 = 0.7;
+
+/// The map of one scalp.
+pub struct Chart {
+    spread: Spread,
+    /// What lies under the middle of each cell, row by row from the nape.
+    spots: Vec<Spot>,
+}
+
+/// How directions are laid out.
+#[derive(Clone, Copy, Debug)]
+pub struct Spread {
+    origin: Vec3,
+    /// To the picture's right, to its top (the forehead), and out of it.
+    axes: [Vec3; 3],
+}
+
+impl Spread {
+    /// Where a point lies on the map.
+    #[inline]
+    pub fn flat(&self, p: Vec3) -> Vec2 {
+        self.flat_direction(p - self.origin)
+    }
+    /// Where a direction from the middle of the cranium lies on the map.
+    #[inline]
+    pub fn flat_direction(&self, d: Vec3) -> Vec2 {
+        let [x, y, z] = self.axes.map(|axis| d.dot(axis));
+        let square = x * x + y * y;
+        let length = (square + z * z).sqrt().max(1e-9);
+        // Two ways to write the same, each where nothing cancels.
+        let scale = if z >= 0.0 {
+            2.0 / (length * (length + z))
+        } else {
+            2.0 * (length - z) / (length * square.max(1e-12))
+        };
+        Vec2::new(x, y) * scale.sqrt()
+    }
+    /// The direction from the middle of the cranium that lies at `q` on the map. Unit.
+    pub fn direction(&self, q: Vec2) -> Vec3 {
+        let q = q.clamp_length_max(1.999);
+        let square = q.length_squared();
+        let flat = q * (1.0 - 0.25 * square).max(0.0).sqrt();
+        let [x, y, z] = self.axes;
+        x * flat.x + y * flat.y + z * (1.0 - 0.5 * square)
+    }
+}
+
+/// What lies under the middle of a cell.
+#[derive(Clone, Copy, Debug)]
+pub struct Spot {
+    /// The point of the scalp, cm; outside the region a point of the cranium's sphere.
+    pub point: Vec3,
+    /// Value of the region: 0 where no hair grows.
+    pub grows: f32,
+    /// Square centimetres of skin in the cell; 0 outside the region.
+    pub area: f32,
+}
+
+impl Chart {
+    /// The map of a surface whose region has one value a vertex.
+    pub fn new(surface: &Surface, frame: &HeadFrame, region: &[f32]) -> Self {
+        let (sin, cos) = LEAN;
+        let axis = frame.up * cos - frame.forward * sin;
+        let top = frame.forward * cos + frame.up * sin;
+        let spread = Spread { origin: frame.origin, axes: [frame.right, top, axis] };
+        let mut chart = Self { spread, spots: vec![] };
+        chart.spots = (0..CELLS * CELLS)
+            .map(|i| {
+                let point = frame.origin + chart.direction(middle(i)) * frame.radius;
+                Spot { point, grows: 0.0, area: 0.0 }
+            })
+            .collect();
+        for (t, corners) in (0..).zip(&surface.triangles) {
+            let grows = corners.map(|v| region[v as usize]);
+            if grows.iter().any(|g| *g > 0.0) {
+                chart.lay(surface.corners(t), grows);
+            }
+        }
+        chart
+    }
+
+    fn lay(&mut self, corners: [Vec3; 3], grows: [f32; 3]) {
+        let [a, b, c] = corners.map(|p| self.flat(p));
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let twice = (b - a).perp_dot(c - a);
+        let [u, v] = [corners[1] - corners[0], corners[2] - corners[0]];
+        let ratio = u.cross(v).length() / twice.abs();
+        if (high - low).max_element() > TOO_WIDE || !ratio.is_finite() {
+            return;
+        }
+        let from = ((low + REACH) / CELL - 0.5).ceil().max(Vec2::ZERO);
+        let to = ((high + REACH) / CELL - 0.5).floor().min(Vec2::splat(CELLS as f32 - 1.0));
+        if from.x > to.x || from.y > to.y {
+            return;
+        }
+        for y in from.y as usize..=to.y as usize {
+            for x in from.x as usize..=to.x as usize {
+                let i = y * CELLS + x;
+                let q = middle(i);
+                let s = (q - a).perp_dot(c - a) / twice;
+                let t = (b - a).perp_dot(q - a) / twice;
+                let r = 1.0 - s - t;
+                // A hair's breadth over the edges, so that no cell on one is missed.
+                if r.min(s).min(t) < -1e-4 {
+                    continue;
+                }
+                let point = corners[0] + u * s + v * t;
+                let spot = &mut self.spots[i];
+                let out = |p: Vec3| p.distance_squared(self.spread.origin);
+                if spot.area == 0.0 || out(point) > out(spot.point) {
+                    let grows = (grows[0] * r + grows[1] * s + grows[2] * t).clamp(0.0, 1.0);
+                    *spot = Spot { point, grows, area: CELL * CELL * ratio };
+                }
+            }
+        }
+    }
+
+    /// The cells' spots, row by row.
+    pub fn spots(&self) -> &[Spot] {
+        &self.spots
+    }
+    /// The middle of the cranium, cm.
+    pub fn origin(&self) -> Vec3 {
+        self.spread.origin
+    }
+    /// How directions are laid out.
+    pub fn spread(&self) -> Spread {
+        self.spread
+    }
+    /// Where a point lies on the map.
+    #[inline]
+    pub fn flat(&self, p: Vec3) -> Vec2 {
+        self.spread.flat(p)
+    }
+    /// The direction from the middle of the cranium that lies at `q` on the map. Unit.
+    pub fn direction(&self, q: Vec2) -> Vec3 {
+        self.spread.direction(q)
+    }
+    /// Whether hair grows at a point of the map, by the cell that it lies in.
+    pub fn grows(&self, q: Vec2) -> f32 {
+        cell_of(q).map_or(0.0, |i| self.spots[i].grows)
+    }
+    /// The point of the scalp at `q` on the map, bound to it.
+    pub fn root(&self, scalp: &Scalp, q: Vec2) -> Option<Root> {
+        let way = self.direction(q);
+        let out = cell_of(q).map_or(scalp.frame().radius, |i| self.out(i));
+        let mut root = scalp.closest_root(self.spread.origin + way * out)?;
+        // Where the skin slopes, the closest point lies beside: once more from its own height.
+        for _ in 0..2 {
+            let out = (root.point - self.spread.origin).dot(way);
+            root = scalp.closest_root(self.spread.origin + way * out)?;
+        }
+        Some(root)
+    }
+    /// How far from the middle of the cranium the skin is in a cell, cm.
+    pub fn out(&self, cell: usize) -> f32 {
+        self.spots[cell].point.distance(self.spread.origin)
+    }
+    /// Centimetres of skin that a step on the map is, near `q`.
+    pub fn stretch(&self, q: Vec2, step: Vec2) -> f32 {
+        let out = cell_of(q).map_or(1.0, |i| self.out(i));
+        let (a, b) = (self.direction(q - step * 0.5), self.direction(q + step * 0.5));
+        a.distance(b) * out
+    }
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.spots.len() * size_of::<Spot>()
+    }
+}
+
+/// The cell in which a point of the map lies; none beyond its edge.
+#[inline]
+pub fn cell_of(q: Vec2) -> Option<usize> {
+    let at = (q + REACH) / CELL;
+    let inside = at.min_element() >= 0.0 && at.max_element() < CELLS as f32;
+    inside.then(|| at.y as usize * CELLS + at.x as usize)
+}
+
+/// The middle of a cell.
+#[inline]
+pub fn middle(cell: usize) -> Vec2 {
+    let (x, y) = (cell % CELLS, cell / CELLS);
+    (Vec2::new(x as f32, y as f32) + 0.5) * CELL - REACH
+}
+
+/// The up to eight cells around one, nearest first.
+pub fn around(cell: usize) -> impl Iterator<Item = usize> {
+    const WAYS: [(i32, i32); 8] =
+        [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];
+    let (x, y) = ((cell % CELLS) as i32, (cell / CELLS) as i32);
+    let on = |v: i32| (0..CELLS as i32).contains(&v);
+    WAYS.into_iter()
+        .map(move |(dx, dy)| (x + dx, y + dy))
+        .filter(move |(x, y)| on(*x) && on(*y))
+        .map(|(x, y)| y as usize * CELLS + x as usize)
+}
+
+/// Whether the pieces from `p` to `q` and from `a` to `b` cross. A piece's end counts to one side only, so that a line of
+/// pieces is crossed as often as it lies between.
+#[inline]
+pub fn cross(p: Vec2, q: Vec2, a: Vec2, b: Vec2) -> bool {
+    let side = |from: Vec2, to: Vec2, x: Vec2| (to - from).perp_dot(x - from) >= 0.0;
+    side(p, q, a) != side(p, q, b) && side(a, b, p) != side(a, b, q)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::scalp::tests::shared_ball;
+    use crate::maths::hash::Dice;
+
+    #[test]
+    fn points_come_back_and_areas_are_true() {
+        let scalp = shared_ball();
+        let chart = scalp.chart();
+        let dice = Dice::new(1, 0, "chart");
+        for id in 0..500 {
+            let v = Vec3::from([0, 1, 2].map(|k| dice.signed(id, k)));
+            let up = Vec3::new(v.x, v.y.abs() + 0.05, v.z).normalize();
+            let p = scalp.closest_root(up * 9.0).unwrap().point;
+            let back = chart.root(&scalp, chart.flat(p)).unwrap().point;
+            assert!(back.distance(p) < 0.01, "{p} {back}");
+        }
+        let area: f32 = chart.spots().iter().map(|s| s.area * s.grows).sum();
+        // Half the ball and the soft row of triangles at its edge.
+        let half = std::f32::consts::TAU * 8.9 * 8.9;
+        assert!((area / half - 1.0).abs() < 0.05, "{area} {half}");
+    }
+}

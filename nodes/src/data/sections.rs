@@ -1,0 +1,664 @@
+//! Sections: what partings cut the scalp into, and which of them a root lies in.
+//!
+//! methods.md 3, "partings first". On the flat map of the scalp ([`super::chart`]) the cells of a fine grid are joined where the
+//! way between their middles crosses no parting; what hangs together is a section. A point belongs to the section of a cell's
+//! middle that it reaches without crossing a parting, so that borders are as sharp as the lines although the grid is not.
+//!
+//! Guarantees: of two points on the two sides of a line that cuts, each has the section of its own side, however near they are;
+//! distances to partings are straight ones and exact to the lines' pieces; ids hang from the lines that bound a section and from
+//! their sides of it, so that moving a line, or cutting elsewhere, keeps them; names that were given stay where they were put. Not
+//! promised: a section narrower than a cell (1.1 mm), which is bare skin.
+
+use super::chart::{CELLS, Spread, around, cell_of, cross, middle};
+use super::scalp::{Root, Scalp};
+use crate::maths::hash::{Key, KeyBuilder, curve_id};
+use glam::{Vec2, Vec3};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A parting line, on the scalp.
+#[derive(Clone, Debug)]
+pub struct Parting {
+    /// Stable id, never 0.
+    pub id: u64,
+    /// Points on the scalp, at most a few millimetres apart.
+    pub points: Vec<Vec3>,
+}
+
+/// A piece of scalp between partings.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// Stable id, never 0.
+    pub id: u64,
+    /// What people call it: the name given to it, else one made from where it lies.
+    pub name: String,
+    /// Skin on which hair grows, cm2.
+    pub area: f32,
+    /// A point of the scalp in its middle.
+    pub middle: Vec3,
+    /// Whether it reaches the hairline.
+    pub at_hairline: bool,
+}
+
+/// Where a point of the scalp lies among the partings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Number of the section.
+    pub section: u32,
+    /// Straight distance to the nearest parting, cm; a great number without any.
+    pub distance: f32,
+    /// Whether hair may be rooted there: not on a parting's bare skin.
+    pub free: bool,
+}
+
+/// A piece of a parting, on the map and on the scalp.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    flat: [Vec2; 2],
+    ends: [Vec3; 2],
+    parting: u32,
+    /// Fraction along its parting.
+    along: f32,
+}
+
+/// The sections of one scalp.
+pub struct Sections {
+    key: Key,
+    whole: Key,
+    spread: Spread,
+    half_width: f32,
+    list: Vec<Section>,
+    partings: Vec<Parting>,
+    pieces: Vec<Piece>,
+    /// Where each cell's pieces start in `listed`: those in the cell and in the cells around it.
+    starts: Vec<u32>,
+    listed: Vec<u32>,
+    /// Number of each cell's section, or [`NONE`].
+    labels: Vec<u32>,
+    /// The piece nearest to each cell's middle, or [`NONE`].
+    nearest: Vec<u32>,
+}
+
+/// In no section; no piece.
+pub const NONE: u32 = u32::MAX;
+/// What is smaller is no section, cm2.
+const LEAST: f32 = 0.04;
+/// A line bounds a section that it runs beside for so many cm: less is a corner.
+const CONTACT: f32 = 0.3;
+/// A distance where there are no partings, cm.
+const FAR: f32 = 1e4;
+
+impl Sections {
+    /// Cuts a scalp. `width` is that of the bare skin of a parting, `names` are given names, each with a point in what it names.
+    /// Also gives what there is to say about it.
+    pub fn new(
+        scalp: &Scalp,
+        partings: Vec<Parting>,
+        width: f32,
+        names: &[(String, Vec3)],
+    ) -> (Self, Vec<String>) {
+        let mut key = KeyBuilder::new("sections").float(width);
+        for parting in &partings {
+            key = key.int(parting.id).column(bytemuck::cast_slice::<_, f32>(&parting.points));
+        }
+        for (name, anchor) in names {
+            key = key.text(name).vec3(*anchor);
+        }
+        let spread = scalp.chart().spread();
+        let pieces = pieces(&spread, &partings);
+        let (starts, listed) = list_pieces(&pieces);
+        let mut sections = Self {
+            key: key.finish(),
+            whole: scalp.key(),
+            spread,
+            half_width: 0.5 * width,
+            list: vec![],
+            partings,
+            pieces,
+            starts,
+            listed,
+            labels: vec![NONE; CELLS * CELLS],
+            nearest: vec![],
+        };
+        let mut said = vec![];
+        let slivers = sections.flood(scalp);
+        if slivers > 0 {
+            said.push(format!("{slivers} slivers between partings are too small and stay bare"));
+        }
+        sections.near(scalp);
+        sections.describe(scalp);
+        sections.give_names(scalp, names, &mut said);
+        (sections, said)
+    }
+
+    /// Hash of the cuts.
+    pub fn key(&self) -> Key {
+        self.key
+    }
+    /// Key of the scalp before it was parted.
+    pub fn whole(&self) -> Key {
+        self.whole
+    }
+    /// All sections; their numbers are places in this list.
+    pub fn list(&self) -> &[Section] {
+        &self.list
+    }
+    /// The lines.
+    pub fn partings(&self) -> &[Parting] {
+        &self.partings
+    }
+    /// Half of a parting's width, cm: no hair is rooted nearer to a line.
+    pub fn half_width(&self) -> f32 {
+        self.half_width
+    }
+    /// Number of the section of each cell of the map, or [`NONE`].
+    pub fn labels(&self) -> &[u32] {
+        &self.labels
+    }
+    /// Number of the section of a name.
+    pub fn named(&self, name: &str) -> Option<u32> {
+        (0..).zip(&self.list).find(|(_, s)| s.name == name).map(|(i, _)| i)
+    }
+    /// Id of the section that a point of the scalp lies in.
+    pub fn id_at(&self, point: Vec3) -> Option<u64> {
+        let section = self.section_at(self.spread.flat(point))?;
+        Some(self.list[section as usize].id)
+    }
+    /// Number of the section under a root.
+    pub fn of(&self, root: &Root) -> Option<u32> {
+        self.section_at(self.spread.flat(root.point))
+    }
+    /// Straight distance (cm) from a root to the nearest parting.
+    pub fn distance(&self, root: &Root) -> f32 {
+        self.distance_at(self.spread.flat(root.point), root.point)
+    }
+    /// Section and distance in one; none where there is no section.
+    pub fn at(&self, point: Vec3) -> Option<Place> {
+        let q = self.spread.flat(point);
+        let section = self.section_at(q)?;
+        let distance = self.distance_at(q, point);
+        Some(Place { section, distance, free: distance >= self.half_width })
+    }
+
+    fn section_at(&self, q: Vec2) -> Option<u32> {
+        let own = cell_of(q)?;
+        let pieces = self.near_cell(own);
+        let reached = |cell: usize| {
+            let to = middle(cell);
+            let label = self.labels[cell];
+            let open = |i: &u32| {
+                let [a, b] = self.pieces[*i as usize].flat;
+                !cross(q, to, a, b)
+            };
+            (label != NONE && pieces.iter().all(open)).then_some(label)
+        };
+        reached(own).or_else(|| around(own).find_map(reached))
+    }
+
+    fn distance_at(&self, q: Vec2, p: Vec3) -> f32 {
+        let Some(own) = cell_of(q) else { return FAR };
+        let mut best = FAR * FAR;
+        let mut see = |i: u32| {
+            if let Some(piece) = self.pieces.get(i as usize) {
+                best = best.min(square_to(piece.ends, p));
+            }
+        };
+        let listed = self.near_cell(own);
+        listed.iter().for_each(|i| see(*i));
+        if listed.is_empty() {
+            see(self.nearest[own]);
+            around(own).for_each(|cell| see(self.nearest[cell]));
+        }
+        best.sqrt()
+    }
+
+    fn near_cell(&self, cell: usize) -> &[u32] {
+        &self.listed[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+
+    /// The partings, by number in [`Self::partings`], that the straight way between two points of the scalp crosses, in order of
+    /// number.
+    pub fn crossed(&self, from: Vec3, to: Vec3) -> Vec<u32> {
+        let (p, q) = (self.spread.flat(from), self.spread.flat(to));
+        let steps = ((q - p).length() / super::chart::CELL).ceil().clamp(1.0, 1e4) as usize;
+        let mut found = BTreeSet::new();
+        for k in 0..=steps {
+            let Some(cell) = cell_of(p.lerp(q, k as f32 / steps as f32)) else { continue };
+            for i in self.near_cell(cell) {
+                let piece = &self.pieces[*i as usize];
+                if cross(p, q, piece.flat[0], piece.flat[1]) {
+                    found.insert(piece.parting);
+                }
+            }
+        }
+        found.into_iter().collect()
+    }
+    /// Whether the straight way between two points of the scalp crosses a parting.
+    pub fn crosses(&self, from: Vec3, to: Vec3) -> bool {
+        !self.crossed(from, to).is_empty()
+    }
+
+    /// Joins cells to sections; gives the number of pieces that were too small.
+    fn flood(&mut self, scalp: &Scalp) -> usize {
+        let spots = scalp.chart().spots();
+        let grows: Vec<bool> = spots.iter().map(|s| s.grows > 0.0).collect();
+        let (mut found, mut slivers) = (0, 0);
+        let mut members = vec![];
+        // Row by row from the forehead, so that numbers run from front to back.
+        let rows = (0..CELLS).rev().flat_map(|y| (0..CELLS).map(move |x| y * CELLS + x));
+        for seed in rows {
+            if !grows[seed] || self.labels[seed] != NONE {
+                continue;
+            }
+            members.clear();
+            members.push(seed);
+            self.labels[seed] = found;
+            let (mut next, mut area, mut parted) = (0, 0.0, false);
+            while let Some(cell) = members.get(next).copied() {
+                next += 1;
+                area += spots[cell].area * spots[cell].grows;
+                for other in around(cell).take(4) {
+                    if grows[other] && self.labels[other] != found {
+                        let open = self.open(cell, other);
+                        parted |= !open && spots[cell].grows >= 0.5;
+                        if open && self.labels[other] == NONE {
+                            self.labels[other] = found;
+                            members.push(other);
+                        }
+                    }
+                }
+            }
+            if area < LEAST {
+                // Specks at the ragged edge of a region are nothing to tell.
+                slivers += usize::from(parted);
+                // Not looked at again, and cleared below.
+                members.iter().for_each(|cell| self.labels[*cell] = NONE - 1);
+            } else {
+                found += 1;
+            }
+        }
+        self.labels.iter_mut().filter(|l| **l == NONE - 1).for_each(|l| *l = NONE);
+        slivers
+    }
+
+    /// Whether the way between the middles of two neighbours crosses no parting.
+    fn open(&self, a: usize, b: usize) -> bool {
+        let (p, q) = (middle(a), middle(b));
+        self.near_cell(a).iter().all(|i| {
+            let [from, to] = self.pieces[*i as usize].flat;
+            !cross(p, q, from, to)
+        })
+    }
+
+    /// Finds the nearest piece to every cell: each hands its own on to its neighbours, there and back.
+    fn near(&mut self, scalp: &Scalp) {
+        let spots = scalp.chart().spots();
+        let mut best = vec![(FAR * FAR, NONE); CELLS * CELLS];
+        for (i, piece) in (0..).zip(&self.pieces) {
+            for cell in covered(&piece.flat, 0) {
+                let d = square_to(piece.ends, spots[cell].point);
+                if (d, i) < best[cell] {
+                    best[cell] = (d, i);
+                }
+            }
+        }
+        let pass = |best: &mut Vec<(f32, u32)>, cell: usize, others: &[usize]| {
+            for other in others {
+                let (_, i) = best[*other];
+                if i != NONE && i != best[cell].1 {
+                    let d = square_to(self.pieces[i as usize].ends, spots[cell].point);
+                    if (d, i) < best[cell] {
+                        best[cell] = (d, i);
+                    }
+                }
+            }
+        };
+        for _ in 0..2 {
+            for cell in CELLS + 1..CELLS * CELLS {
+                let above = cell - CELLS;
+                pass(&mut best, cell, &[cell - 1, above, above - 1, above + 1]);
+            }
+            for cell in (0..CELLS * CELLS - CELLS - 1).rev() {
+                let below = cell + CELLS;
+                pass(&mut best, cell, &[cell + 1, below, below + 1, below - 1]);
+            }
+        }
+        self.nearest = best.into_iter().map(|(_, i)| i).collect();
+    }
+
+    /// Areas, middles and ids.
+    fn describe(&mut self, scalp: &Scalp) {
+        let spots = scalp.chart().spots();
+        let count = self.labels.iter().filter(|l| **l != NONE).max().map_or(0, |l| *l as usize + 1);
+        let mut area = vec![0.0f64; count];
+        let mut sum = vec![glam::DVec3::ZERO; count];
+        let mut hairline = vec![false; count];
+        // How long each line runs beside a section on which side, and where along itself on the whole.
+        let mut beside: BTreeMap<(u32, u64, bool), (f32, f32)> = BTreeMap::new();
+        for (cell, label) in self.labels.iter().enumerate().filter(|(_, l)| **l != NONE) {
+            let (slot, spot) = (*label as usize, &spots[cell]);
+            let weight = f64::from(spot.area * spot.grows);
+            area[slot] += weight;
+            sum[slot] += spot.point.as_dvec3() * weight;
+            for other in around(cell).take(4) {
+                hairline[slot] |= spots[other].grows == 0.0;
+                if self.labels[other] == *label {
+                    continue;
+                }
+                let (p, q) = (middle(cell), middle(other));
+                let step = spot.point.distance(spots[other].point);
+                for i in self.near_cell(cell) {
+                    let piece = &self.pieces[*i as usize];
+                    let [a, b] = piece.flat;
+                    if cross(p, q, a, b) {
+                        let side = (b - a).perp_dot(p - a) >= 0.0;
+                        let line = self.partings[piece.parting as usize].id;
+                        let entry = beside.entry((*label, line, side)).or_default();
+                        *entry = (entry.0 + step, entry.1 + step * piece.along);
+                    }
+                }
+            }
+        }
+        let mut bounds: Vec<Vec<(u64, bool, f32)>> = vec![vec![]; count];
+        for ((label, line, side), (length, along)) in beside {
+            if length >= CONTACT {
+                bounds[label as usize].push((line, side, along / length));
+            }
+        }
+        let id = |bounds: &[(u64, bool, f32)]| {
+            let step =
+                |id, (line, side, _): &(u64, bool, f32)| curve_id(id, *line, u64::from(*side));
+            bounds.iter().fold(curve_id(0, SECTION_TAG, 0), step)
+        };
+        let mut ids: Vec<u64> = bounds.iter().map(|b| id(b)).collect();
+        // Sections between the very same lines, such as those of two lines that cross twice, are told by where along the first.
+        let mut order: Vec<(u64, f32, usize)> = (0..count)
+            .map(|slot| (ids[slot], bounds[slot].first().map_or(0.0, |b| b.2), slot))
+            .collect();
+        order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+        let mut same = 0;
+        for pair in order.windows(2) {
+            same = if pair[0].0 == pair[1].0 { same + 1 } else { 0 };
+            if same > 0 {
+                ids[pair[1].2] = curve_id(pair[1].0, SECTION_TAG, same);
+            }
+        }
+        let middles = self.middles(scalp, &sum, &area);
+        self.list = (0..count)
+            .map(|slot| Section {
+                id: ids[slot],
+                name: String::new(),
+                area: area[slot] as f32,
+                middle: middles[slot],
+                at_hairline: hairline[slot],
+            })
+            .collect();
+        let mut taken: BTreeMap<String, usize> = BTreeMap::new();
+        let names: Vec<String> =
+            self.list.iter().map(|section| whereabouts(scalp, section.middle)).collect();
+        for name in &names {
+            *taken.entry(name.clone()).or_default() += 1;
+        }
+        let mut next: BTreeMap<&str, usize> = BTreeMap::new();
+        for (section, name) in self.list.iter_mut().zip(&names) {
+            let number = next.entry(name).or_default();
+            *number += 1;
+            section.name = match taken[name] {
+                1 => name.clone(),
+                _ => format!("{name} {number}"),
+            };
+        }
+    }
+
+    /// The centre of gravity of each section, or where that lies outside (a ring), the point farthest from all partings.
+    fn middles(&self, scalp: &Scalp, sum: &[glam::DVec3], area: &[f64]) -> Vec<Vec3> {
+        let chart = scalp.chart();
+        let mut farthest: Vec<(f32, usize)> = vec![(-1.0, 0); sum.len()];
+        for (cell, label) in self.labels.iter().enumerate().filter(|(_, l)| **l != NONE) {
+            let spot = &chart.spots()[cell];
+            let d = match self.pieces.get(self.nearest[cell] as usize) {
+                Some(piece) => square_to(piece.ends, spot.point),
+                None => 0.0,
+            };
+            let best = &mut farthest[*label as usize];
+            if d * spot.grows > best.0 {
+                *best = (d * spot.grows, cell);
+            }
+        }
+        let one = |slot: usize| {
+            let centre = (sum[slot] / area[slot].max(1e-9)).as_vec3();
+            let root = chart.root(scalp, chart.flat(centre));
+            let inside = root.filter(|root| {
+                self.of(root) == Some(slot as u32)
+                    && self.distance(root) > 0.25 * farthest[slot].0.max(0.0).sqrt()
+            });
+            inside.map_or(chart.spots()[farthest[slot].1].point, |root| root.point)
+        };
+        (0..sum.len()).map(one).collect()
+    }
+
+    fn give_names(&mut self, scalp: &Scalp, names: &[(String, Vec3)], said: &mut Vec<String>) {
+        let mut given: BTreeMap<u32, &str> = BTreeMap::new();
+        let mut times: BTreeMap<&str, u32> = BTreeMap::new();
+        for (name, anchor) in names {
+            let Some(at) = scalp.closest_root(*anchor).and_then(|root| self.of(&root)) else {
+                said.push(format!("the name {name:?} stands on no section"));
+                continue;
+            };
+            if let Some(first) = given.get(&at) {
+                if first != name {
+                    said.push(format!(
+                        "{first:?} and {name:?} are one section now; it is called {first:?}"
+                    ));
+                }
+                continue;
+            }
+            given.insert(at, name);
+            let part = times.entry(name).or_default();
+            *part += 1;
+            let called = match part {
+                1 => name.clone(),
+                _ => format!("{name} {part}"),
+            };
+            if *part > 1 {
+                said.push(format!("{name:?} is cut in two; the other part is called {called:?}"));
+            }
+            self.list[at as usize].name = called;
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.pieces.len() * size_of::<Piece>()
+            + self.partings.iter().map(|p| 12 * p.points.len() + 64).sum::<usize>()
+            + 4 * (self.starts.len() + self.listed.len() + self.labels.len() + self.nearest.len())
+            + self.list.len() * 128
+    }
+}
+
+/// Mixed into the ids of sections.
+const SECTION_TAG: u64 = 0x5EC7;
+
+impl std::fmt::Debug for Sections {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Sections({} by {} partings)", self.list.len(), self.partings.len())
+    }
+}
+
+fn pieces(spread: &Spread, partings: &[Parting]) -> Vec<Piece> {
+    let mut all = vec![];
+    for (parting, line) in (0..).zip(partings) {
+        let last = line.points.len().saturating_sub(1) as f32;
+        for (k, w) in line.points.windows(2).enumerate() {
+            let ends = [w[0], w[1]];
+            let flat = ends.map(|p| spread.flat(p));
+            all.push(Piece { flat, ends, parting, along: (k as f32 + 0.5) / last });
+        }
+    }
+    all
+}
+
+/// For each cell the pieces in it and in the cells around it.
+fn list_pieces(pieces: &[Piece]) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0u32; CELLS * CELLS + 1];
+    for piece in pieces {
+        covered(&piece.flat, 1).for_each(|cell| starts[cell + 1] += 1);
+    }
+    for cell in 0..CELLS * CELLS {
+        starts[cell + 1] += starts[cell];
+    }
+    let mut next = starts.clone();
+    let mut listed = vec![0; starts[CELLS * CELLS] as usize];
+    for (i, piece) in (0..).zip(pieces) {
+        for cell in covered(&piece.flat, 1) {
+            listed[next[cell] as usize] = i;
+            next[cell] += 1;
+        }
+    }
+    (starts, listed)
+}
+
+/// The cells of the box about a piece, and `more` around it.
+fn covered(flat: &[Vec2; 2], more: i32) -> impl Iterator<Item = usize> {
+    let at = |q: Vec2| ((q / super::chart::CELL).floor().as_ivec2()) + CELLS as i32 / 2;
+    let (a, b) = (at(flat[0].min(flat[1])) - more, at(flat[0].max(flat[1])) + more);
+    let last = CELLS as i32 - 1;
+    let (low, high) = (a.max(glam::IVec2::ZERO), b.min(glam::IVec2::splat(last)));
+    (low.y..=high.y)
+        .flat_map(move |y| (low.x..=high.x).map(move |x| y as usize * CELLS + x as usize))
+}
+
+/// Squared distance of a point from a straight piece.
+#[inline]
+fn square_to([a, b]: [Vec3; 2], p: Vec3) -> f32 {
+    let along = b - a;
+    let t = ((p - a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
+    p.distance_squared(a + along * t)
+}
+
+/// Where a point of the scalp lies, in words.
+fn whereabouts(scalp: &Scalp, p: Vec3) -> String {
+    let h = scalp.frame().head_from_point(p);
+    let d = h.try_normalize().unwrap_or(Vec3::Y);
+    let area = if d.y < -0.25 && d.z < 0.0 {
+        "nape"
+    } else if d.y > 0.86 {
+        if d.z < -0.12 { "crown" } else { "top" }
+    } else if d.z > 0.45 {
+        if d.x.abs() > 0.62 { "temple" } else { "front" }
+    } else if d.z < -0.5 {
+        if d.y > 0.55 { "crown" } else { "back" }
+    } else if d.x.abs() > 0.55 {
+        if d.z > 0.2 { "temple" } else { "side" }
+    } else {
+        "top"
+    };
+    let side = match h.x {
+        x if x > 0.4 => "left",
+        x if x < -0.4 => "right",
+        _ => "middle",
+    };
+    format!("{area} {side}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::scalp::tests::shared_ball;
+    use crate::maths::hash::Dice;
+    use crate::maths::transcendental::sin_cos_turns;
+
+    /// A line over the ball in the plane x = `x` (or z = `x`), from one edge of the scalp to the other.
+    fn across(id: u64, x: f32, turned: bool) -> Parting {
+        let points = (0..=120).map(|k| {
+            let (s, c) = sin_cos_turns(k as f32 / 240.0 - 0.25);
+            let r = (8.9f32 * 8.9 - x * x).sqrt();
+            let p = Vec3::new(x, c * r, s * r);
+            let p = if turned { Vec3::new(p.z, p.y, p.x) } else { p };
+            shared_ball().closest_root(p).unwrap().point
+        });
+        Parting { id, points: points.collect() }
+    }
+    fn cut(lines: Vec<Parting>, names: &[(String, Vec3)]) -> (Sections, Vec<String>) {
+        Sections::new(&shared_ball(), lines, 0.16, names)
+    }
+    fn ids(sections: &Sections) -> BTreeSet<u64> {
+        sections.list().iter().map(|s| s.id).collect()
+    }
+
+    #[test]
+    fn a_point_has_the_section_of_its_own_side_however_near_the_line() {
+        let lines = vec![across(1, -3.0, false), across(2, 0.2, false), across(3, 4.0, true)];
+        let (sections, said) = cut(lines, &[]);
+        assert_eq!((sections.list().len(), said.len()), (6, 0), "{said:?}");
+        let scalp = shared_ball();
+        let dice = Dice::new(1, 0, "points");
+        let mut of_side: BTreeMap<(bool, bool, bool), u32> = BTreeMap::new();
+        let mut close = 0;
+        for id in 0..20_000 {
+            let near = [-3.0, 0.2][id as usize % 2] + 0.1 * dice.signed(id, 5);
+            let x = if id % 3 == 0 { near } else { 7.0 * dice.signed(id, 0) };
+            let d = Vec3::new(x, 1.0 + 5.0 * dice.unit(id, 1), 7.0 * dice.signed(id, 2));
+            let p = scalp.closest_root(d.normalize() * 8.9).unwrap().point;
+            if p.y < 0.6 {
+                continue;
+            }
+            let place = sections.at(p).unwrap();
+            // The lines' points lie on flat triangles: between them they are a few hundredths of a millimetre off the plane.
+            let off = [p.x + 3.0, p.x - 0.2, p.z - 4.0];
+            if off.iter().any(|x| x.abs() < 0.01) {
+                continue;
+            }
+            close += u32::from(off.iter().any(|x| x.abs() < 0.05));
+            let side = (off[0] > 0.0, off[1] > 0.0, off[2] > 0.0);
+            assert_eq!(*of_side.entry(side).or_insert(place.section), place.section, "{p}");
+            assert_eq!(place.free, place.distance >= 0.08);
+            let least = off.iter().map(|x| x.abs()).fold(f32::MAX, f32::min);
+            // Nearer than that the planes of the lines are as far as the lines.
+            if least < 0.4 {
+                assert!((place.distance - least).abs() < 0.02 + 0.2 * least, "{place:?} {least}");
+            }
+        }
+        assert!(of_side.len() == 6 && close > 300, "{} {close}", of_side.len());
+    }
+
+    #[test]
+    fn moving_a_line_or_cutting_elsewhere_keeps_ids() {
+        let three = |x: f32| vec![across(1, -3.0, false), across(2, x, false), across(3, 3.0, true)];
+        let (a, _) = cut(three(0.5), &[]);
+        let (b, _) = cut(three(1.4), &[]);
+        assert_eq!(ids(&a), ids(&b));
+        let mut more = three(0.5);
+        more.push(across(9, 5.5, false));
+        let (c, _) = cut(more, &[]);
+        // The two sections right of line 2 are cut in two each; the other four are as they were.
+        assert_eq!(ids(&a).intersection(&ids(&c)).count(), 4);
+        assert_eq!(c.list().len(), 8);
+        assert_eq!(ids(&c).len(), 8);
+    }
+
+    #[test]
+    fn names_stay_and_tell_of_merging_and_splitting() {
+        let name = |name: &str, x: f32| (name.to_owned(), Vec3::new(x, 8.0, 0.0));
+        let names = [name("left", 4.0), name("right", -4.0)];
+        let (two, said) = cut(vec![across(1, 0.3, false)], &names);
+        assert!(said.is_empty() && two.named("left") != two.named("right"), "{said:?}");
+        let (one, said) = cut(vec![], &names);
+        assert_eq!(one.list()[0].name, "left");
+        assert_eq!(said, ["\"left\" and \"right\" are one section now; it is called \"left\""]);
+        let (_, said) = cut(vec![across(1, 0.3, false)], &[name("all", 4.0), name("all", -4.0)]);
+        assert_eq!(said, ["\"all\" is cut in two; the other part is called \"all 2\""]);
+    }
+
+    #[test]
+    fn a_line_that_ends_in_hair_cuts_nothing() {
+        let mut line = across(1, 0.0, false);
+        line.points.truncate(60);
+        let (sections, _) = cut(vec![line.clone()], &[]);
+        assert_eq!(sections.list().len(), 1);
+        let p = line.points[40];
+        let root = shared_ball().closest_root(p + Vec3::X * 0.05).unwrap();
+        assert!(sections.distance(&root) < 0.06);
+        assert!(sections.crosses(p + Vec3::X, p - Vec3::X));
+        assert!(!sections.crosses(p + Vec3::X, p + Vec3::X * 2.0));
+    }
+}

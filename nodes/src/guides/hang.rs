@@ -1,0 +1,401 @@
+//! Hang: curves that leave the scalp where they are rooted and fall, resting on head, neck, shoulders and one another.
+//!
+//! Guarantees: the same curves on every machine; lengths right to 0.1 %; no point under the skin and no NaN whatever comes in;
+//! points evenly spaced; what does not hang freely rests on something: skin or another curve (`fall.rs` says how).
+//! Not promised: that curves keep their radii apart where more are asked for than there is room, as beside their roots.
+//!
+//! **What depends on what:** curves that touch depend on each other, through a chain of touches on all others, so the fall
+//! is worked out for all at once (80 braids take a tenth of a second). Each curve is a tuft of its own and tufts are known
+//! by content: of what comes after, only that runs again whose curve came out another.
+
+use super::fall::{Fall, Thread};
+use crate::data::attributes::{
+    Attribute, Domain, ID, NORMAL, PARENT, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL,
+};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
+use crate::define::{FieldInput, NodeError, choice, node};
+use crate::eval::EvalCx;
+use crate::maths::frame::{across, any_normal};
+use crate::maths::hash::{Key, curve_id};
+use crate::maths::spline::CurveFault;
+use crate::maths::transcendental::sin_cos;
+use glam::Vec3;
+use std::sync::Arc;
+
+node! {
+    /// Let curves hang from their roots: out of the scalp, then down, resting on head, neck and shoulders.
+    ///
+    /// For braids, locs and twists that hang free, and for long hair: give it roots (the middles of sections, or any guides,
+    /// of which the first point counts) and braid or fill what comes out. The clearance is half as thick as what will lie
+    /// along the curve, so that this, not the curve, rests on the skin and on its neighbours.
+    "hang", version 1, label "Hang",
+        words "gravity fall drape simulate simulation dynamics collide collision rest shoulders free hanging box braids locs twists long hair droop dangle";
+    inputs {
+        /// Curves whose first points are the roots.
+        roots: Curves, words("source guides");
+        /// The head, with neck and shoulders where it has them. Without it curves fall freely.
+        scalp: Option<Arc<Scalp>>;
+        /// Length of each curve, whatever it lies on.
+        length: FieldInput = 35.0, hard(0.1, 500.0), soft(1.0, 90.0), unit(Length), handle(Handle::Length);
+        /// How much shorter a curve may be than its length, drawn for each: 0 none, 1 down to nothing.
+        length_variation: f32 = 0.04, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("random vary ends layers");
+        /// Half the thickness of what will lie along the curve: so far its middle keeps from the skin, and twice as far from
+        /// its neighbours. At the root the curve is in the skin.
+        clearance: FieldInput = 0.4, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), handle(Handle::Radius),
+            words("radius thickness offset collision");
+        /// How far the curve stands out before its weight bends it down: 0 falls at once, 1 to 2 a braid, 10 a stiff lock.
+        stiffness: FieldInput = 1.2, hard(0.0, 100.0), soft(0.0, 10.0), unit(Length), words("bend rigidity stand");
+        /// Angle between scalp and curve at the root: 0 lies flat, 90 stands straight out.
+        lie: FieldInput = 20.0, hard(0.0, 90.0), unit(Angle), words("lift stand elevation"), handle(Handle::Angle);
+        /// Which way curves leave their roots.
+        flow: Flow = Flow::Sides, words("direction part comb");
+        /// The direction, for the flows that have one, in the head frame (x to the head's left, y up, z forward).
+        direction: Vec3 = Vec3::new(1.0, -0.2, -0.35);
+        /// Where hair is parted when it falls to both sides: 0 in the middle, positive nearer to the head's left ear.
+        parted_at: f32 = 0.0, hard(-20.0, 20.0), soft(-6.0, 6.0), unit(Length), words("part side middle centre");
+        /// How far curves that lie on the head keep to the way they are laid, before they just slide down.
+        hold: f32 = 5.0, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), words("style set friction");
+        /// What pulls besides gravity, in the head frame, as a share of it: (0.2, 0, 0) leans to the head's left.
+        swing: Vec3 = Vec3::ZERO, words("wind tilt motion lean");
+        /// Keep curves apart as far as they are thick. Off lets them pass through each other and is quicker.
+        separate: bool = true, words("collision neighbours stack layers");
+        /// How far each curve strays from the straight fall, at random.
+        variation: f32 = 4.0, hard(0.0, 60.0), soft(0.0, 20.0), unit(Angle), words("random jitter natural");
+        /// Points on each curve, root and tip included.
+        points: i64 = 48, hard(2.0, 1024.0), soft(8.0, 128.0), unit(Count), words("cvs segments");
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
+        /// Whether lengths grow with the size of the head.
+        scale_with_head: bool = true;
+    }
+    outputs {
+        /// The curves, one tuft each, with all that their roots had and their clearance as radius.
+        curves: Curves;
+    }
+}
+
+choice! {
+    /// Which way curves leave their roots.
+    Flow {
+        /// The direction below on the head's left and its mirror image on the right, down at the back: hair that is parted.
+        Sides = "sides",
+        /// The same direction everywhere.
+        Direction = "direction",
+        /// From the forehead back over the head, and down behind.
+        Back = "back",
+        /// Down, each on the side where it is rooted.
+        Down = "down",
+        /// As the curves given begin.
+        Curve = "curve",
+    }
+}
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = inputs.scalp.as_deref();
+    let unit = cx.head_unit(scalp, inputs.scale_with_head);
+    let (threads, from) = threads(cx, &inputs, unit)?;
+    let skin = scalp.map(|scalp| cx.skin(scalp));
+    let (up, swing) = match scalp.map(Scalp::frame) {
+        Some(frame) => (frame.up, frame.vector_from_head(inputs.swing)),
+        None => (Vec3::Y, inputs.swing),
+    };
+    let fall = Fall {
+        skin,
+        down: (swing - up).try_normalize().unwrap_or(-up),
+        hold: inputs.hold * unit,
+        separate: inputs.separate,
+        stray: (inputs.variation.to_radians(), cx.dice(inputs.seed, "stray")),
+        points: inputs.points as usize,
+    };
+    let start = (inputs.roots.key(), || Ok(vec![]));
+    let bytes = |fallen: &Vec<Vec<Vec3>>| fallen.iter().map(|c| c.len() * 12 + 24).sum();
+    let fallen =
+        cx.fold(start, &[(Key(0), ())], |_, ()| fall.all(&threads, cx), bytes)?;
+
+    let tufts = threads.iter().zip(&from).zip(&*fallen).map(|((thread, (tuft, i)), points)| {
+        let mut b = TuftBuilder::new();
+        b.push_curve(points);
+        for attribute in tuft.attributes().iter().filter(|a| a.domain == Domain::Curve) {
+            let values = attribute.values.gather(&[*i as u32]);
+            b.set_column(Attribute { values, ..attribute.clone() });
+        }
+        b.set(ID, Domain::Curve, vec![thread.id]);
+        b.set(PARENT, Domain::Curve, vec![tuft.id(*i)]);
+        b.set(RADIUS, Domain::Curve, vec![thread.clearance]);
+        if let Some(root) = &thread.root {
+            b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
+            b.set(ROOT_TRIANGLE, Domain::Curve, vec![root.triangle as i32]);
+            b.set(ROOT_BARY, Domain::Curve, vec![root.bary]);
+            if scalp.is_some_and(|scalp| scalp.uvs().is_some()) {
+                b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
+            }
+            // What is laid along the curve faces outwards.
+            let tangent = (points[1] - points[0]).normalize_or(thread.direction);
+            let normal = across(root.normal, tangent).unwrap_or_else(|| any_normal(tangent));
+            b.set(NORMAL, Domain::Curve, vec![normal]);
+        }
+        Arc::new(b.build())
+    });
+    Ok(Outputs { curves: Curves::new(tufts.collect()) })
+}
+
+/// What is to fall, and the curve that each comes from.
+type Threads<'a> = (Vec<Thread>, Vec<(&'a Tuft, usize)>);
+
+fn threads<'a>(cx: &EvalCx, inputs: &'a Inputs, unit: f32) -> Result<Threads<'a>, NodeError> {
+    let scalp = inputs.scalp.as_deref();
+    let (vary, stray) = (cx.dice(inputs.seed, "length"), cx.dice(inputs.seed, "direction"));
+    let (mut threads, mut from) = (vec![], vec![]);
+    for tuft in inputs.roots.tufts() {
+        let length = inputs.length.on(tuft, scalp)?;
+        let clearance = inputs.clearance.on(tuft, scalp)?;
+        let stiffness = inputs.stiffness.on(tuft, scalp)?;
+        let lie = inputs.lie.on(tuft, scalp)?;
+        for i in 0..tuft.len() {
+            let parent = tuft.id(i);
+            let first = tuft.range(i).start;
+            let Some(point) = tuft.curve(i).first().copied().filter(|p| p.is_finite()) else {
+                cx.trouble(parent, CurveFault::NotFinite);
+                continue;
+            };
+            let root = scalp.and_then(|scalp| bound(scalp, tuft, i, point));
+            let id = curve_id(parent, inputs.seed as u64, 0);
+            let normal = root.map_or(Vec3::Y, |root| root.normal);
+            let flow = inputs.flow(scalp, tuft.curve(i), point, normal);
+            let random = inputs.variation.to_radians();
+            let [turn, tilt] = [0, 1].map(|n| stray.signed(id, n) * random);
+            let (sin, cos) = sin_cos(turn);
+            let flow = flow * cos + normal.cross(flow) * sin;
+            let lie = lie.at(i, first, 0.0).to_radians();
+            let (sin, cos) = sin_cos((lie + tilt).clamp(0.0, std::f32::consts::FRAC_PI_2));
+            threads.push(Thread {
+                id,
+                point: root.map_or(point, |root| root.point),
+                root,
+                flow,
+                direction: (flow * cos + normal * sin).normalize_or(normal),
+                length: length.at(i, first, 0.0)
+                    * unit
+                    * (1.0 - inputs.length_variation * vary.unit(id, 0)),
+                clearance: clearance.at(i, first, 0.0) * unit,
+                stiffness: stiffness.at(i, first, 0.0) * unit,
+            });
+            from.push((&**tuft, i));
+        }
+    }
+    Ok((threads, from))
+}
+
+/// Where a curve is bound to the scalp, or else the point of it that is nearest to its root.
+fn bound(scalp: &Scalp, tuft: &Tuft, i: usize, point: Vec3) -> Option<Root> {
+    let first = tuft.range(i).start;
+    let triangle = tuft.view(ROOT_TRIANGLE).at(i, first);
+    let known = u32::try_from(triangle)
+        .ok()
+        .filter(|t| (*t as usize) < scalp.surface().triangles.len())
+        .map(|t| scalp.root(t, tuft.view(ROOT_BARY).at(i, first)))
+        .filter(|root| root.point.distance(point) < 1e-3);
+    known.or_else(|| scalp.closest_root(point))
+}
+
+impl Inputs {
+    /// The way along the skin in which a curve leaves its root. Unit, at right angles to `normal`.
+    fn flow(&self, scalp: Option<&Scalp>, curve: &[Vec3], p: Vec3, normal: Vec3) -> Vec3 {
+        let identity = crate::data::scalp::HeadFrame::IDENTITY;
+        let frame = scalp.map_or(&identity, Scalp::frame);
+        let at = frame.head_from_point(p);
+        let wanted = match self.flow {
+            Flow::Sides => {
+                let side = if at.x < self.parted_at { -1.0 } else { 1.0 };
+                let sideways = self.direction * Vec3::new(side, 1.0, 1.0);
+                // Parted hair is parted to the crown: on the back of the head it falls down.
+                let behind = ((-normal.dot(frame.forward) - 0.1) / 0.6).clamp(0.0, 1.0);
+                let behind = behind * behind * (3.0 - 2.0 * behind);
+                frame.vector_from_head(sideways.lerp(Vec3::NEG_Y, behind))
+            }
+            Flow::Direction => frame.vector_from_head(self.direction),
+            Flow::Back => {
+                // Straight back would end in a tuft where the head faces back: from the crown on, down.
+                let down = (0.5 - 0.8 * at.z / HEAD_RADIUS).clamp(0.0, 1.0);
+                -(frame.forward.lerp(frame.up, down * down * (3.0 - 2.0 * down)))
+            }
+            Flow::Down => -frame.up,
+            Flow::Curve => curve.get(1).map_or(Vec3::ZERO, |next| *next - curve[0]),
+        };
+        let flat = |v: Vec3| v.try_normalize().and_then(|v| across(v, normal));
+        // Where that points out of the skin: away from the head's axis.
+        flat(wanted)
+            .or_else(|| flat(p - frame.origin - frame.up * (p - frame.origin).dot(frame.up)))
+            .unwrap_or_else(|| any_normal(normal))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::field::Field;
+    use crate::data::scalp::tests::shared_ball;
+    use crate::define::Value;
+    use crate::eval::{Log, Quality};
+    use crate::maths::hash::Dice;
+    use crate::maths::spline::Spline;
+    use crate::testing::{Memory, curves_of, run, run_on};
+
+    /// Roots spread over the upper half of the ball, as curves of two points.
+    fn roots(n: u64) -> Curves {
+        let (ball, dice) = (shared_ball(), Dice::new(9, 0, "roots"));
+        let tufts = (0..n).map(|id| {
+            let y = dice.range(id, 0, -0.2, 0.95);
+            let (s, c) = sin_cos(dice.unit(id, 1) * std::f32::consts::TAU);
+            let flat = (1.0 - y * y).sqrt();
+            let root = ball.closest_root(Vec3::new(s * flat, y, c * flat) * 8.9).unwrap();
+            let mut b = TuftBuilder::new();
+            b.push_curve(&[root.point, root.point + root.normal]);
+            b.set(ID, Domain::Curve, vec![id + 1]);
+            b.set_named("section".into(), Domain::Curve, vec![id + 100]);
+            Arc::new(b.build())
+        });
+        Curves::new(tufts.collect())
+    }
+
+    fn hang(n: u64, set: &[(&str, Value)]) -> Curves {
+        let base = [("roots", Value::from(roots(n))), ("scalp", shared_ball().into())];
+        let (out, _) = run(&NODE, &[&base, set].concat());
+        curves_of(&out[0]).clone()
+    }
+
+    #[track_caller]
+    fn check_laws(n: u64, set: &[(&str, Value)], length: f32) {
+        let (ball, curves) = (shared_ball(), hang(n, set));
+        assert_eq!(curves.curve_count(), n as usize);
+        for (tuft, i) in curves.each() {
+            let points = tuft.curve(i);
+            let spline = Spline::new(points).unwrap();
+            let off = (spline.length() / length - 1.0).abs();
+            assert!(off < 1e-3, "{} of {length} {set:?}", spline.length());
+            let triangle = tuft.view(ROOT_TRIANGLE).at(i, 0) as u32;
+            let root = ball.root(triangle, tuft.view(ROOT_BARY).at(i, 0));
+            assert!(root.point.distance(points[0]) < 1e-5);
+            for p in &points[1..] {
+                assert!(p.is_finite() && ball.skin().distance(*p) >= 0.0, "{p}");
+            }
+            let steps: Vec<f32> = points.windows(2).map(|w| w[0].distance(w[1])).collect();
+            for pair in steps.windows(2) {
+                let ratio = (pair[0] / pair[1]).max(pair[1] / pair[0]);
+                assert!(ratio < 1.2, "{ratio} {steps:?}");
+            }
+        }
+    }
+
+    fn number(name: &'static str, x: f32) -> (&'static str, Value) {
+        (name, Value::Float(x))
+    }
+
+    #[test]
+    fn lengths_are_exact_points_even_and_outside_the_head() {
+        let same = number("length_variation", 0.0);
+        check_laws(60, &[same.clone()], 35.0);
+        check_laws(20, &[same.clone(), number("length", 0.1), ("points", Value::Int(4))], 0.1);
+        check_laws(20, &[same.clone(), number("length", 200.0), number("hold", 50.0)], 200.0);
+        check_laws(20, &[same.clone(), number("lie", 90.0), number("stiffness", 20.0)], 35.0);
+        check_laws(20, &[same.clone(), number("clearance", 0.0), ("flow", "back".into())], 35.0);
+        check_laws(20, &[same.clone(), number("clearance", 3.0), ("flow", "curve".into())], 35.0);
+        check_laws(20, &[same, number("variation", 60.0), ("flow", "down".into())], 35.0);
+    }
+
+    #[test]
+    fn what_does_not_hang_straight_rests_on_the_skin() {
+        let alone = [("separate", Value::Bool(false)), number("variation", 0.0)];
+        let (ball, curves) = (shared_ball(), hang(40, &alone));
+        for (tuft, i) in curves.each() {
+            let points = tuft.curve(i);
+            let mut s = 0.0;
+            for w in points.windows(2) {
+                s += w[0].distance(w[1]);
+                let height = ball.skin().distance(w[1]);
+                if s > 6.0 && height > 0.8 {
+                    let fall = -(w[1] - w[0]).normalize().y;
+                    assert!(fall > 0.9, "{fall} at {s} cm, {height} over the skin");
+                }
+                if s > 2.0 {
+                    assert!(height > 0.33, "{height} at {s} cm");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn curves_keep_their_radii_apart_where_there_is_room() {
+        let wide = [number("clearance", 0.35), number("variation", 2.0)];
+        let curves = hang(40, &wide);
+        let all: Vec<&[Vec3]> = curves.each().map(|(t, i)| t.curve(i)).collect();
+        let (mut near, mut through) = (0, 0);
+        for (i, a) in all.iter().enumerate() {
+            for b in &all[i + 1..] {
+                // The first cm is where they are rooted, which they did not choose.
+                let beyond = |c: &[Vec3]| c[6..].to_vec();
+                for p in beyond(a) {
+                    let d = beyond(b).iter().map(|q| q.distance(p)).fold(f32::MAX, f32::min);
+                    near += usize::from(d < 1.2);
+                    through += usize::from(d < 0.6 * 0.7);
+                }
+            }
+        }
+        assert!(near > 200, "{near}: nothing is tested");
+        assert!(through * 100 < near * 2, "{through} of {near}");
+    }
+
+    #[test]
+    fn nothing_in_gives_nothing_and_bad_roots_are_named() {
+        assert_eq!(hang(0, &[]).curve_count(), 0);
+        let mut b = TuftBuilder::new();
+        b.push_curve(&[Vec3::NAN, Vec3::ONE]);
+        b.push_curve(&[Vec3::ONE]);
+        b.set(ID, Domain::Curve, vec![7, 8]);
+        let bad = Curves::new(vec![Arc::new(b.build())]);
+        let (out, said) = run(&NODE, &[("roots", bad.into())]);
+        let curves = curves_of(&out[0]);
+        assert_eq!(curves.curve_count(), 1);
+        assert!(said[0].contains("not a finite number"), "{said:?}");
+        let tip = *curves.tufts()[0].points().last().unwrap();
+        assert!(tip.y < -30.0 && tip.is_finite(), "without a head it falls freely: {tip}");
+    }
+
+    #[test]
+    fn what_the_roots_had_stays_and_ids_are_new_and_stable() {
+        let curves = hang(5, &[]);
+        for (k, (tuft, i)) in curves.each().enumerate() {
+            assert_eq!(tuft.view(PARENT).at(i, 0), k as u64 + 1);
+            assert_eq!(tuft.id(i), curve_id(k as u64 + 1, 0, 0));
+            assert_eq!(tuft.view(crate::data::attributes::SECTION).at(i, 0), k as u64 + 100);
+        }
+    }
+
+    #[test]
+    fn a_curve_that_nobody_touches_stays_the_same_when_others_change() {
+        let (host, log) = (Memory::default(), Log::default());
+        let scalp = Value::from(shared_ball());
+        let all = roots(12);
+        let keys = |curves: &Curves| {
+            let set = [("scalp", scalp.clone()), ("roots", curves.clone().into())];
+            let out = run_on(&NODE, &set, &host, &log, Quality::Final).unwrap();
+            curves_of(&out[0]).tufts().iter().map(|t| t.key()).collect::<Vec<_>>()
+        };
+        let (with, without) = (keys(&all), keys(&Curves::new(all.tufts()[..11].to_vec())));
+        let same = without.iter().filter(|key| with.contains(key)).count();
+        assert!(same >= 6, "{same} of 11");
+    }
+
+    #[test]
+    fn a_field_says_each_length() {
+        let lengths =
+            Field::Product(vec![Field::Attribute("density".into()), Field::Constant(20.0)]);
+        let set = [("length", lengths.into()), number("length_variation", 0.0)];
+        let curves = hang(3, &set);
+        for (tuft, i) in curves.each() {
+            let length = Spline::new(tuft.curve(i)).unwrap().length();
+            assert!((length - 10.0).abs() < 0.01, "{length}");
+        }
+    }
+}

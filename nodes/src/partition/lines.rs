@@ -1,0 +1,195 @@
+//! Parting lines on the flat map: zig-zag and the hand's wobble, and ends that are brought to what they were meant to meet.
+
+use super::pattern::{Flat, lengths};
+use crate::data::chart::{CELL, Chart, cross};
+use crate::maths::hash::Dice;
+use crate::maths::transcendental::sin;
+use glam::Vec2;
+use std::f32::consts::TAU;
+
+/// What makes straight lines uneven, cm.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Uneven {
+    pub(crate) amplitude: f32,
+    pub(crate) period: f32,
+    pub(crate) wobble: f32,
+    pub(crate) dice: Dice,
+}
+
+/// Distance between a line's points on the map, in cells: short against a millimetre of bend.
+const STEP: f32 = 1.5 * CELL;
+
+/// A line through `points`, evenly `n` pieces long.
+fn evenly(chart: &Chart, points: &[Vec2], n: usize) -> Vec<Vec2> {
+    let sums = lengths(chart, points.iter().copied());
+    let total = sums.last().copied().unwrap_or(0.0);
+    let mut at = 1;
+    (0..=n)
+        .map(|k| {
+            let s = total * k as f32 / n as f32;
+            while at + 1 < sums.len() && sums[at] < s {
+                at += 1;
+            }
+            let (a, b) = (sums[at - 1], sums[at]);
+            let t = if b > a { ((s - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
+            points[at - 1].lerp(points[at], t)
+        })
+        .collect()
+}
+
+/// The line with points close enough for its bends.
+pub(crate) fn fine(chart: &Chart, points: &[Vec2]) -> Vec<Vec2> {
+    let flat: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
+    evenly(chart, points, ((flat / STEP).ceil() as usize).clamp(1, 4096))
+}
+
+/// Makes a line uneven. Its ends stay where they are.
+pub(crate) fn uneven(chart: &Chart, line: &mut Flat, how: &Uneven) {
+    let total = lengths(chart, line.points.iter().copied()).last().copied().unwrap_or(0.0);
+    if line.points.len() < 2 || total < 0.5 {
+        return;
+    }
+    let zigzag = how.amplitude > 0.0 && line.row;
+    // A whole number of halves, so that a closed line closes and an open one starts and ends on itself.
+    let halves = (2.0 * total / how.period.max(0.1)).round().max(2.0);
+    let halves = if line.closed { (halves * 0.5).ceil() * 2.0 } else { halves };
+    let each = ((total / halves / 0.15).ceil() * 2.0).clamp(2.0, 64.0);
+    let n = if zigzag { halves * each } else { (total / 0.15).ceil().clamp(4.0, 2048.0) };
+    let base = evenly(chart, &line.points, n as usize);
+    let phase = [0, 1, 2].map(|k| how.dice.unit(line.id, k));
+    // A hand's line strays slowly: waves of 7, 4 and 2.6 cm, whole ones on a closed line.
+    let waves = [7.0, 4.0, 2.6].map(|wave| (total / wave).round().max(1.0));
+    let last = base.len() - 1;
+    let moved = (0..=last).map(|k| {
+        let part = k as f32 / last as f32;
+        let mut off = 0.0;
+        if zigzag {
+            let x = part * halves;
+            // 0 at whole halves, 1 and -1 in their middles by turns.
+            let saw = 1.0 - (2.0 * (x - x.floor()) - 1.0).abs();
+            off += how.amplitude * if (x.floor() as i64) % 2 == 0 { saw } else { -saw };
+        }
+        if how.wobble > 0.0 {
+            let wave = |i: usize| sin(TAU * (phase[i] + part * waves[i]));
+            let stray = 0.55 * wave(0) + 0.3 * wave(1) + 0.15 * wave(2);
+            off += how.wobble * stray;
+        }
+        if off == 0.0 {
+            return base[k];
+        }
+        let (before, after) = match (k, line.closed) {
+            (0, true) => (base[last - 1], base[1]),
+            (k, true) if k == last => (base[last - 1], base[1]),
+            _ => (base[k.saturating_sub(1)], base[(k + 1).min(last)]),
+        };
+        aside(chart, base[k], after - before, off)
+    });
+    line.points = moved.collect();
+}
+
+/// The point `off` cm to the left of `q` for one who goes along `way`, square to it on the head.
+fn aside(chart: &Chart, q: Vec2, way: Vec2, off: f32) -> Vec2 {
+    let Some(way) = way.try_normalize() else { return q };
+    let (spread, step) = (chart.spread(), way * 0.5 * CELL);
+    let here = spread.direction(q);
+    let along = spread.direction(q + step) - spread.direction(q - step);
+    let left = here.cross(along).normalize_or_zero();
+    let out = crate::data::chart::cell_of(q).map_or(1.0, |cell| chart.out(cell));
+    spread.flat_direction(here + left * (off / out.max(1e-3)))
+}
+
+/// What became of a line's end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum End {
+    /// It meets another line or lies beyond the hairline.
+    Met,
+    /// It ends in hair and cuts nothing.
+    Loose,
+}
+
+/// Ends a line where it meets others: what is over beyond the last crossing is taken off, what lacks is added, both up to `join`
+/// cm. The line's last point is meant; turn it round for its first.
+pub(crate) fn end(chart: &Chart, points: &mut Vec<Vec2>, others: &[&[Vec2]], join: f32) -> End {
+    let Some(tip) = points.last().copied() else { return End::Loose };
+    let per_cm = CELL / chart.stretch(tip, Vec2::new(CELL, 0.0)).max(1e-6);
+    let reach = join * per_cm;
+    let near: Vec<&[Vec2]> = near(others, tip, 2.0 * reach);
+    // A line that ends on this one does not end this one.
+    let tips: Vec<Vec2> = others
+        .iter()
+        .flat_map(|line| [line.first(), line.last()])
+        .flatten()
+        .filter(|q| q.distance(tip) < 2.0 * reach)
+        .copied()
+        .collect();
+    let stem = |q: Vec2| tips.iter().any(|tip| tip.distance(q) < 3.0 * OVER * per_cm);
+    let all: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
+    let (mut walked, mut last) = (0.0, None);
+    for k in (1..points.len()).rev() {
+        if walked > reach.min(0.5 * all) {
+            break;
+        }
+        let (a, b) = (points[k - 1], points[k]);
+        // From the end inwards the farthest crossing is the one where the line should have stopped.
+        if let Some(t) = first_crossing(a, b, &near).filter(|t| !stem(a.lerp(b, *t))) {
+            last = Some((k, t));
+        }
+        walked += a.distance(b);
+    }
+    // Hair's breadths beyond the line that is met: enough that no way leads through between.
+    let over = OVER * per_cm;
+    if let Some((k, t)) = last {
+        let (a, b) = (points[k - 1], points[k]);
+        points.truncate(k);
+        points.push(a.lerp(b, t) + (b - a).normalize_or_zero() * over);
+        return End::Met;
+    }
+    if chart.grows(tip) == 0.0 {
+        // What lies beyond the hairline parts nothing, but for a first step.
+        let inside = points.iter().rposition(|q| chart.grows(*q) > 0.0);
+        if let Some(k) = inside {
+            points.truncate((k + 2).min(points.len()));
+        }
+        return End::Met;
+    }
+    let before = points.iter().rev().find(|q| q.distance(tip) > 3.0 * CELL).copied();
+    let Some(way) = before.and_then(|b| (tip - b).try_normalize()) else { return End::Loose };
+    let far = tip + way * reach;
+    let crossing = first_crossing(tip, far, &near).map(|t| reach * t);
+    let steps = (reach / (0.5 * CELL)).ceil() as usize;
+    let edge = (1..=steps)
+        .map(|k| reach * k as f32 / steps as f32)
+        .find(|s| chart.grows(tip + way * *s) == 0.0);
+    let to = match (crossing, edge) {
+        (Some(a), Some(b)) => a.min(b),
+        (a, b) => match a.or(b) {
+            Some(to) => to,
+            None => return End::Loose,
+        },
+    };
+    points.push(tip + way * (to + over));
+    End::Met
+}
+
+/// How far a line that meets another goes beyond it, cm.
+const OVER: f32 = 0.02;
+
+fn near<'a>(others: &[&'a [Vec2]], p: Vec2, reach: f32) -> Vec<&'a [Vec2]> {
+    let close = |w: &[Vec2]| {
+        let (lo, hi) = (w[0].min(w[1]) - reach, w[0].max(w[1]) + reach);
+        p.cmpge(lo).all() && p.cmple(hi).all()
+    };
+    others.iter().flat_map(|line| line.windows(2).filter(|w| close(w))).collect()
+}
+
+/// How far from `a` to `b` the first of the pieces is crossed, 0 to 1.
+fn first_crossing(a: Vec2, b: Vec2, pieces: &[&[Vec2]]) -> Option<f32> {
+    let at = |w: &&[Vec2]| {
+        if !cross(a, b, w[0], w[1]) {
+            return None;
+        }
+        let along = w[1] - w[0];
+        Some((w[0] - a).perp_dot(along) / (b - a).perp_dot(along))
+    };
+    pieces.iter().filter_map(at).filter(|t| t.is_finite()).min_by(f32::total_cmp)
+}

@@ -1,0 +1,134 @@
+//! The middle line of a section, whatever its shape: the way along it that has as much of it left as right.
+//!
+//! The two farthest points of a section, by the way through it, give a first direction; then everything in the section is gathered
+//! by how far along it lies, and the centres of gravity make the line. Twice more along that line itself, and it no longer
+//! depends on where the first two points lay.
+
+use crate::data::chart::{CELLS, Chart, around, cell_of};
+use crate::data::sections::{NONE, Sections};
+use crate::scalp::lay::{Polyline, filter};
+use glam::{Vec2, Vec3};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// The middle lines' points are this far apart, cm.
+const STEP: f32 = 0.5;
+
+/// The cells of every section.
+pub(crate) fn members(sections: &Sections) -> Vec<Vec<u32>> {
+    let mut all = vec![vec![]; sections.list().len()];
+    for (cell, label) in (0..).zip(sections.labels()).filter(|(_, l)| **l != NONE) {
+        all[*label as usize].push(cell);
+    }
+    all
+}
+
+/// Points (on the map) along the middle of a section with these cells; none when it is a speck.
+pub(crate) fn line(
+    chart: &Chart,
+    sections: &Sections,
+    section: u32,
+    cells: &[u32],
+) -> Option<Vec<Vec2>> {
+    let spots = chart.spots();
+    let grown: Vec<u32> =
+        cells.iter().copied().filter(|c| spots[*c as usize].grows >= 0.5).collect();
+    let cells = if grown.len() > 8 { &grown } else { cells };
+    let from = *cells.first()?;
+    let first = farthest(chart, sections, section, from)?.0;
+    let (second, far) = farthest(chart, sections, section, first)?;
+    let reach = far[second as usize];
+    if reach < 2.0 * STEP {
+        return None;
+    }
+    let bands = ((reach / STEP).ceil() as usize).clamp(3, 200);
+    let mut points = centres(cells, chart, bands, |cell| far[cell as usize] / reach);
+    for _ in 0..3 {
+        filter(&mut points, 4);
+        let line = Polyline::new(points);
+        // Beyond the line's ends what is left over would draw them aside.
+        let even = line.evenly(bands.min((line.length() / STEP).ceil() as usize + 2));
+        let n = even.len() as f32;
+        points = centres(cells, chart, even.len(), |cell| {
+            let p = spots[cell as usize].point;
+            let far = |q: &Vec3| q.distance_squared(p);
+            let at = (0..even.len()).min_by(|a, b| far(&even[*a]).total_cmp(&far(&even[*b])));
+            (at.unwrap_or(0) as f32 + 0.5) / n
+        });
+    }
+    filter(&mut points, 8);
+    let mut line: Vec<Vec2> = points.iter().map(|p| chart.flat(*p)).collect();
+    for _ in 0..2 {
+        reach_out(chart, sections, section, &mut line);
+        line.reverse();
+    }
+    Some(line)
+}
+
+/// Lengthens a line until it leaves its section or where hair grows.
+fn reach_out(chart: &Chart, sections: &Sections, section: u32, line: &mut Vec<Vec2>) {
+    let inside = |q: Vec2| {
+        let p = chart.spread().direction(q);
+        let out = cell_of(q).map_or(0.0, |cell| chart.out(cell));
+        let place = sections.at(chart.origin() + p * out);
+        place.is_some_and(|place| place.section == section) && chart.grows(q) >= 0.5
+    };
+    while line.len() > 3 && line.last().is_some_and(|q| !inside(*q)) {
+        line.pop();
+    }
+    let n = line.len();
+    let Some(way) = (line[n - 1] - line[n - 1 - (n - 1).min(3)]).try_normalize() else { return };
+    let step = 0.5 * crate::data::chart::CELL;
+    let from = line[n - 1];
+    let last = (1..200).map(|k| from + way * (step * k as f32)).take_while(|q| inside(*q)).last();
+    line.extend(last);
+}
+
+/// The cell farthest from one by the way through a section, and every cell's distance, cm.
+fn farthest(
+    chart: &Chart,
+    sections: &Sections,
+    section: u32,
+    from: u32,
+) -> Option<(u32, Vec<f32>)> {
+    let (labels, spots) = (sections.labels(), chart.spots());
+    let mut far = vec![f32::MAX; CELLS * CELLS];
+    let mut heap = BinaryHeap::new();
+    *far.get_mut(from as usize)? = 0.0;
+    heap.push(Reverse((0u32, from)));
+    let mut best = (0.0, from);
+    while let Some(Reverse((bits, cell))) = heap.pop() {
+        let d = f32::from_bits(bits);
+        if d > far[cell as usize] {
+            continue;
+        }
+        if spots[cell as usize].grows >= 0.5 && d > best.0 {
+            best = (d, cell);
+        }
+        for other in around(cell as usize).filter(|c| labels[*c] == section) {
+            let next = d + spots[other].point.distance(spots[cell as usize].point);
+            if next < far[other] {
+                far[other] = next;
+                // Distances are not negative, so their bits are in their order.
+                heap.push(Reverse((next.to_bits(), other as u32)));
+            }
+        }
+    }
+    Some((best.1, far))
+}
+
+/// The centres of gravity of cells by how far along (0 to 1) they lie; empty bands are left out.
+fn centres(cells: &[u32], chart: &Chart, bands: usize, part: impl Fn(u32) -> f32) -> Vec<Vec3> {
+    let mut sums = vec![(glam::DVec3::ZERO, 0.0f64); bands];
+    for cell in cells {
+        let spot = &chart.spots()[*cell as usize];
+        let weight = f64::from(spot.area * spot.grows);
+        let at = part(*cell);
+        let band = ((at * bands as f32) as usize).min(bands - 1);
+        if at.is_finite() && at <= 1.5 {
+            sums[band].0 += spot.point.as_dvec3() * weight;
+            sums[band].1 += weight;
+        }
+    }
+    sums.iter().filter(|(_, w)| *w > 0.0).map(|(sum, w)| (*sum / *w).as_vec3()).collect()
+}

@@ -1,0 +1,634 @@
+//! Partings: lines that cut the scalp into sections, drawn or from a pattern.
+//!
+//! methods.md 3, "partings first". Lines are brought to the flat map of the scalp, made uneven as asked, ended where they meet one
+//! another or the hairline, and handed to [`crate::data::sections`], which does the cutting. The scalp that comes out is the one
+//! that went in with its sections on it, so every node with a scalp input knows them.
+//!
+//! Guarantees: everything is measured on the head, so that a pattern fits another; on a symmetric head patterns are symmetric
+//! but for wobble; a section's curves change only when it does. Not promised: a drawn line that ends in the middle of hair cuts
+//! nothing, which is said.
+
+use super::lines::{End, Uneven, end, fine, uneven};
+use super::middles;
+use super::pattern::{self, Cut, Drawn, Flat, Rows, Wish};
+use crate::data::attributes::{
+    Domain, ID, PARENT, PARTING, RADIUS, ROOT_BARY, ROOT_TRIANGLE, SCALP_NORMAL, SECTION,
+};
+use crate::data::chart::{CELLS, Chart, cell_of};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
+use crate::data::sections::{Parting, Sections};
+use crate::define::{FieldInput, NodeError, choice, node};
+use crate::eval::EvalCx;
+use crate::maths::hash::curve_id;
+use crate::maths::spline::Spline;
+use crate::scalp::lay::{Polyline, bind, filter};
+use glam::{Vec2, Vec3};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+node! {
+    /// Part the hair: cut the scalp into sections along drawn lines or in a pattern.
+    ///
+    /// Wire the scalp that comes out to the nodes that grow hair: none of it is rooted on a parting, and none is led by hair of
+    /// another section. Braid along the rows, put puffs and free braids on the middles. A second Partings node cuts the
+    /// sections of the first, in all of them or where a mask says; every section is a mask by its name.
+    "partings", version 1, label "Partings", words "part parting section sections grid line cornrow canerow rows boxes box braids triangles zigzag zig-zag halo brick pattern comb rat tail scalp divide split";
+    inputs {
+        /// The head, or a head that has partings already.
+        scalp: Arc<Scalp>;
+        /// Drawn partings. Lines that end near another one or near the hairline are brought to it.
+        lines: Option<Curves>, words("strokes drawn");
+        /// Rows of a pattern, beside the drawn lines.
+        pattern: Pattern = Pattern::None, words("rows generator cornrow layout style");
+        /// How many rows: on both sides together, or rings.
+        count: i64 = 8, hard(1.0, 100.0), soft(2.0, 24.0), unit(Count), words("number amount rows");
+        /// What the rows are cut into.
+        cells: Cells = Cells::Whole, words("box boxes triangle grid squares brick");
+        /// Length of a box or triangle along its row. It is changed a little so that a row holds a whole number.
+        cell_length: f32 = 2.5, hard(0.2, 50.0), soft(0.8, 6.0), unit(Length), words("size box");
+        /// Lay boxes like bricks, each over the gap of the row before, which hides the partings.
+        brick: bool = true, words("offset stagger");
+        /// How far zig-zag lines go to each side. 0 is straight.
+        zigzag: f32 = 0.0, hard(0.0, 10.0), soft(0.0, 1.0), unit(Length), words("zig zag amplitude lightning");
+        /// Length of one zig and one zag.
+        zigzag_period: f32 = 2.0, hard(0.1, 50.0), soft(0.5, 6.0), unit(Length), words("wavelength");
+        /// How far lines stray as a hand's do. 0 is drawn with a ruler.
+        wobble: f32 = 0.04, hard(0.0, 5.0), soft(0.0, 0.3), unit(Length), words("uneven hand natural random");
+        /// Turns the rows about the head, or says how far curved rows sweep.
+        turn: f32 = 0.0, hard(-180.0, 180.0), soft(-90.0, 90.0), unit(Angle), handle(Handle::Angle), words("rotate slant sweep");
+        /// Where rows gather or what rings lie about, in the head frame (x to the head's left, y up, z forward), centimetres on a
+        /// head of average size.
+        centre: Vec3 = Vec3::new(0.0, 7.6, -4.6), handle(Handle::Point), words("center crown bun ponytail");
+        /// Radius of the round section in which gathered rows end.
+        gather_radius: f32 = 2.5, hard(0.1, 20.0), soft(0.5, 6.0), unit(Length), handle(Handle::Radius), words("bun ponytail tie");
+        /// Lay the rows alike on both sides of the head.
+        symmetric: bool = true, words("mirror");
+        /// Where the pattern is drawn; usually the name of a section as a mask.
+        area: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("mask region front back section where");
+        /// Width of the bare skin along a line.
+        width: f32 = 0.16, hard(0.0, 5.0), soft(0.0, 0.5), unit(Length), words("gap skin line thickness");
+        /// Line ends this near to another line or to the hairline are brought to it.
+        join: f32 = 0.6, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("snap weld extend close");
+        /// Names for sections: a name and a point in it, in the head frame as above, such as `left puff 4 7 -3; fringe 0 6 8`.
+        names: Arc<str> = "", words("name label");
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
+        /// Whether lengths grow with the size of the head.
+        scale_with_head: bool = true, words("head units");
+    }
+    outputs {
+        /// The head with its sections, for every node that asks for a scalp.
+        scalp: Arc<Scalp>;
+        /// The lines, lying on the scalp.
+        partings: Curves;
+        /// The middle line of each section, from the hairline on, as wide as the section: to braid along.
+        rows: Curves;
+        /// A short curve standing in the middle of each section: for free braids, twists and puffs.
+        middles: Curves;
+    }
+}
+
+choice! {
+    /// How rows run.
+    Pattern {
+        /// Drawn lines only.
+        None = "none",
+        /// From the forehead straight back to the nape.
+        StraightBack = "straight_back",
+        /// From a middle parting round both sides of the head to the nape.
+        Curved = "curved",
+        /// From ear to ear.
+        Across = "across",
+        /// From the hairline all round to one point, for a bun or a ponytail.
+        Gathered = "gathered",
+        /// Rings round the head, as far from the hairline everywhere.
+        Halo = "halo",
+    }
+}
+
+choice! {
+    /// What rows are cut into.
+    Cells {
+        /// Nothing: whole rows.
+        Whole = "whole",
+        /// Boxes.
+        Boxes = "boxes",
+        /// Triangles.
+        Triangles = "triangles",
+    }
+}
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = &*inputs.scalp;
+    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
+    let chart = scalp.chart();
+    cx.check()?;
+    let part = part(&inputs, chart)?;
+    let Drawn { mut lines, middles } = lines(cx, &inputs, unit, &part);
+    cx.check()?;
+    let old: Vec<Vec<Vec2>> = scalp
+        .sections()
+        .map_or(&[][..], |s| s.partings())
+        .iter()
+        .map(|p| p.points.iter().map(|p| chart.flat(*p)).collect())
+        .collect();
+    bring_together(cx, chart, &mut lines, &old, inputs.join * unit);
+    cx.check()?;
+    let mut partings = scalp.sections().map_or(vec![], |s| s.partings().to_vec());
+    let before = partings.len();
+    for line in &lines {
+        let flat = fine(chart, &line.points);
+        let points = flat.iter().filter_map(|q| Some(chart.root(scalp, *q)?.point)).collect();
+        partings.push(Parting { id: line.id, points });
+    }
+    let names = names(cx, &inputs.names, scalp);
+    let (sections, said) = Sections::new(scalp, partings, inputs.width * unit, &names);
+    for text in said {
+        cx.warn(text);
+    }
+    let area = |s: &crate::data::sections::Section| format!("{} {:.1} cm2", s.name, s.area);
+    let list: Vec<String> = sections.list().iter().take(40).map(area).collect();
+    cx.remark(format!("{} sections: {}", sections.list().len(), list.join(", ")));
+    let sections = Arc::new(sections);
+    let parted = Arc::new(scalp.parted(sections.clone()));
+    cx.check()?;
+    let maker = Maker { scalp: &parted, chart, unit, seed: inputs.seed as u64, part: &part };
+    let lines = sections.partings()[before..].iter().map(|p| maker.parting(p, &sections));
+    let partings = Curves::new(lines.flatten().map(Arc::new).collect());
+    let rows = maker.rows(cx, &sections, &middles)?;
+    let middles = maker.middles(&sections);
+    Ok(Outputs { scalp: parted, partings, rows, middles })
+}
+
+/// The cells of the map on which the pattern is drawn.
+fn part(inputs: &Inputs, chart: &Chart) -> Result<Vec<bool>, NodeError> {
+    let scalp = &*inputs.scalp;
+    let spots = chart.spots();
+    let grows = spots.iter().map(|spot| spot.grows > 0.0);
+    if inputs.area.constant() == Some(1.0) {
+        return Ok(grows.collect());
+    }
+    // Fields read roots: those of all cells where hair grows, as curves of one point.
+    let cells: Vec<usize> = (0..CELLS * CELLS).filter(|c| spots[*c].grows > 0.0).collect();
+    let skin = scalp.skin();
+    let hits: Vec<_> = cells.iter().filter_map(|c| skin.closest(spots[*c].point)).collect();
+    let mut b = TuftBuilder::even(hits.iter().map(|h| h.point).collect(), 1);
+    b.set(ROOT_TRIANGLE, Domain::Curve, hits.iter().map(|h| h.triangle as i32).collect());
+    b.set(ROOT_BARY, Domain::Curve, hits.iter().map(|h| h.bary).collect());
+    let tuft = b.build();
+    let area = inputs.area.on(&tuft, Some(scalp))?;
+    let mut out = vec![false; CELLS * CELLS];
+    for (slot, cell) in cells.into_iter().enumerate().take(hits.len()) {
+        out[cell] = area.at(slot, slot, 0.0) >= 0.5;
+    }
+    Ok(out)
+}
+
+/// Drawn lines and those of the pattern, on the map.
+fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Drawn {
+    let scalp = &*inputs.scalp;
+    let chart = scalp.chart();
+    let mut drawn = Drawn::default();
+    for (tuft, i) in inputs.lines.iter().flat_map(|curves| curves.each()) {
+        let id = tuft.id(i);
+        let spline = match Spline::new(tuft.curve(i)) {
+            Ok(spline) => spline,
+            Err(fault) => {
+                cx.trouble(id, fault);
+                continue;
+            }
+        };
+        let n = ((spline.length() / 0.2).ceil() as usize).clamp(2, 4096);
+        let mut points = Vec::with_capacity(n);
+        spline.resample(n, |p| points.push(chart.flat(p)));
+        let (first, last) = (spline.at(0.0), spline.at(1.0));
+        let closed = first.distance(last) < (inputs.join * unit).min(0.25 * spline.length());
+        if closed {
+            points.push(points[0]);
+        }
+        let id = curve_id(id, inputs.seed as u64, 0);
+        drawn.lines.push(Flat { id, points, closed, row: true });
+    }
+    let rows = match inputs.pattern {
+        Pattern::None => None,
+        Pattern::StraightBack => Some(Rows::Back),
+        Pattern::Curved => Some(Rows::Curved),
+        Pattern::Across => Some(Rows::Across),
+        Pattern::Gathered => Some(Rows::Gathered),
+        Pattern::Halo => Some(Rows::Rings),
+    };
+    if let Some(rows) = rows {
+        let wish = Wish {
+            rows,
+            count: inputs.count as usize,
+            cut: match inputs.cells {
+                Cells::Whole => Cut::Whole,
+                Cells::Boxes => Cut::Boxes,
+                Cells::Triangles => Cut::Triangles,
+            },
+            cell: inputs.cell_length * unit,
+            brick: inputs.brick,
+            turn: inputs.turn.to_radians(),
+            centre: inputs.centre.try_normalize().unwrap_or(Vec3::Y),
+            gather: inputs.gather_radius * unit,
+            mirror: inputs.symmetric,
+            tag: curve_id(0, inputs.seed as u64, 0x9A77),
+        };
+        let pattern = pattern::drawn(chart, scalp.frame(), part, &wish);
+        drawn.lines.extend(pattern.lines);
+        drawn.middles = pattern.middles;
+    }
+    let how = Uneven {
+        amplitude: inputs.zigzag * unit,
+        period: inputs.zigzag_period * unit,
+        wobble: inputs.wobble * unit,
+        dice: cx.dice(inputs.seed, "wobble"),
+    };
+    for line in &mut drawn.lines {
+        uneven(chart, line, &how);
+        line.points = fine(chart, &line.points);
+    }
+    drawn
+}
+
+/// Ends lines where they meet: rows first, then what cuts rows.
+fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec2>], join: f32) {
+    for rows in [true, false] {
+        for i in 0..lines.len() {
+            if lines[i].row != rows || lines[i].closed {
+                continue;
+            }
+            let mut points = std::mem::take(&mut lines[i].points);
+            let mine = lines.iter().enumerate().filter(|(k, line)| *k != i && line.row);
+            let others: Vec<&[Vec2]> = old
+                .iter()
+                .map(Vec::as_slice)
+                .chain(mine.map(|(_, line)| line.points.as_slice()))
+                .collect();
+            // What cuts a row reaches over by a share of the row, which may be more.
+            let join = if rows { join } else { join.max(2.0) };
+            let mut loose = 0;
+            for _ in 0..2 {
+                loose += usize::from(end(chart, &mut points, &others, join) == End::Loose);
+                points.reverse();
+            }
+            if loose > 0 {
+                cx.trouble(lines[i].id, "a parting ends in the middle of hair and cuts nothing");
+            }
+            lines[i].points = points;
+        }
+    }
+}
+
+/// Given names with their points, read from text.
+fn names(cx: &EvalCx, text: &str, scalp: &Scalp) -> Vec<(String, Vec3)> {
+    let mut out = vec![];
+    for entry in text.split([';', '\n']).map(str::trim).filter(|e| !e.is_empty()) {
+        let words: Vec<&str> = entry.split_whitespace().collect();
+        let at = words.len().saturating_sub(3);
+        let numbers: Vec<f32> = words[at..].iter().filter_map(|w| w.parse().ok()).collect();
+        match numbers[..] {
+            [x, y, z] if at > 0 && x.is_finite() && y.is_finite() && z.is_finite() => {
+                let p = scalp.frame().point_from_head(Vec3::new(x, y, z));
+                out.push((words[..at].join(" "), p));
+            }
+            _ => cx.warn(format!("{entry:?} is no name with a point, such as \"fringe 0 6 8\"")),
+        }
+    }
+    out
+}
+
+struct Maker<'a> {
+    scalp: &'a Scalp,
+    chart: &'a Chart,
+    unit: f32,
+    seed: u64,
+    part: &'a [bool],
+}
+
+impl Maker<'_> {
+    fn on_scalp(&self, flat: &[Vec2]) -> Vec<Root> {
+        flat.iter().filter_map(|q| self.chart.root(self.scalp, *q)).collect()
+    }
+
+    /// A parting as a curve.
+    fn parting(&self, parting: &Parting, sections: &Sections) -> Option<Tuft> {
+        let line = Polyline::new(parting.points.clone());
+        let n = ((line.length() / 0.3).ceil() as usize).clamp(1, 1000) + 1;
+        let roots: Vec<Root> =
+            line.evenly(n).iter().filter_map(|p| self.scalp.closest_root(*p)).collect();
+        if roots.len() < 2 {
+            return None;
+        }
+        let mut b = curve(&roots, parting.id, parting.id);
+        b.set(PARTING, Domain::Curve, vec![parting.id]);
+        b.set(RADIUS, Domain::Curve, vec![sections.half_width()]);
+        Some(b.build())
+    }
+
+    /// The middle line of every section of the part, from the hairline on.
+    fn rows(
+        &self,
+        cx: &EvalCx,
+        sections: &Sections,
+        drawn: &[Vec<Vec2>],
+    ) -> Result<Curves, NodeError> {
+        // A pattern knows the middles of its rows better than what lies between its lines shows.
+        let mut known: BTreeMap<u32, &[Vec2]> = BTreeMap::new();
+        for line in drawn {
+            if let Some((section, run)) = self.longest_run(sections, line) {
+                known.entry(section).or_insert(run);
+            }
+        }
+        let members = middles::members(sections);
+        let mut rows = vec![];
+        for (number, section) in (0..).zip(sections.list()) {
+            cx.check()?;
+            let cells = &members[number as usize];
+            let mine = cells.iter().filter(|c| self.part[**c as usize]).count();
+            if 2 * mine < cells.len() {
+                continue;
+            }
+            let line = match known.get(&number) {
+                Some(line) => Some(line.to_vec()),
+                None => middles::line(self.chart, sections, number, cells)
+                    .map(|line| self.from_the_hairline(sections, line)),
+            };
+            let Some(line) = line.filter(|line| line.len() >= 2) else { continue };
+            let roots = self.on_scalp(&line);
+            let mut points: Vec<Vec3> = roots.iter().map(|r| r.point).collect();
+            filter(&mut points, 2);
+            let smooth = Polyline::new(points);
+            if smooth.length() < 0.3 * self.unit {
+                continue;
+            }
+            let n = ((smooth.length() / (0.5 * self.unit)).round() as usize).clamp(4, 400) + 1;
+            let even = smooth.evenly(n);
+            let roots: Vec<Root> =
+                even.iter().filter_map(|p| self.scalp.closest_root(*p)).collect();
+            if roots.len() < 2 {
+                continue;
+            }
+            let mut b = curve(&roots, curve_id(section.id, self.seed, 0), section.id);
+            b.set(SECTION, Domain::Curve, vec![section.id]);
+            b.set(RADIUS, Domain::Point, self.half_widths(sections, number, &roots));
+            rows.push(Arc::new(b.build()));
+        }
+        Ok(Curves::new(rows))
+    }
+
+    /// The part of a line that lies in one section, where most of it does.
+    fn longest_run<'l>(&self, sections: &Sections, line: &'l [Vec2]) -> Option<(u32, &'l [Vec2])> {
+        let at = |q: &Vec2| {
+            let cell = cell_of(*q)?;
+            let grows = self.chart.spots()[cell].grows >= 0.5;
+            let p = self.chart.origin() + self.chart.direction(*q) * self.chart.out(cell);
+            sections.at(p).filter(|_| grows).map(|place| place.section)
+        };
+        let labels: Vec<Option<u32>> = line.iter().map(at).collect();
+        let mut best: Option<(usize, usize)> = None;
+        let mut from = 0;
+        for k in 1..=labels.len() {
+            if k == labels.len() || labels[k] != labels[from] {
+                if labels[from].is_some() && best.is_none_or(|(a, b)| b - a < k - from) {
+                    best = Some((from, k));
+                }
+                from = k;
+            }
+        }
+        let (a, b) = best?;
+        (b - a > 3).then(|| (labels[a].unwrap_or_default(), &line[a..b]))
+    }
+
+    /// The line turned so that it starts at the hairline, or where both ends do (or none), in front.
+    fn from_the_hairline(&self, sections: &Sections, mut line: Vec<Vec2>) -> Vec<Vec2> {
+        let end = |q: Vec2| {
+            let cell = cell_of(q).unwrap_or(0);
+            let p = self.chart.spots()[cell].point;
+            // Nearer to where no hair grows than to any line.
+            let line = sections.at(p).map_or(0.0, |place| place.distance);
+            let reach = (line / (crate::data::chart::CELL * HEAD_RADIUS)).ceil() + 6.0;
+            let ring = (0..16).any(|k| {
+                let (s, c) = crate::maths::transcendental::sin_cos_turns(k as f32 / 16.0);
+                self.chart.grows(q + Vec2::new(s, c) * (reach * crate::data::chart::CELL)) == 0.0
+            });
+            (ring, self.scalp.frame().head_from_point(p).z)
+        };
+        let (Some(first), Some(last)) = (line.first().copied(), line.last().copied()) else {
+            return line;
+        };
+        let (a, b) = (end(first), end(last));
+        let turn = if a.0 != b.0 { b.0 } else { b.1 > a.1 };
+        if turn {
+            line.reverse();
+        }
+        line
+    }
+
+    /// Half of a section's width beside each point of its row, cm.
+    fn half_widths(&self, sections: &Sections, number: u32, roots: &[Root]) -> Vec<f32> {
+        let step = 0.06 * self.unit;
+        let mut widths: Vec<f32> = (0..roots.len())
+            .map(|k| {
+                let root = &roots[k];
+                let next = roots[(k + 1).min(roots.len() - 1)].point;
+                let along = next - roots[k.saturating_sub(1)].point;
+                let side = along.cross(root.normal).normalize_or_zero();
+                let mut sum = 0.0;
+                for way in [side, -side] {
+                    let inside = |d: &f32| {
+                        let q = self.chart.flat(root.point + way * *d);
+                        let p = cell_of(q).map(|c| (self.chart.out(c), self.chart.grows(q)));
+                        p.is_some_and(|(out, grows)| {
+                            let p = self.chart.origin() + self.chart.direction(q) * out;
+                            grows >= 0.5
+                                && sections.at(p).is_some_and(|place| place.section == number)
+                        })
+                    };
+                    let reach = (1..100).map(|k| k as f32 * step).take_while(inside).last();
+                    sum += 0.5 * reach.unwrap_or(0.0);
+                }
+                sum.max(0.5 * step)
+            })
+            .collect();
+        for _ in 0..3 {
+            let before = widths.clone();
+            for k in 1..before.len().saturating_sub(1) {
+                widths[k] = 0.25 * (before[k - 1] + 2.0 * before[k] + before[k + 1]);
+            }
+        }
+        widths
+    }
+
+    /// A short curve in the middle of every section of the part.
+    fn middles(&self, sections: &Sections) -> Curves {
+        let one = |section: &crate::data::sections::Section| {
+            let root = self.scalp.closest_root(section.middle)?;
+            let cell = cell_of(self.chart.flat(root.point))?;
+            if !self.part[cell] {
+                return None;
+            }
+            let at = |k: i32| root.point + root.normal * (k as f32 / 3.0 * self.unit);
+            let mut b = TuftBuilder::new();
+            b.push_curve(&(0..4).map(at).collect::<Vec<_>>());
+            b.set(ID, Domain::Curve, vec![curve_id(section.id, self.seed, 1)]);
+            b.set(PARENT, Domain::Curve, vec![section.id]);
+            b.set(SECTION, Domain::Curve, vec![section.id]);
+            b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
+            // As wide as a disc of the section's area.
+            let radius = (section.area / std::f32::consts::PI).sqrt();
+            b.set(RADIUS, Domain::Curve, vec![radius]);
+            bind(&mut b, &[root]);
+            Some(Arc::new(b.build()))
+        };
+        Curves::new(sections.list().iter().filter_map(one).collect())
+    }
+}
+
+/// A curve through roots.
+fn curve(roots: &[Root], id: u64, parent: u64) -> TuftBuilder {
+    let mut b = TuftBuilder::new();
+    b.push_curve(&roots.iter().map(|r| r.point).collect::<Vec<_>>());
+    b.set(ID, Domain::Curve, vec![id]);
+    b.set(PARENT, Domain::Curve, vec![parent]);
+    b.set(SCALP_NORMAL, Domain::Point, roots.iter().map(|r| r.normal).collect());
+    bind(&mut b, &roots[..1]);
+    b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::field::Field;
+    use crate::define::Value;
+    use crate::testing::{curves_of, run};
+
+    fn head() -> Arc<Scalp> {
+        static HEAD: std::sync::OnceLock<Arc<Scalp>> = std::sync::OnceLock::new();
+        let make = || match run(crate::by_id("head").unwrap(), &[]).0.remove(0) {
+            Value::Scalp(scalp) => scalp,
+            other => panic!("a {}", other.type_name()),
+        };
+        HEAD.get_or_init(make).clone()
+    }
+    fn scalp_of(value: &Value) -> Arc<Scalp> {
+        match value {
+            Value::Scalp(scalp) => scalp.clone(),
+            other => panic!("a {}", other.type_name()),
+        }
+    }
+    #[track_caller]
+    fn part(scalp: &Arc<Scalp>, set: &[(&str, Value)]) -> (Vec<Value>, Vec<String>) {
+        let (out, mut said) = run(&NODE, &[&[("scalp", scalp.clone().into())], set].concat());
+        said.retain(|s| !s.contains("sections:") && !s.starts_with("lengths"));
+        (out, said)
+    }
+
+    #[test]
+    fn every_pattern_cuts_the_head_into_the_sections_that_were_asked_for() {
+        let check = |pattern: &str, count: i64, cells: &str, want: std::ops::RangeInclusive<usize>| {
+            let set = [
+                ("pattern", pattern.into()),
+                ("count", Value::Int(count)),
+                ("cells", cells.into()),
+            ];
+            let (out, said) = part(&head(), &set);
+            let what = format!("{pattern} {cells}");
+            assert!(said.is_empty(), "{what}: {said:?}");
+            let scalp = scalp_of(&out[0]);
+            let list = scalp.sections().unwrap().list();
+            assert!(want.contains(&list.len()), "{what}: {}", list.len());
+            let ids: std::collections::BTreeSet<u64> = list.iter().map(|s| s.id).collect();
+            assert_eq!(ids.len(), list.len(), "{what}: ids are unique");
+            let mean = list.iter().map(|s| s.area).sum::<f32>() / list.len() as f32;
+            let least = list.iter().map(|s| s.area).fold(f32::MAX, f32::min);
+            assert!(least > 0.2 * mean, "{what}: a sliver of {least} where {mean} is the mean");
+            assert_eq!(curves_of(&out[3]).curve_count(), list.len(), "{what}");
+            assert!(curves_of(&out[2]).curve_count() + 1 >= list.len(), "{what}");
+            for (tuft, i) in curves_of(&out[1]).each() {
+                for p in tuft.curve(i) {
+                    assert!(scalp.surface().closest(*p).unwrap().distance < 1e-3);
+                }
+            }
+        };
+        check("straight_back", 9, "whole", 9..=9);
+        check("straight_back", 6, "whole", 6..=6);
+        check("curved", 8, "whole", 8..=8);
+        check("across", 7, "whole", 7..=7);
+        check("gathered", 12, "whole", 13..=13);
+        check("halo", 4, "whole", 5..=5);
+        check("halo", 4, "boxes", 60..=110);
+        check("across", 9, "boxes", 60..=120);
+        check("across", 7, "triangles", 80..=180);
+    }
+
+    #[test]
+    fn rows_run_in_their_section_as_wide_as_it_is() {
+        let (out, _) = part(&head(), &[("pattern", "straight_back".into())]);
+        let scalp = scalp_of(&out[0]);
+        let sections = scalp.sections().unwrap();
+        for (tuft, i) in curves_of(&out[2]).each() {
+            let points = tuft.curve(i);
+            for (k, p) in points.iter().enumerate().skip(2).take(points.len() - 4) {
+                assert_eq!(sections.id_at(*p), Some(tuft.view(SECTION).at(i, 0)));
+                let (half, to) = (tuft.view(RADIUS).at(i, k), sections.at(*p).unwrap().distance);
+                assert!(half < 4.0 && half > 0.5 * to.min(half), "{half} {to}");
+            }
+            // From the forehead to the nape.
+            assert!(points[0].z > points[points.len() - 1].z + 5.0);
+        }
+    }
+
+    #[test]
+    fn a_second_node_cuts_the_sections_of_the_first_where_a_mask_says() {
+        let half = [("pattern", "across".into()), ("count", Value::Int(2))];
+        let names = [("names", "front 0 7 6; back 0 3 -8".into()), ("seed", Value::Int(1))];
+        let (out, _) = part(&head(), &[&half[..], &names].concat());
+        let parted = scalp_of(&out[0]);
+        let set = [
+            ("pattern", "straight_back".into()),
+            ("count", Value::Int(6)),
+            ("area", Field::Mask("front".into()).into()),
+        ];
+        let (out, said) = part(&parted, &set);
+        assert!(said.is_empty(), "{said:?}");
+        let scalp = scalp_of(&out[0]);
+        assert_eq!(scalp.sections().unwrap().list().len(), 7);
+        assert_eq!(curves_of(&out[2]).curve_count(), 6);
+        assert!(std::ptr::eq(scalp.surface(), head().surface()), "the head itself is shared");
+        assert_ne!(scalp.key(), parted.key());
+    }
+
+    #[test]
+    fn hair_keeps_to_its_section_and_off_the_partings() {
+        let set = [("pattern", "straight_back".into()), ("width", Value::Float(0.3))];
+        let (out, _) = part(&head(), &set);
+        let (scalp, number) = (scalp_of(&out[0]), Value::Int(400));
+        let guides = crate::by_id("scatter_guides").unwrap();
+        let (grown, _) = run(guides, &[("scalp", scalp.clone().into()), ("count", number)]);
+        // A guide says by its width which section it stands in.
+        let sections = scalp.sections().unwrap();
+        let hair = crate::by_id("interpolate").unwrap();
+        let set = [
+            ("guides", grown[0].clone()),
+            ("scalp", scalp.clone().into()),
+            ("density", Value::Float(20.0)),
+        ];
+        let (hair, _) = run(hair, &set);
+        let home: BTreeMap<u64, u64> = curves_of(&grown[0])
+            .each()
+            .map(|(t, i)| (t.id(i), sections.id_at(t.curve(i)[0]).unwrap()))
+            .collect();
+        let mut hairs = 0;
+        for (tuft, i) in curves_of(&hair[0]).each() {
+            let place = sections.at(tuft.curve(i)[0]).unwrap();
+            assert!(place.distance >= 0.15, "{place:?}");
+            let id = sections.list()[place.section as usize].id;
+            assert_eq!(tuft.view(SECTION).at(i, 0), id);
+            assert_eq!(home[&tuft.view(PARENT).at(i, 0)], id);
+            hairs += 1;
+        }
+        assert!(hairs > 5000, "{hairs}");
+    }
+}

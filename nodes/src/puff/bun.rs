@@ -1,0 +1,132 @@
+//! Bun: hair held by a tie is wound round it.
+//!
+//! Guarantees: roots and the way to the tie stay as they are; no point under the skin; a hair keeps its place across the
+//! coil; the end is tucked under it. Not promised: that coils do not press into one another.
+
+use super::bundle::{Bundle, Course, MOST_LOCKS, STEP};
+use super::tie::Tie;
+use crate::data::curves::Curves;
+use crate::data::ramp::{Blend, Ramp};
+use crate::data::scalp::Scalp;
+use crate::define::{NodeError, choice, node};
+use crate::eval::EvalCx;
+use crate::maths::transcendental::sin_cos_turns;
+use glam::Vec3;
+use std::f32::consts::TAU;
+use std::sync::Arc;
+
+node! {
+    /// Winds gathered hair round its tie into a bun, its end tucked under.
+    ///
+    /// Wire it after Gather into tie. The length of hair that it takes follows from turns and thickness, and is remarked.
+    "bun", version 1, label "Bun", words "bun chignon top knot coil wound wrap updo space buns ballet";
+    inputs {
+        /// Hair gathered in ties.
+        curves: Curves;
+        /// The ties that hold it.
+        ties: Curves;
+        /// The head that the bun sits on.
+        scalp: Arc<Scalp>;
+        /// Turns round the tie.
+        turns: f32 = 1.6, hard(0.5, 8.0), soft(1.0, 4.0), words("coil wind wrap");
+        /// Radius of the wound hair.
+        thickness: f32 = 1.5, hard(0.1, 10.0), soft(0.5, 3.0), unit(Length), handle(Handle::Radius), words("radius girth rope");
+        /// How far each turn lies outside the last, in thicknesses: 0 stacks them, 1 lays them side by side.
+        spread: f32 = 0.35, hard(0.0, 1.5), soft(0.0, 1.0), unit(Ratio), words("wide flat coil");
+        /// How far each turn lies over the last, in thicknesses; negative goes down towards the head.
+        rise: f32 = -0.5, hard(-1.5, 1.5), soft(-1.0, 1.0), words("tall stack");
+        /// Which way it is wound, seen from its top.
+        hand: Hand = Hand::Left, words("direction clockwise");
+        /// How fast the wound hair turns about itself, in degrees a cm: 0 is smooth, 12 a rope.
+        twist: f32 = 5.0, hard(-90.0, 90.0), soft(-20.0, 20.0), unit(Angle), words("rope turn");
+        /// How much shorter locks and hairs may be than others, drawn for each; short ones end in the coil.
+        uneven: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("length variation messy");
+        /// Locks that the hair falls into; 0: none.
+        locks: i64 = 24, hard(0.0, 400.0), soft(0.0, 120.0), unit(Count), words("clumps wisps strands");
+        /// How closely hairs of a lock come together at its end.
+        clump: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("clumping");
+        /// How far locks and hairs wander from their place.
+        loose: f32 = 0.08, hard(0.0, 10.0), soft(0.0, 1.0), unit(Length), words("frizz messy natural");
+        /// Points on each hair past the tie.
+        points: i64 = 60, hard(8.0, 240.0), soft(24.0, 120.0), unit(Count), words("cvs resolution segments");
+        /// Whether lengths follow the head's size.
+        scale_with_head: bool = true;
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
+    }
+    outputs {
+        /// The hair from root to tip. Its parents are the locks.
+        curves: Curves;
+    }
+}
+
+choice! {
+    /// Which way a bun is wound.
+    Hand {
+        /// Counter-clockwise seen from its top.
+        Left = "left",
+        /// Clockwise seen from its top.
+        Right = "right",
+    }
+}
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = &*inputs.scalp;
+    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
+    let ties = Tie::all(cx, scalp, &inputs.ties);
+    let wound: Vec<(Tie, Vec<Vec3>)> =
+        ties.into_iter().map(|tie| (tie, wind(&inputs, unit, &tie))).collect();
+    let length_of = |points: &[Vec3]| points.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
+    let length = wound.iter().map(|(_, points)| length_of(points)).fold(0.0, f32::max);
+    // The profile is in radii of the tie; ties of one node are of one size.
+    let ratio = wound.first().map_or(1.0, |(tie, _)| inputs.thickness * unit / tie.radius);
+    let stops = vec![(0.0, 1.0), (0.18, ratio), (0.85, ratio), (1.0, 0.3 * ratio)];
+    let profile = Ramp::new(Blend::Smooth, stops).unwrap_or_else(|_| Ramp::constant(ratio));
+    if length > 0.0 {
+        cx.remark(format!("the bun takes {length:.0} cm of hair past the tie"));
+    }
+    let bundle = Bundle {
+        ties: wound.iter().map(|(tie, points)| (*tie, Course::new(tie, points))).collect(),
+        skin: cx.skin(scalp),
+        length,
+        layers: 0.0,
+        uneven: inputs.uneven,
+        profile: &profile,
+        twist: inputs.twist / unit,
+        locks: inputs.locks.min(MOST_LOCKS) as usize,
+        clump: inputs.clump,
+        loose: inputs.loose * unit,
+        points: inputs.points as usize,
+        dice: cx.dice(inputs.seed, "bun"),
+        seed: inputs.seed,
+    };
+    Ok(Outputs { curves: bundle.go_on(cx, &inputs.curves)? })
+}
+
+/// The middle of the wound hair: out of the tie, over to its side and round it, the end under what was wound before.
+fn wind(inputs: &Inputs, unit: f32, tie: &Tie) -> Vec<Vec3> {
+    let thick = inputs.thickness * unit;
+    let hand = if inputs.hand == Hand::Left { 1.0 } else { -1.0 };
+    let around = tie.radius + 0.75 * thick;
+    let smooth = |x: f32| {
+        let x = x.clamp(0.0, 1.0);
+        x * x * (3.0 - 2.0 * x)
+    };
+    let steps = ((inputs.turns * around * TAU / STEP).ceil() as usize).clamp(16, 4000);
+    let lowest = 0.7 * thick;
+    (0..=steps)
+        .map(|k| {
+            let turn = inputs.turns * k as f32 / steps as f32;
+            let (y, x) = sin_cos_turns(hand * turn);
+            let out = tie.right * x + tie.ahead() * y;
+            let wound = (turn - 0.5).max(0.0);
+            let tucked = smooth(1.0 - (inputs.turns - turn) / 0.3);
+            let aside = smooth(turn / 0.5) * around + wound * inputs.spread * 2.0 * thick;
+            let over = tie.height + 0.5 * thick * smooth(turn / 0.25);
+            let high = (over + wound * inputs.rise * 2.0 * thick).max(lowest);
+            let high = high + (0.25 * thick - high) * tucked;
+            let aside = aside - 0.6 * thick * tucked;
+            tie.foot.point + out * aside + tie.axis * high
+        })
+        .collect()
+}

@@ -1,0 +1,229 @@
+//! Hair that goes on past its tie as one bundle: tails and buns.
+//!
+//! A bundle runs along a course, a centre line with frames. Every hair keeps its place across the course, in radii of the
+//! bundle; locks draw their hairs together towards their tips and move a little by themselves.
+//!
+//! Guarantees: hair goes on from where it ended, with all it has; no point under the skin; nothing depends on how many
+//! hairs there are.
+
+use super::tie::Tie;
+use crate::data::attributes::{Attribute, Column, Domain, FIBRE, ID, PARENT, PUFF};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::ramp::Ramp;
+use crate::data::scalp::Skin;
+use crate::define::NodeError;
+use crate::eval::{EvalCx, Piece};
+use crate::maths::frame::{across, any_normal, reflect_twice};
+use crate::maths::hash::{Dice, curve_id};
+use crate::maths::low_discrepancy::disc;
+use crate::maths::transcendental::sin_cos_turns;
+use glam::{Vec2, Vec3};
+
+/// Closer than this to the skin by the field, the skin itself is asked, cm.
+const NEAR: f32 = 0.02;
+/// Distance between samples of a course, cm.
+pub(super) const STEP: f32 = 0.2;
+/// The most locks of a bundle.
+pub(super) const MOST_LOCKS: i64 = 400;
+
+/// The centre line of a bundle from its tie on, with frames, at even steps.
+pub(super) struct Course {
+    /// Centre, and two axes across; azimuth 0 is the first.
+    at: Vec<(Vec3, Vec3, Vec3)>,
+    /// Length of a step, cm.
+    step: f32,
+}
+
+impl Course {
+    /// The course through points, whose frames start as those of the tie.
+    pub(super) fn new(tie: &Tie, points: &[Vec3]) -> Self {
+        let step = points.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>()
+            / (points.len().max(2) - 1) as f32;
+        let mut at: Vec<(Vec3, Vec3, Vec3)> = Vec::with_capacity(points.len());
+        let mut last: Option<(Vec3, Vec3, Vec3)> = None;
+        for (i, p) in points.iter().enumerate() {
+            let (before, after) =
+                (points[i.saturating_sub(1)], points[(i + 1).min(points.len() - 1)]);
+            let tangent = (after - before).normalize_or(tie.axis);
+            let normal = match last {
+                None => across(tie.right, tangent).unwrap_or_else(|| any_normal(tangent)),
+                Some((q, normal, from)) => reflect_twice(normal, *p - q, from, tangent),
+            };
+            last = Some((*p, normal, tangent));
+            at.push((*p, normal, tangent.cross(normal)));
+        }
+        Self { at, step: step.max(1e-6) }
+    }
+    /// Centre and axes at `s` cm from the tie; past the end the end.
+    #[inline]
+    fn at(&self, s: f32) -> (Vec3, Vec3, Vec3) {
+        let x = (s / self.step).max(0.0);
+        let k = (x as usize).min(self.at.len().saturating_sub(2));
+        let f = (x - k as f32).min(1.0);
+        let (Some(a), Some(b)) = (self.at.get(k), self.at.get(k + 1)) else {
+            return (Vec3::ZERO, Vec3::X, Vec3::Y);
+        };
+        (a.0.lerp(b.0, f), a.1.lerp(b.1, f), a.2.lerp(b.2, f))
+    }
+}
+
+/// How a bundle lies along its course.
+pub(super) struct Bundle<'a> {
+    /// Ties and courses, by tie.
+    pub ties: Vec<(Tie, Course)>,
+    pub skin: Skin<'a>,
+    /// Length past the tie, cm.
+    pub length: f32,
+    /// How much of the way to the tie hair is shorter past it.
+    pub layers: f32,
+    /// How much shorter locks and hairs may be, as a share of the length.
+    pub uneven: f32,
+    /// Radius along the bundle, in radii of the tie, by fraction of `length`.
+    pub profile: &'a Ramp,
+    /// Turn of the bundle about its course in degrees a cm.
+    pub twist: f32,
+    pub locks: usize,
+    /// How far hairs are drawn to the middle of their lock at its tip.
+    pub clump: f32,
+    /// How far locks and hairs wander, cm.
+    pub loose: f32,
+    /// Points past the tie.
+    pub points: usize,
+    pub dice: Dice,
+    pub seed: i64,
+}
+
+/// One lock: where it is across the bundle, and how it differs.
+struct Lock {
+    id: u64,
+    middle: Vec2,
+    shorter: f32,
+    phase: [f32; 2],
+}
+
+impl Bundle<'_> {
+    /// Hair that goes on past its ties. What belongs to none goes through as it is.
+    pub(super) fn go_on(&self, cx: &EvalCx, hair: &Curves) -> Result<Curves, NodeError> {
+        let locks: Vec<Vec<Lock>> =
+            self.ties.iter().map(|(tie, _)| self.locks_of(tie.id)).collect();
+        let [out] = cx.each_tuft(hair, |tuft, piece| Ok([self.tuft(tuft, &locks, piece)?]))?;
+        Ok(out)
+    }
+
+    fn locks_of(&self, tie: u64) -> Vec<Lock> {
+        let shift = [self.dice.unit(tie, 0), self.dice.unit(tie, 1)];
+        let lock = |k: usize| {
+            let id = curve_id(tie, self.seed as u64, (1 << 42) | k as u64);
+            Lock {
+                id,
+                middle: Vec2::from(disc(k as u32, shift)),
+                shorter: self.uneven * self.dice.unit(id, 0),
+                phase: [self.dice.unit(id, 1), self.dice.unit(id, 2)],
+            }
+        };
+        (0..self.locks).map(lock).collect()
+    }
+
+    fn tuft(&self, tuft: &Tuft, locks: &[Vec<Lock>], piece: &mut Piece) -> Result<Tuft, NodeError> {
+        let of = tuft.view(PUFF);
+        let mut out = TuftBuilder::new();
+        let (mut parents, mut lengths) = (vec![], vec![]);
+        let mut points: Vec<Vec3> = vec![];
+        // Which of the old points each new one has its values from.
+        let mut from: Vec<u32> = vec![];
+        for i in 0..tuft.len() {
+            piece.tick()?;
+            let (id, range) = (tuft.id(i), tuft.range(i));
+            points.clear();
+            points.extend_from_slice(tuft.curve(i));
+            let belongs = of.at(i, range.start);
+            let tie = self.ties.iter().position(|(tie, _)| tie.id == belongs);
+            let mut parent = tuft.view(PARENT).at(i, range.start);
+            match tie.zip(points.last().copied()) {
+                Some((t, end)) => {
+                    let base: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
+                    parent =
+                        self.hair(id, end, base, (&self.ties[t], &locks[t]), &mut points, parent);
+                }
+                None => {
+                    piece.trouble(id, "hair that belongs to none of the ties was left as it is")
+                }
+            }
+            let old = range.len();
+            from.extend((0..points.len()).map(|k| (range.start + k.min(old.max(1) - 1)) as u32));
+            let whole: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
+            lengths.push(whole);
+            parents.push(parent);
+            out.push_curve(&points);
+        }
+        for attribute in tuft.attributes() {
+            let values: Column = match attribute.domain {
+                Domain::Curve => attribute.values.clone(),
+                Domain::Point => attribute.values.gather(&from),
+            };
+            out.set_column(Attribute { values, ..attribute.clone() });
+        }
+        if self.locks > 0 {
+            out.set(PARENT, Domain::Curve, parents);
+        }
+        out.set(FIBRE, Domain::Curve, lengths);
+        if tuft.attribute(ID.name).is_none() {
+            out.set(ID, Domain::Curve, vec![tuft.id(0)]);
+        }
+        Ok(out.build())
+    }
+
+    /// Adds the points past the tie of a hair that ends at `end`; gives the id of its lock, or `parent` where there are
+    /// no locks.
+    fn hair(
+        &self,
+        id: u64,
+        end: Vec3,
+        base: f32,
+        ((tie, course), locks): (&(Tie, Course), &[Lock]),
+        points: &mut Vec<Vec3>,
+        parent: u64,
+    ) -> u64 {
+        let place = tie.place(end);
+        let nearest = locks.iter().min_by(|a, b| {
+            let d = |l: &Lock| l.middle.distance_squared(place);
+            d(a).total_cmp(&d(b))
+        });
+        let (shorter, middle, phase) =
+            nearest.map_or((0.0, place, [0.0; 2]), |l| (l.shorter, l.middle, l.phase));
+        let own = 1.0 - 0.3 * self.uneven * self.dice.unit(id, 3);
+        let length = (self.length - self.layers * base) * (1.0 - shorter) * own;
+        let length = length.max(0.08 * self.length);
+        let apart = [self.dice.unit(id, 4), self.dice.unit(id, 5)];
+        let last = self.points;
+        for k in 1..=last {
+            let u = k as f32 / last as f32;
+            let s = length * u;
+            let (centre, x, y) = course.at(s);
+            let along = s / self.length;
+            let radius = tie.radius * self.profile.at(along);
+            let grown = u * u * (3.0 - 2.0 * u);
+            let mut q = place.lerp(middle, self.clump * grown);
+            if self.twist != 0.0 {
+                let (sin, cos) = sin_cos_turns(self.twist * s * (1.0 / 360.0));
+                q = Vec2::new(q.x * cos - q.y * sin, q.x * sin + q.y * cos);
+            }
+            let mut off = q * radius;
+            if self.loose > 0.0 {
+                // Waves of two lengths, one shared by the lock and a smaller one of the hair's own.
+                let wave = |p: f32, l: f32| sin_cos_turns(p + s / l).0;
+                let shared = Vec2::new(wave(phase[0], 13.0), wave(phase[1], 17.0));
+                let single = Vec2::new(wave(apart[0], 7.0), wave(apart[1], 9.0));
+                let free = (s * 0.15).min(1.0);
+                off += (shared + single * 0.4) * (self.loose * free);
+            }
+            points.push(self.clear(centre + x * off.x + y * off.y));
+        }
+        nearest.map_or(parent, |l| l.id)
+    }
+
+    #[inline]
+    fn clear(&self, p: Vec3) -> Vec3 {
+        if self.skin.about(p) > NEAR { p } else { self.skin.push_out(p, 0.0).0 }
+    }
+}

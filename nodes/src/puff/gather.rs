@@ -1,0 +1,489 @@
+//! Gather: hair combed smoothly over the scalp into a tie.
+//!
+//! Seen from its tie every hair keeps its bearing and the order of its distance: a hair rooted farther away lies over those
+//! rooted nearer and farther out in the tie, so that in the half plane of one bearing hairs are nested hyperbolas
+//! over the skin. How thick they lie on one another follows from the area of the tie: what passes at a distance is the
+//! hair rooted beyond, spread over the circle there.
+//!
+//! Guarantees: roots on the scalp and unmoved; no point under the skin; ends within the tie's ring; hairs of one tie that
+//! do not stray keep their order; more hair only adds hairs. Not promised: lines round what sticks out from the head (hair
+//! passes over ears), nor equal lengths.
+
+use super::dome::{Dome, Polar};
+use super::tie::Tie;
+use crate::data::attributes::{
+    Domain, FIBRE, ID, NORMAL, PARENT, PUFF, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
+    SCALP_NORMAL, WIDTH,
+};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::scalp::{Root, Scalp, Skin};
+use crate::define::{FieldInput, NodeError, node};
+use crate::eval::{EvalCx, Piece};
+use crate::guides::even_roots::EvenRoots;
+use crate::maths::frame::{across, any_normal};
+use crate::maths::hash::{Dice, KeyBuilder, curve_id};
+use crate::maths::transcendental::{sin, sin_cos, sin_cos_turns};
+use glam::Vec3;
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+node! {
+    /// Combs hair smoothly over the scalp into a tie: the base of pony tails, buns and puffs.
+    ///
+    /// Hair goes the straight way over the head and lies in layers, what comes from farther away on top. Wire `curves` and
+    /// `ties` into Tail or Bun, which make the hair go on past the tie, or `ties` into Sphere puff. With several
+    /// ties each hair goes to the nearest, and a bare line is left between.
+    "gather", version 1, label "Gather into tie",
+        words "tie ponytail pony tail bun puff elastic band hair tie base sleek slick back comb pull bunches pigtails updo", thins;
+    inputs {
+        /// The head.
+        scalp: Arc<Scalp>;
+        /// Hair whose roots are gathered, such as that of a section; the rest of it does not count. Without it hair is rooted all
+        /// over the scalp, as `density` and `mask` say.
+        roots: Option<Curves>, words("section hair");
+        /// Curves whose roots are where ties sit, one tie a root. Without them there is one at `position`.
+        placements: Option<Curves>, words("points several");
+        /// Where the tie sits, in head units (cm on a head of average size) from the middle of the cranium: the place on the
+        /// scalp that lies in this direction.
+        position: Vec3 = Vec3::new(0.0, 6.5, -7.0), handle(Handle::Point), words("place pick height high low");
+        /// Whether a second tie sits at the same place on the other side of the head, with a centre parting between.
+        mirror: bool = false, words("symmetry pigtails bunches two");
+        /// Height over the scalp at which hair leaves the tie.
+        height: f32 = 1.2, hard(0.1, 30.0), soft(0.3, 4.0), unit(Length), handle(Handle::Length), words("stand off");
+        /// Radius of the hair in the tie. A full head of straight hair has 1 to 1.5 cm.
+        radius: f32 = 1.2, hard(0.05, 10.0), soft(0.3, 2.5), unit(Length), handle(Handle::Radius), words("thickness girth");
+        /// How far the tie leans from the scalp's normal: up over the head, or down when negative.
+        lean: f32 = 0.0, hard(-80.0, 80.0), soft(-60.0, 60.0), unit(Angle), handle(Handle::Angle), words("tilt angle direction");
+        /// How tightly hair is drawn in: 1 bends sharply up into the tie and lies flat until then, 0 rises to it from far.
+        tightness: f32 = 0.75, hard(0.0, 1.0), unit(Ratio), words("elastic band tension");
+        /// Hairs on a square centimetre. People have 130 to 250.
+        density: f32 = 150.0, hard(0.0, 5000.0), soft(20.0, 300.0), unit(PerCm2), words("amount number");
+        /// How many of the hairs are kept, from none to all; usually a mask or a section.
+        mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region section paint");
+        /// Hair rooted farther from its tie than this, over the scalp, is not gathered. 0: no limit.
+        reach: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 20.0), unit(Length), handle(Handle::Radius), words("area section");
+        /// Width of the bare line between the hair of two ties.
+        parting: f32 = 0.15, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("part line section");
+        /// How thick hair lies on hair: 1 as thick as fills the tie, 0 all on the skin.
+        volume: f32 = 1.0, hard(0.0, 4.0), soft(0.0, 2.0), unit(Ratio), words("lift body fullness");
+        /// How far hair lies over the skin at least, past its root.
+        clearance: f32 = 0.03, hard(0.0, 5.0), soft(0.0, 0.3), unit(Length), words("lift offset");
+        /// How far hairs wander to the side on their way. 0 is combed perfectly.
+        wander: f32 = 0.08, hard(0.0, 5.0), soft(0.0, 0.5), unit(Length), words("jitter random messy natural");
+        /// Share of hairs that stand off from the others on their way.
+        stray: f32 = 0.01, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("flyaways loose");
+        /// How far they stand off at most.
+        stray_height: f32 = 0.5, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("flyaways loose");
+        /// Turns of the band's guide round the tie; 0 gives no band.
+        band_turns: f32 = 3.0, hard(0.0, 20.0), soft(0.0, 6.0), words("wrap hair elastic");
+        /// Height that the band covers.
+        band_height: f32 = 0.7, hard(0.0, 10.0), soft(0.2, 2.0), unit(Length), words("wrap hair elastic");
+        /// Points on each hair, root and end included.
+        points: i64 = 20, hard(4.0, 200.0), soft(8.0, 40.0), unit(Count), words("cvs resolution segments");
+        /// Diameter of a hair.
+        width: f32 = 0.007, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
+        /// Whether lengths follow the head's size.
+        scale_with_head: bool = true;
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
+    }
+    outputs {
+        /// Hair from its root to the top of its tie.
+        curves: Curves;
+        /// The ties: curves from the scalp to where hair is free again, with their radius.
+        ties: Curves;
+        /// A lock that winds round each tie and hides its band: fill it with Cluster to strands.
+        bands: Curves;
+    }
+}
+
+/// Hairs that are made in one piece of work.
+const HAIRS_A_PIECE: usize = 1024;
+/// The most hairs, whatever the density asks.
+const MOST_HAIRS: usize = 2_000_000;
+/// Roots that tell how hair is spread around a tie. The same ones whatever the density, so that more hair moves none.
+const PROBES: u32 = 8192;
+/// Samples of a hair's way before its points are spread evenly.
+const SAMPLES: usize = 40;
+/// Steps in which the share of hair within a distance is tabulated, and how long they are, cm.
+const SHARES: usize = 256;
+const SHARE_STEP: f32 = 0.2;
+/// Closer than this to the skin by the field, the skin itself is asked, cm.
+const NEAR: f32 = 0.015;
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = &*inputs.scalp;
+    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
+    let ties = ties(cx, &inputs, unit)?;
+    let domes: Vec<Arc<Dome>> = ties.iter().map(|tie| Dome::around(cx, scalp, tie)).collect();
+    cx.check()?;
+    let even = EvenRoots::new(scalp, cx.dice(inputs.seed, "roots"));
+    let mut gatherer = Gatherer {
+        inputs: &inputs,
+        scalp,
+        skin: cx.skin(scalp),
+        unit,
+        even,
+        ties: ties.iter().zip(domes).map(|(tie, dome)| Gathered::new(*tie, dome)).collect(),
+        keep: cx.dice(inputs.seed, "mask"),
+        dice: cx.dice(inputs.seed, "gather"),
+    };
+    let given: Vec<(&Tuft, usize)> = inputs.roots.iter().flat_map(Curves::each).collect();
+    gatherer.probe(&given)?;
+    let count = match &inputs.roots {
+        Some(_) => given.len(),
+        None => {
+            let wanted = f64::from(inputs.density / (unit * unit)) * gatherer.even.area();
+            (wanted.round() as usize).min(MOST_HAIRS)
+        }
+    };
+    let count = if ties.is_empty() { 0 } else { cx.thinned(count) };
+    let key = |i: usize| {
+        let key =
+            KeyBuilder::new("gather").int(i as u64).int(count.min((i + 1) * HAIRS_A_PIECE) as u64);
+        let key = gatherer.ties.iter().fold(key, |key, t| {
+            let key = key.vec3(t.tie.foot.point).vec3(t.tie.axis).int(t.tie.id);
+            t.shares.iter().fold(key, |key, share| key.float(*share))
+        });
+        let part = given.get(i * HAIRS_A_PIECE..count.min((i + 1) * HAIRS_A_PIECE)).unwrap_or(&[]);
+        part.iter().fold(key, |key, (tuft, c)| key.key(tuft.key()).int(*c as u64)).finish()
+    };
+    let [curves] = cx.each_item(count.div_ceil(HAIRS_A_PIECE), key, |i, piece| {
+        let (from, to) = (i * HAIRS_A_PIECE, count.min((i + 1) * HAIRS_A_PIECE));
+        let roots = match &inputs.roots {
+            Some(_) => gatherer.given(&given[from..to], piece),
+            None => gatherer.rooted(from as u32..to as u32)?,
+        };
+        Ok([gatherer.hair(&roots, piece)?])
+    })?;
+    let tufts = |of: &dyn Fn(&Tie) -> Option<Tuft>| {
+        Curves::new(ties.iter().filter_map(|tie| of(tie).map(Arc::new)).collect())
+    };
+    let band = |tie: &Tie| band(tie, inputs.band_turns, inputs.band_height * unit, inputs.seed);
+    Ok(Outputs { curves, ties: tufts(&|tie| Some(tie.curve())), bands: tufts(&band) })
+}
+
+fn ties(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<Tie>, NodeError> {
+    let (scalp, frame) = (&*inputs.scalp, inputs.scalp.frame());
+    let mut feet: Vec<(Root, u64)> = vec![];
+    match &inputs.placements {
+        Some(placements) => feet.extend(super::placed(cx, scalp, placements)),
+        None => {
+            let mut place = inputs.position;
+            feet.extend(super::picked(scalp, place).map(|foot| (foot, 0)));
+            place.x = -place.x;
+            if inputs.mirror && place.x != 0.0 {
+                feet.extend(super::picked(scalp, place).map(|foot| (foot, 1)));
+            }
+            if feet.is_empty() {
+                return Err(NodeError::failed("the scalp has no surface to place a tie on"));
+            }
+        }
+    }
+    let tie = |(foot, parent): (Root, u64)| {
+        let up = across(frame.up, foot.normal).unwrap_or_else(|| any_normal(foot.normal));
+        let (sin, cos) = sin_cos(inputs.lean.to_radians());
+        let axis = (foot.normal * cos + up * sin).normalize_or(foot.normal);
+        let id = curve_id(parent, inputs.seed as u64, 0);
+        Tie::new(id, foot, axis, frame.forward, inputs.height * unit, inputs.radius * unit)
+    };
+    Ok(feet.into_iter().map(tie).collect())
+}
+
+/// The lock that winds round a tie: from the scalp under it to its top.
+fn band(tie: &Tie, turns: f32, height: f32, seed: i64) -> Option<Tuft> {
+    let wound = turns * if turns > 0.0 { 1.0 } else { 0.0 };
+    let thick = 0.5 * height / turns.max(1.0);
+    if wound <= 0.0 || height <= 0.0 {
+        return None;
+    }
+    let steps = (turns * 16.0).ceil() as usize;
+    let low = (tie.height - height).max(0.0) + thick;
+    let mut points = vec![tie.foot.point];
+    points.extend((0..=steps).map(|k| {
+        let t = k as f32 / steps as f32;
+        let (y, x) = sin_cos_turns(turns * t);
+        let out = tie.right * x + tie.ahead() * y;
+        let up = low + (tie.height - thick - low).max(0.0) * t;
+        tie.foot.point + out * (tie.radius + 0.6 * thick) + tie.axis * up
+    }));
+    let mut b = TuftBuilder::new();
+    b.push_curve(&points);
+    b.set(ID, Domain::Curve, vec![curve_id(tie.id, seed as u64, 1 << 41)]);
+    b.set(PARENT, Domain::Curve, vec![tie.id]);
+    b.set(PUFF, Domain::Curve, vec![tie.id]);
+    b.set(RADIUS, Domain::Curve, vec![thick]);
+    b.set(NORMAL, Domain::Curve, vec![tie.axis]);
+    b.set(SCALP_NORMAL, Domain::Curve, vec![tie.foot.normal]);
+    b.set(ROOT_TRIANGLE, Domain::Curve, vec![tie.foot.triangle as i32]);
+    b.set(ROOT_BARY, Domain::Curve, vec![tie.foot.bary]);
+    Some(b.build())
+}
+
+/// A tie with the skin and the hair around it.
+struct Gathered {
+    tie: Tie,
+    dome: Arc<Dome>,
+    /// Share of the tie's hair rooted within so many steps of distance.
+    shares: Vec<f32>,
+    /// How thick hair lies at a distance times that distance, cm2.
+    thickness: f32,
+}
+
+impl Gathered {
+    fn new(tie: Tie, dome: Arc<Dome>) -> Self {
+        Self { tie, dome, shares: vec![0.0; SHARES + 1], thickness: 0.0 }
+    }
+    /// The share of the tie's hair that is rooted within a distance.
+    #[inline]
+    fn share(&self, distance: f32) -> f32 {
+        let x = (distance * (1.0 / SHARE_STEP)).clamp(0.0, SHARES as f32 - 0.001);
+        let (k, f) = (x as usize, x.fract());
+        self.shares[k] + (self.shares[k + 1] - self.shares[k]) * f
+    }
+}
+
+/// A root, its stable id and the tie it goes to.
+struct Rooted {
+    id: u64,
+    root: Root,
+    tie: usize,
+    place: Polar,
+}
+
+struct Gatherer<'a> {
+    inputs: &'a Inputs,
+    scalp: &'a Scalp,
+    skin: Skin<'a>,
+    unit: f32,
+    even: EvenRoots<'a>,
+    ties: Vec<Gathered>,
+    keep: Dice,
+    dice: Dice,
+}
+
+impl Gatherer<'_> {
+    /// Learns how hair is spread around each tie.
+    fn probe(&mut self, given: &[(&Tuft, usize)]) -> Result<(), NodeError> {
+        let distances: Vec<(usize, f32)> = if self.inputs.roots.is_some() {
+            let every = given.len().div_ceil(PROBES as usize).max(1);
+            let roots = given.iter().step_by(every).filter_map(|(tuft, i)| {
+                let root = self.scalp.closest_root(*tuft.curve(*i).first()?)?;
+                self.tie_of(&root).map(|(tie, place)| (tie, place.distance))
+            });
+            roots.collect()
+        } else {
+            self.rooted(0..PROBES)?.iter().map(|r| (r.tie, r.place.distance)).collect()
+        };
+        let mut counts = vec![vec![0u32; SHARES]; self.ties.len()];
+        for (tie, distance) in distances {
+            counts[tie][((distance / SHARE_STEP) as usize).min(SHARES - 1)] += 1;
+        }
+        for (gathered, counts) in self.ties.iter_mut().zip(counts) {
+            let all = counts.iter().sum::<u32>().max(1) as f32;
+            let mut sum = 0;
+            for (k, count) in counts.into_iter().enumerate() {
+                sum += count;
+                gathered.shares[k + 1] = sum as f32 / all;
+            }
+            let tie = &gathered.tie;
+            // Never so thick that it would reach over the tie.
+            let most = 1.2 * tie.height / tie.radius;
+            gathered.thickness = 0.5 * tie.radius * tie.radius * self.inputs.volume.min(most);
+        }
+        Ok(())
+    }
+
+    /// Roots by number in the list of even roots.
+    fn rooted(&self, which: std::ops::Range<u32>) -> Result<Vec<Rooted>, NodeError> {
+        let found: Vec<(u32, Root)> = which.filter_map(|i| Some((i, self.even.root(i)?))).collect();
+        let mut b = TuftBuilder::even(found.iter().map(|(_, r)| r.point).collect(), 1);
+        b.set(ROOT_TRIANGLE, Domain::Curve, found.iter().map(|(_, r)| r.triangle as i32).collect());
+        b.set(ROOT_BARY, Domain::Curve, found.iter().map(|(_, r)| r.bary).collect());
+        let tuft = b.build();
+        let mask = self.inputs.mask.on(&tuft, Some(self.scalp))?;
+        let mut out = Vec::with_capacity(found.len());
+        for (slot, (i, root)) in found.into_iter().enumerate() {
+            if self.keep.unit(u64::from(i), 0) < mask.at(slot, slot, 0.0)
+                && let Some((tie, place)) = self.tie_of(&root)
+            {
+                let id = curve_id(self.ties[tie].tie.id, self.inputs.seed as u64, u64::from(i));
+                out.push(Rooted { id, root, tie, place });
+            }
+        }
+        Ok(out)
+    }
+
+    /// Roots of curves.
+    fn given(&self, curves: &[(&Tuft, usize)], piece: &mut Piece) -> Vec<Rooted> {
+        let mut out = Vec::with_capacity(curves.len());
+        for (tuft, i) in curves {
+            let at = tuft.curve(*i).first().copied().unwrap_or(Vec3::NAN);
+            match self.scalp.closest_root(at) {
+                Some(root) => out.extend(self.tie_of(&root).map(|(tie, place)| Rooted {
+                    id: tuft.id(*i),
+                    root,
+                    tie,
+                    place,
+                })),
+                None => piece.trouble(tuft.id(*i), "a curve without a root was left out"),
+            }
+        }
+        out
+    }
+
+    /// The tie that hair of a root goes to; none on a parting and out of reach.
+    fn tie_of(&self, root: &Root) -> Option<(usize, Polar)> {
+        let mut best: Option<(usize, Polar)> = None;
+        let mut second: Option<(usize, Polar)> = None;
+        for (i, gathered) in self.ties.iter().enumerate() {
+            let place = gathered.dome.polar(root.point);
+            if best.is_none_or(|(_, p)| place.distance < p.distance) {
+                (best, second) = (Some((i, place)), best);
+            } else if second.is_none_or(|(_, p)| place.distance < p.distance) {
+                second = Some((i, place));
+            }
+        }
+        let (tie, place) = best?;
+        if self.inputs.reach > 0.0 && place.distance > self.inputs.reach * self.unit {
+            return None;
+        }
+        if let Some((other, farther)) = second {
+            // How fast the difference of the two distances grows across the line where they are equal.
+            let way = |i: usize| {
+                across(self.ties[i].tie.foot.point - root.point, root.normal).unwrap_or(Vec3::ZERO)
+            };
+            let grows = (way(tie) - way(other)).length();
+            if farther.distance - place.distance < 0.5 * self.inputs.parting * self.unit * grows {
+                return None;
+            }
+        }
+        Some((tie, place))
+    }
+
+    fn hair(&self, roots: &[Rooted], piece: &mut Piece) -> Result<Tuft, NodeError> {
+        let each = self.inputs.points as usize;
+        let mut points = Vec::with_capacity(roots.len() * each);
+        let mut lengths = Vec::with_capacity(roots.len());
+        let mut way = Vec::with_capacity(SAMPLES + 1);
+        for rooted in roots {
+            piece.tick()?;
+            let first = points.len();
+            self.comb(rooted, &mut way, &mut points);
+            let length = points[first..].windows(2).map(|w: &[Vec3]| w[0].distance(w[1])).sum();
+            lengths.push(length);
+        }
+        fn column<T>(roots: &[Rooted], of: impl Fn(&Rooted) -> T) -> Vec<T> {
+            roots.iter().map(of).collect()
+        }
+        let mut b = TuftBuilder::even(points, each);
+        let tie = |rooted: &Rooted| self.ties[rooted.tie].tie.id;
+        b.set(ID, Domain::Curve, column(roots, |r| r.id));
+        b.set(PARENT, Domain::Curve, column(roots, tie));
+        b.set(PUFF, Domain::Curve, column(roots, tie));
+        b.set(ROOT_TRIANGLE, Domain::Curve, column(roots, |r| r.root.triangle as i32));
+        b.set(ROOT_BARY, Domain::Curve, column(roots, |r| r.root.bary));
+        if self.scalp.uvs().is_some() {
+            b.set(ROOT_UV, Domain::Curve, column(roots, |r| r.root.uv));
+        }
+        b.set(SCALP_NORMAL, Domain::Curve, column(roots, |r| r.root.normal));
+        b.set(FIBRE, Domain::Curve, lengths);
+        b.set(WIDTH, Domain::Curve, vec![self.inputs.width]);
+        Ok(b.build())
+    }
+
+    /// A hair's way into its tie. Along a line of one bearing `x` is the distance over the skin and `z` the height over
+    /// it: z = layer(x) + c / (x - a), a hyperbola that runs along the skin and turns up along the tie.
+    fn comb(&self, rooted: &Rooted, way: &mut Vec<(f32, f32, f32)>, points: &mut Vec<Vec3>) {
+        let gathered = &self.ties[rooted.tie];
+        let (tie, dome) = (&gathered.tie, &*gathered.dome);
+        let from = rooted.place.distance.max(1e-3);
+        let share = gathered.share(from);
+        let ring = (tie.radius * share.sqrt()).min(0.9 * from);
+        let clearance = self.inputs.clearance * self.unit;
+        let layer = |x: f32| {
+            let over = (share - gathered.share(x)).max(0.0);
+            gathered.thickness * over / x.max(tie.radius)
+                + clearance * ((from - x) * 2.0).clamp(0.0, 1.0)
+        };
+        let room = tie.height - layer(ring);
+        let bend = (0.15 + (1.0 - self.inputs.tightness) * 1.2) * self.unit;
+        let gap = (bend * bend / room.max(0.05)).min(0.9 * (from - ring)).max(1e-4);
+        let (a, far) = (ring - gap, from - ring + gap);
+        let share_left = gap / far;
+        way.clear();
+        let mut length = 0.0;
+        for k in 0..=SAMPLES {
+            let t = k as f32 / SAMPLES as f32;
+            // Even steps far away, ever smaller ones towards the bend.
+            let even = far + (gap - far) * t;
+            let bent = far * gap / (gap + (far - gap) * t);
+            let x = a + even + (bent - even) * t;
+            let rise = (gap / (x - a) - share_left) / (1.0 - share_left).max(1e-6);
+            let z = layer(x) + room * rise.clamp(0.0, 1.0);
+            if let Some((_, x0, z0)) = way.last() {
+                length += ((x - x0) * (x - x0) + (z - z0) * (z - z0)).sqrt();
+            }
+            way.push((length, x, z));
+        }
+        let last = self.inputs.points as usize - 1;
+        let id = rooted.id;
+        let dice = self.dice;
+        let wander = self.inputs.wander * self.unit;
+        let (sway, turn) = (dice.signed(id, 0) * wander, dice.signed(id, 1) * wander);
+        let strays = dice.unit(id, 2) < self.inputs.stray;
+        let stray =
+            if strays { dice.unit(id, 3) * self.inputs.stray_height * self.unit } else { 0.0 };
+        let (y, x) = sin_cos_turns(rooted.place.bearing);
+        let out = tie.right * x + tie.ahead() * y;
+        let side = out.cross(tie.axis);
+        // The table's place of the root is a little off the root: the difference fades away along the hair.
+        let off = rooted.root.point - dome.at(rooted.place).0;
+        let mut k = 1;
+        points.push(rooted.root.point);
+        for n in 1..=last {
+            let u = n as f32 / last as f32;
+            let s = length * u;
+            while k < SAMPLES && way[k].0 < s {
+                k += 1;
+            }
+            let ((s0, x0, z0), (s1, x1, z1)) = (way[k - 1], way[k]);
+            let f = if s1 > s0 { ((s - s0) / (s1 - s0)).clamp(0.0, 1.0) } else { 1.0 };
+            let (x, z) = (x0 + (x1 - x0) * f, z0 + (z1 - z0) * f);
+            let (skin, normal) = dome.at(Polar { distance: x, ..rooted.place });
+            let rest = 1.0 - u;
+            let mut z = z;
+            if stray > 0.0 {
+                z += stray * sin(PI * u * u.sqrt());
+            }
+            // Over the tie heights are measured along its axis, on the skin across it.
+            let near = 1.0 - ((x - tie.radius) / (2.0 * tie.radius)).clamp(0.0, 1.0);
+            let near = near * near * (3.0 - 2.0 * near);
+            let up = normal.lerp(tie.axis, near).normalize_or(normal);
+            let mut p = skin + up * z;
+            let in_tie = tie.foot.point + out * x + tie.axis * z;
+            let held = (z / tie.height).clamp(0.0, 1.0);
+            let held = held * held * near;
+            p = p.lerp(in_tie, held * held);
+            let aside = 4.0 * u * rest * (sway + turn * (1.0 - 2.0 * u) * 1.5);
+            let across = if near < 1.0 { up.cross(way_of(skin, tie)) } else { side };
+            p += across * aside + off * (rest * rest * rest);
+            points.push(self.clear(p));
+        }
+        if let Some(end) = points.last_mut() {
+            *end = tie.foot.point + out * ring + tie.axis * tie.height;
+        }
+    }
+
+    /// `p`, out of the skin.
+    #[inline]
+    fn clear(&self, p: Vec3) -> Vec3 {
+        if self.skin.about(p) > NEAR { p } else { self.skin.push_out(p, 0.0).0 }
+    }
+}
+
+/// From the tie's foot to a point, unit.
+#[inline]
+fn way_of(p: Vec3, tie: &Tie) -> Vec3 {
+    (p - tie.foot.point).normalize_or(tie.right)
+}
