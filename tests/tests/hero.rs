@@ -28,11 +28,7 @@ enum Ask {
 const HEROES: &[(&str, &[Ask])] = &[
     (
         "cornrows_gathered",
-        &[
-            Ask::Braids { at_least: 8, strands: 3, crossing: "under" },
-            Ask::Joins,
-            Ask::Curls,
-        ],
+        &[Ask::Braids { at_least: 8, strands: 3, crossing: "under" }, Ask::Joins, Ask::Curls],
     ),
     (
         "cornrows_puffs",

@@ -190,10 +190,7 @@ impl<D: Fn(f32) -> f32, P: Fn(f32) -> f32, A: Fn(f32) -> f32> Sizes<D, P, A> {
             square += diameter * diameter;
             turns += 1.0 / (self.pitch)(u).max(1e-6);
         }
-        Asked {
-            diameter: (square / 8.0).sqrt() * start.size,
-            pitch: 8.0 / turns * start.pitch,
-        }
+        Asked { diameter: (square / 8.0).sqrt() * start.size, pitch: 8.0 / turns * start.pitch }
     }
 }
 
@@ -412,8 +409,8 @@ impl Winder {
     ) {
         let most = pattern.most.max(4);
         let fewest = fewest.clamp(4, most);
-        let last =
-            (self.laid.partition_point(|laid| laid.s < goal.reach).max(1) - 1).min(self.laid.len() - 2);
+        let last = (self.laid.partition_point(|laid| laid.s < goal.reach).max(1) - 1)
+            .min(self.laid.len() - 2);
         let x = self.x_at(last, goal.reach, pattern.blend);
         let (wish, length) = self.steps_to(last, x, goal.fibre);
         self.enough = wish <= (most - 1) as f32;
@@ -446,7 +443,8 @@ impl Winder {
                 Err(part) => {
                     if self.enough {
                         // Steps that change over so few points would be uneven.
-                        let most = self.laid.iter().fold(0.0f32, |most, laid| most.max(laid.spacing));
+                        let most =
+                            self.laid.iter().fold(0.0f32, |most, laid| most.max(laid.spacing));
                         self.laid.iter_mut().for_each(|laid| laid.spacing = most);
                         self.enough = false;
                     } else {
@@ -496,11 +494,19 @@ impl Winder {
         let mut faster = 0.0;
         let mut here = point;
         let (end, stop, wanted) = loop {
-            let (turn, before) =
-                (&self.laid[mark.turn as usize], &self.laid[(mark.turn as usize).saturating_sub(1)]);
+            let (turn, before) = (
+                &self.laid[mark.turn as usize],
+                &self.laid[(mark.turn as usize).saturating_sub(1)],
+            );
             let wanted = stretch * (before.spacing + (turn.spacing - before.spacing) * mark.x);
-            let (next, at, _) =
-                self.step(pattern, rail, (&mark, here, faster), (wanted, LENIENT), &mut cursor, roll);
+            let (next, at, _) = self.step(
+                pattern,
+                rail,
+                (&mark, here, faster),
+                (wanted, LENIENT),
+                &mut cursor,
+                roll,
+            );
             let past = (next.turn, next.x) >= whole;
             if past || next.arc >= fibre {
                 let mut place = whole;
@@ -542,7 +548,8 @@ impl Winder {
     ) {
         let n = self.points.len();
         let base = n - 1 - TAIL.min(n - 1);
-        let chords = |points: &[Vec3]| -> f32 { points.windows(2).map(|w| w[0].distance(w[1])).sum() };
+        let chords =
+            |points: &[Vec3]| -> f32 { points.windows(2).map(|w| w[0].distance(w[1])).sum() };
         let left = chords(&self.points[base..]) + self.points[n - 1].distance(stop);
         let own = (n - 1 - base) as f32;
         // As many as there are, or one more.
@@ -560,7 +567,11 @@ impl Winder {
                 if off <= LENIENT {
                     break;
                 }
-                if over > 0.0 { low = step } else { high = step }
+                if over > 0.0 {
+                    low = step
+                } else {
+                    high = step
+                }
                 let guess = step + over / steps as f32;
                 step = if guess > low && guess < high { guess } else { 0.5 * (low + high) };
             }
@@ -615,7 +626,8 @@ impl Winder {
         roll: Option<&impl Fn((u32, f32)) -> f32>,
     ) -> (Mark, Vec3, f32) {
         let mut ahead = wanted / mark.speed;
-        ahead = wanted / (mark.speed + 0.5 * faster * ahead).clamp(0.5 * mark.speed, 2.0 * mark.speed);
+        ahead =
+            wanted / (mark.speed + 0.5 * faster * ahead).clamp(0.5 * mark.speed, 2.0 * mark.speed);
         // Where the curl turns back on itself (a wave wider than its source's bends does), distance no longer grows with
         // the way: then the first place that is far enough is closed in on.
         let (mut near, mut beyond, mut tries) = (0.0, f32::INFINITY, 0);
@@ -628,7 +640,11 @@ impl Winder {
                 let arc = mark.arc + arc(far, way, mark);
                 return (Mark { turn: place.0, x: place.1, speed, way, arc }, point, far);
             }
-            if far < wanted { near = ahead } else { beyond = ahead }
+            if far < wanted {
+                near = ahead
+            } else {
+                beyond = ahead
+            }
             ahead = match () {
                 () if tries < 3 => ahead * (wanted / far.max(1e-9)).clamp(0.5, 2.0),
                 () if beyond == f32::INFINITY => near * 1.25,
@@ -699,9 +715,9 @@ impl Winder {
     /// For each point the source's CV before it and the fraction of the way to the next.
     pub(crate) fn places(&self, rail: &Rail, b: f32) -> impl Iterator<Item = (u32, f32)> {
         let mut cursor = 0;
-        self.marks.iter().map(move |mark| {
-            rail.at(&mut cursor, self.s_at(mark.turn as usize, mark.x, b)).place
-        })
+        self.marks
+            .iter()
+            .map(move |mark| rail.at(&mut cursor, self.s_at(mark.turn as usize, mark.x, b)).place)
     }
 
     /// For each point whether the curl might come near what `clear` says about a ball (its middle and radius, cm): asked once

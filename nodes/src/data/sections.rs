@@ -623,7 +623,8 @@ mod tests {
 
     #[test]
     fn moving_a_line_or_cutting_elsewhere_keeps_ids() {
-        let three = |x: f32| vec![across(1, -3.0, false), across(2, x, false), across(3, 3.0, true)];
+        let three =
+            |x: f32| vec![across(1, -3.0, false), across(2, x, false), across(3, 3.0, true)];
         let (a, _) = cut(three(0.5), &[]);
         let (b, _) = cut(three(1.4), &[]);
         assert_eq!(ids(&a), ids(&b));

@@ -524,7 +524,8 @@ mod tests {
                 b.set_column(a::Attribute { name: (*name).into(), domain, values });
             }
             let curves = Curves::new(vec![Arc::new(b.build())]);
-            let group = |name: &str| Group { name: name.into(), guides: false, curves: curves.clone() };
+            let group =
+                |name: &str| Group { name: name.into(), guides: false, curves: curves.clone() };
             let about = About {
                 title: "all".into(),
                 generator: "test".into(),
@@ -546,7 +547,11 @@ mod tests {
                 let found = |k: usize| prims[k].primvars.iter().find(|p| p.name == known).unwrap();
                 let (one, two) = (found(0), found(1));
                 let wanted = if *name == ID.name { "uniform" } else { how };
-                assert_eq!((one.interpolation.as_str(), one.values.len()), (wanted, if *name == ID.name { 2 } else { n }), "{name} {ty}");
+                assert_eq!(
+                    (one.interpolation.as_str(), one.values.len()),
+                    (wanted, if *name == ID.name { 2 } else { n }),
+                    "{name} {ty}"
+                );
                 assert_eq!(one.values, two.values, "{name} is the same in every prim");
             }
         }

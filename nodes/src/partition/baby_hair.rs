@@ -116,7 +116,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         locks: cx.dice(inputs.seed, "lock"),
         keep: cx.dice(inputs.seed, "mask"),
     };
-    let key = |i: usize| KeyBuilder::new("edge").int(i as u64).int(((i + 1) * BATCH).min(count) as u64).finish();
+    let key = |i: usize| {
+        KeyBuilder::new("edge").int(i as u64).int(((i + 1) * BATCH).min(count) as u64).finish()
+    };
     let [curves] = cx.each_item(count.div_ceil(BATCH), key, |i, piece| {
         Ok([maker.hairs(i * BATCH..((i + 1) * BATCH).min(count), piece)?])
     })?;
@@ -252,9 +254,8 @@ impl Maker<'_> {
     /// a lock.
     fn walked(&self, start: &Start, lock: u64, id: Option<u64>, length: f32) -> Option<Vec<Vec3>> {
         let inputs = self.inputs;
-        let stray = |index: u64| {
-            id.map_or(0.0, |id| self.dice.signed(id, index)) * inputs.unevenness
-        };
+        let stray =
+            |index: u64| id.map_or(0.0, |id| self.dice.signed(id, index)) * inputs.unevenness;
         let of_lock = |index: u64| self.locks.signed(lock, index) * inputs.unevenness;
         let asked = inputs.direction.to_radians();
         let (wave, wave_length) = (inputs.wave.to_radians(), inputs.wave_length * self.unit);
@@ -314,7 +315,8 @@ impl Maker<'_> {
         points: &mut Vec<Vec3>,
     ) -> bool {
         let inputs = self.inputs;
-        let lift = inputs.lift * self.unit * (1.0 + 0.8 * inputs.unevenness * self.dice.signed(id, 3));
+        let lift =
+            inputs.lift * self.unit * (1.0 + 0.8 * inputs.unevenness * self.dice.signed(id, 3));
         let clear = CLEAR * self.unit;
         let surface = self.scalp.surface();
         let mut near = start.root.triangle;

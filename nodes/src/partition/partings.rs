@@ -528,31 +528,32 @@ mod tests {
 
     #[test]
     fn every_pattern_cuts_the_head_into_the_sections_that_were_asked_for() {
-        let check = |pattern: &str, count: i64, cells: &str, want: std::ops::RangeInclusive<usize>| {
-            let set = [
-                ("pattern", pattern.into()),
-                ("count", Value::Int(count)),
-                ("cells", cells.into()),
-            ];
-            let (out, said) = part(&head(), &set);
-            let what = format!("{pattern} {cells}");
-            assert!(said.is_empty(), "{what}: {said:?}");
-            let scalp = scalp_of(&out[0]);
-            let list = scalp.sections().unwrap().list();
-            assert!(want.contains(&list.len()), "{what}: {}", list.len());
-            let ids: std::collections::BTreeSet<u64> = list.iter().map(|s| s.id).collect();
-            assert_eq!(ids.len(), list.len(), "{what}: ids are unique");
-            let mean = list.iter().map(|s| s.area).sum::<f32>() / list.len() as f32;
-            let least = list.iter().map(|s| s.area).fold(f32::MAX, f32::min);
-            assert!(least > 0.2 * mean, "{what}: a sliver of {least} where {mean} is the mean");
-            assert_eq!(curves_of(&out[3]).curve_count(), list.len(), "{what}");
-            assert!(curves_of(&out[2]).curve_count() + 1 >= list.len(), "{what}");
-            for (tuft, i) in curves_of(&out[1]).each() {
-                for p in tuft.curve(i) {
-                    assert!(scalp.surface().closest(*p).unwrap().distance < 1e-3);
+        let check =
+            |pattern: &str, count: i64, cells: &str, want: std::ops::RangeInclusive<usize>| {
+                let set = [
+                    ("pattern", pattern.into()),
+                    ("count", Value::Int(count)),
+                    ("cells", cells.into()),
+                ];
+                let (out, said) = part(&head(), &set);
+                let what = format!("{pattern} {cells}");
+                assert!(said.is_empty(), "{what}: {said:?}");
+                let scalp = scalp_of(&out[0]);
+                let list = scalp.sections().unwrap().list();
+                assert!(want.contains(&list.len()), "{what}: {}", list.len());
+                let ids: std::collections::BTreeSet<u64> = list.iter().map(|s| s.id).collect();
+                assert_eq!(ids.len(), list.len(), "{what}: ids are unique");
+                let mean = list.iter().map(|s| s.area).sum::<f32>() / list.len() as f32;
+                let least = list.iter().map(|s| s.area).fold(f32::MAX, f32::min);
+                assert!(least > 0.2 * mean, "{what}: a sliver of {least} where {mean} is the mean");
+                assert_eq!(curves_of(&out[3]).curve_count(), list.len(), "{what}");
+                assert!(curves_of(&out[2]).curve_count() + 1 >= list.len(), "{what}");
+                for (tuft, i) in curves_of(&out[1]).each() {
+                    for p in tuft.curve(i) {
+                        assert!(scalp.surface().closest(*p).unwrap().distance < 1e-3);
+                    }
                 }
-            }
-        };
+            };
         check("straight_back", 9, "whole", 9..=9);
         check("straight_back", 6, "whole", 6..=6);
         check("curved", 8, "whole", 8..=8);

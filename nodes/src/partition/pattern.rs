@@ -177,7 +177,8 @@ impl Family<'_> {
         (0..)
             .zip(&sums)
             .map(|(at, (area, length))| {
-                let short = if self.is_rings() && low + bin * at as f32 <= 0.9 { 0.0 } else { SHORT };
+                let short =
+                    if self.is_rings() && low + bin * at as f32 <= 0.9 { 0.0 } else { SHORT };
                 if *length > f64::from(short) * longest {
                     total += area / length * f64::from(bin);
                 }

@@ -236,12 +236,7 @@ fn place(
 }
 
 /// Where a hair is rooted; none where there is no ground on that side, or none of it is the row's own.
-pub(crate) fn start(
-    rules: &Rules,
-    ground: &Ground,
-    reach: &Reach,
-    wish: &Wish,
-) -> Option<Start> {
+pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) -> Option<Start> {
     let (station, root) = match reach.at(wish.u, wish.side) {
         Some(found) => {
             let station = Station::with_normal(ground.own, wish.u, found.normal);
@@ -271,11 +266,7 @@ pub(crate) fn start(
 
 /// The farthest root with slack and how far on the way it is, up to `most` (which has `lack` of it); none when the row itself has
 /// none.
-fn farthest(
-    at: impl Fn(f32) -> Option<(Root, f32)>,
-    most: f32,
-    lack: f32,
-) -> Option<(Root, f32)> {
+fn farthest(at: impl Fn(f32) -> Option<(Root, f32)>, most: f32, lack: f32) -> Option<(Root, f32)> {
     let (mut low, mut high) = (0.0, most);
     let (mut found, mut slack) = at(0.0)?;
     let mut lack = lack;

@@ -254,9 +254,8 @@ impl Spine {
         let mut last = 0.0f32;
         for k in 0..n {
             let window = &moments[k.saturating_sub(reach)..(k + reach + 1).min(n)];
-            let [xx, xy, yy] = window
-                .iter()
-                .fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
+            let [xx, xy, yy] =
+                window.iter().fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
             let split = (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
             let round = split < 0.12 * (xx + yy);
             let mut angle = if round { last } else { 0.5 * (2.0 * xy).atan2(xx - yy) };

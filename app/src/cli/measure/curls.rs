@@ -35,7 +35,9 @@ pub(super) fn measure(prim: &Prim) -> Option<Curls> {
     let shrinkage = prim.numbers("shrinkage");
     let asked = |column: &Column<f32>, i: usize| column.at(i, prim.range(i).start);
     let curled: Vec<usize> = (0..prim.len())
-        .filter(|i| prim.curve(*i).len() > 3 && asked(&diameter, *i) > 0.0 && asked(&pitch, *i) > 0.0)
+        .filter(|i| {
+            prim.curve(*i).len() > 3 && asked(&diameter, *i) > 0.0 && asked(&pitch, *i) > 0.0
+        })
         .collect();
     if curled.is_empty() {
         return None;
@@ -155,7 +157,8 @@ fn axis(sums: &[glam::DVec3], window: f32) -> Option<(Vec<Vec3>, usize)> {
 /// How often `at` goes about its axis, whichever way round, and over how many samples that was counted.
 fn turns(at: &[Vec3], axis: &[Vec3]) -> Option<(f32, usize)> {
     let n = axis.len();
-    let tangent = |k: usize| (axis[(k + 1).min(n - 1)] - axis[k.saturating_sub(1)]).normalize_or_zero();
+    let tangent =
+        |k: usize| (axis[(k + 1).min(n - 1)] - axis[k.saturating_sub(1)]).normalize_or_zero();
     let mut before = tangent(0);
     let mut normal = coif_nodes::maths::frame::any_normal(before);
     let mut last: Option<Vec2> = None;
@@ -204,15 +207,19 @@ mod tests {
         let curl = Curl::of(points).unwrap();
         let near = |found: f32, want: f32| (found / want - 1.0).abs() < 0.03;
         assert!(
-            near(curl.diameter, diameter) && near(curl.pitch, pitch) && near(curl.shrinkage, shrinkage),
+            near(curl.diameter, diameter)
+                && near(curl.pitch, pitch)
+                && near(curl.shrinkage, shrinkage),
             "{curl:?}, not {diameter} {pitch} {shrinkage}"
         );
     }
 
     #[test]
     fn a_coil_measures_what_it_is() {
-        let shrinkage = |d: f32, p: f32| 1.0 - p / ((std::f32::consts::PI * d).powi(2) + p * p).sqrt();
-        for (d, p, turns) in [(0.5, 0.7, 20.0), (1.5, 3.0, 6.0), (0.3, 0.25, 60.0), (2.5, 6.0, 4.0)] {
+        let shrinkage =
+            |d: f32, p: f32| 1.0 - p / ((std::f32::consts::PI * d).powi(2) + p * p).sqrt();
+        for (d, p, turns) in [(0.5, 0.7, 20.0), (1.5, 3.0, 6.0), (0.3, 0.25, 60.0), (2.5, 6.0, 4.0)]
+        {
             check(&coil(d, p, turns, 12.0, 1e-3), d, p, shrinkage(d, p));
         }
         check(&coil(0.5, 0.7, 20.0, 12.0, 0.1), 0.5, 0.7, shrinkage(0.5, 0.7));

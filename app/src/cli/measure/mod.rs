@@ -275,7 +275,10 @@ impl Measured {
             laws.extend(curls.as_asked(0.05));
         }
         if let Some(puffs) = &self.puffs {
-            laws.insert("outlines of puffs are clean", puffs.within >= 0.95 && puffs.coverage >= 60.0);
+            laws.insert(
+                "outlines of puffs are clean",
+                puffs.within >= 0.95 && puffs.coverage >= 60.0,
+            );
         }
         if let Some(on) = &self.scalp {
             laws.insert("roots lie on the scalp to 0.001 cm", on.root_distance_cm[1] <= 1e-3);
@@ -302,8 +305,7 @@ fn on_scalp(prim: &Prim, scalp: &Scalp) -> OnScalp {
                 }
                 let depth = surface.closest(*p).map_or(0.0, |h| -surface.signed_distance(*p, &h));
                 deepest = deepest.max(depth);
-                too_deep +=
-                    usize::from(depth > allowed.map_or(0.0, |a| a.at(i, first + k)) + 1e-3);
+                too_deep += usize::from(depth > allowed.map_or(0.0, |a| a.at(i, first + k)) + 1e-3);
             }
         }
         (distances, too_deep, deepest)
@@ -367,7 +369,11 @@ pub(super) mod tests {
             for hair in 0..hairs {
                 let turn = hair as f32 * 2.4;
                 let out = 0.12 * ((hair as f32 + 0.5) / hairs as f32).sqrt();
-                let off = if hairs > 1 { Vec3::new(turn.cos(), 0.0, turn.sin()) * out } else { Vec3::ZERO };
+                let off = if hairs > 1 {
+                    Vec3::new(turn.cos(), 0.0, turn.sin()) * out
+                } else {
+                    Vec3::ZERO
+                };
                 let at = |k: usize| {
                     let u = k as f32 / each as f32 * stitches;
                     let c = (u / 3.0 + i as f32 / 3.0) * std::f32::consts::TAU;

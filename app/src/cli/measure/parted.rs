@@ -70,7 +70,8 @@ impl Partings {
                 ids.push(parting[i]);
                 let first = prim.range(i).start;
                 for (k, w) in prim.curve(i).windows(2).enumerate() {
-                    let up = normal.map_or(Vec3::ZERO, |n| n.at(i, first + k) + n.at(i, first + k + 1));
+                    let up =
+                        normal.map_or(Vec3::ZERO, |n| n.at(i, first + k) + n.at(i, first + k + 1));
                     pieces.push(Piece {
                         from: w[0],
                         to: w[1],
@@ -83,9 +84,8 @@ impl Partings {
         let first = pieces.first()?;
         ids.sort_unstable();
         ids.dedup();
-        let half = pieces
-            .iter()
-            .fold([first.half; 2], |[lo, hi], p| [lo.min(p.half), hi.max(p.half)]);
+        let half =
+            pieces.iter().fold([first.half; 2], |[lo, hi], p| [lo.min(p.half), hi.max(p.half)]);
         let (lo, hi) = pieces.iter().fold((first.from, first.from), |(lo, hi), p| {
             (lo.min(p.from).min(p.to), hi.max(p.from).max(p.to))
         });
@@ -143,7 +143,8 @@ impl Partings {
             for i in part {
                 let (points, first) = (prim.curve(i), prim.range(i).start);
                 let Some(root) = points.first() else { continue };
-                rooted_in += usize::from(self.near(*root).any(|p| p.distance(*root) < p.half - ROUNDING));
+                rooted_in +=
+                    usize::from(self.near(*root).any(|p| p.distance(*root) < p.half - ROUNDING));
                 let braided = braid.as_ref().is_some_and(|b| b[i] != 0);
                 let mut s = 0.0;
                 for (k, w) in points.windows(2).enumerate() {

@@ -146,7 +146,8 @@ mod tests {
         let dent = outline(&sphere(120.0, |d| if d.x > 0.8 { 4.7 } else { 5.0 }));
         assert!((0.8..0.95).contains(&dent.within), "{}", dent.within);
         assert!((dent.deviation - 0.06).abs() < 0.005, "{}", dent.deviation);
-        let ragged = outline(&sphere(120.0, |d| 5.0 + 0.4 * (d.x * 40.0).sin() * (d.z * 33.0).sin()));
+        let ragged =
+            outline(&sphere(120.0, |d| 5.0 + 0.4 * (d.x * 40.0).sin() * (d.z * 33.0).sin()));
         assert!(ragged.within < 0.8, "{}", ragged.within);
     }
 

@@ -152,7 +152,8 @@ impl Columns<'_> {
                     }
                     let [Some(a), Some(b)] = [hair.get(*at), hair.get(*at + 1)] else { continue };
                     if a.0 <= u + 1e-6 && u <= b.0 + 1e-6 {
-                        let t = if b.0 > a.0 { ((u - a.0) / (b.0 - a.0)).clamp(0.0, 1.0) } else { 0.0 };
+                        let t =
+                            if b.0 > a.0 { ((u - a.0) / (b.0 - a.0)).clamp(0.0, 1.0) } else { 0.0 };
                         here.push((a.1.lerp(b.1, t), a.2.lerp(b.2, t)));
                     }
                 }
@@ -198,8 +199,8 @@ fn middle(here: &mut [(Vec3, Vec3)]) -> Option<Section> {
         here.sort_by(|a, b| a.0.distance_squared(about).total_cmp(&b.0.distance_squared(about)));
         about = mean(&here[..counting]);
     }
-    let spread: f32 = here[..counting].iter().map(|p| p.0.distance_squared(about)).sum::<f32>()
-        / counting as f32;
+    let spread: f32 =
+        here[..counting].iter().map(|p| p.0.distance_squared(about)).sum::<f32>() / counting as f32;
     let share = counting as f32 / here.len() as f32;
     Some(Section {
         middle: about,

@@ -42,8 +42,11 @@ impl Word {
             faults += front.min(all - front);
             stitches = stitches.max(all);
             if pair + 2 < n {
-                let two: Vec<usize> =
-                    crossings.iter().map(|c| c.0).filter(|p| *p == pair || *p == pair + 1).collect();
+                let two: Vec<usize> = crossings
+                    .iter()
+                    .map(|c| c.0)
+                    .filter(|p| *p == pair || *p == pair + 1)
+                    .collect();
                 faults += two.windows(2).filter(|w| w[0] == w[1]).count();
             }
         }
@@ -61,9 +64,8 @@ impl Word {
 
     /// One stitch's factor, in the order from the left.
     pub(super) fn factor(&self) -> String {
-        let one = |(p, front): (usize, &bool)| {
-            format!("s{}{}", p + 1, if *front { "" } else { "^-1" })
-        };
+        let one =
+            |(p, front): (usize, &bool)| format!("s{}{}", p + 1, if *front { "" } else { "^-1" });
         self.signs.iter().enumerate().map(one).collect::<Vec<_>>().join(" ")
     }
 

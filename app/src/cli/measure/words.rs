@@ -38,7 +38,8 @@ pub(super) fn in_words(m: &Measured) -> String {
             text += &format!("    middle lines {lo} to {hi} cm from the skin, middle {mid}\n");
         }
         if let Some([lo, mid, hi]) = b.gap_cm.map(|h| h.map(f)) {
-            text += &format!("    strands come to {lo} cm of the skin, middle {mid}, at most {hi}\n");
+            text +=
+                &format!("    strands come to {lo} cm of the skin, middle {mid}, at most {hi}\n");
         }
         if let Some(j) = &b.joined {
             let [lo, mid, hi] = j.a_stitch;
