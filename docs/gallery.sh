@@ -18,10 +18,9 @@ mkdir -p "$folder"
 cargo build --quiet --release -p coif
 heroes=$(sed -n '/HEROES/,/];/p' graphs/src/grooms.rs | grep -oE '"[a-z0-9_]+"' | tr -d '"')
 for groom in ${*:-$heroes}; do
-    closeups=$(sed -n '/^    views: {/,/^    },/p' "graphs/grooms/$groom.ron" | sed -nE 's/^        "(close [a-z]+)": .*/\1/p')
-    { printf '%s\n' front left right back; printf '%s\n' "$closeups"; } | while read -r view; do
-        [ -n "$view" ] || continue
-        target/release/coif render "$groom" --camera "$view" --light "${LIGHT:-studio}" --size "$size" \
-            --samples "${SAMPLES:-64}" --out "$folder/$groom-${view// /-}.png"
-    done
+    cameras=(--camera front --camera left --camera right --camera back)
+    while read -r view; do cameras+=(--camera "$view"); done < <(
+        sed -n '/^    views: {/,/^    },/p' "graphs/grooms/$groom.ron" | sed -nE 's/^        "(close [a-z]+)": .*/\1/p')
+    target/release/coif render "$groom" "${cameras[@]}" --light "${LIGHT:-studio}" --size "$size" \
+        --samples "${SAMPLES:-64}" --out "$folder/$groom-%s.png"
 done

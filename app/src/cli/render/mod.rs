@@ -21,6 +21,7 @@ use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::{HeadFrame, Scalp};
 use coif_nodes::define::Value;
+use coif_shaders::camera::Camera;
 use coif_shaders::display::Transform;
 use coif_shaders::hdri::Hdri;
 use coif_shaders::light::Rig;
@@ -28,7 +29,7 @@ use coif_shaders::picture::Samples;
 use coif_shaders::surface::{RootGrid, Solid, Tone};
 use coif_shaders::view::{Paint, Shading, View};
 use coif_shaders::{Gpu, Look, Model, Precision, Renderer, chart};
-use options::{Format, within};
+use options::{Format, Series, within};
 use place::Place;
 use std::cell::Cell;
 use std::path::PathBuf;
@@ -52,9 +53,10 @@ pub(crate) struct RenderArgs {
     )]
     size: String,
     /// front, left, right, back, top, three-quarter, crown, nape, hairline, temple-left, temple-right, a view that was saved
-    /// in the graph, or close:NODE to fill the picture with what NODE gives
+    /// in the graph, or close:NODE to fill the picture with what NODE gives. Given several times:
+    /// as many pictures of one evaluation, with %s in the file's name for theirs
     #[arg(long, value_name = "NAME|SAVED|close:NODE", default_value = "three-quarter")]
-    camera: String,
+    camera: Vec<String>,
     /// Focal length over a film 24 mm high: 85, or a saved view's own
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     focal: Option<f32>,
@@ -153,7 +155,7 @@ impl RenderArgs {
         };
         Ok(Asked {
             size: options::size(&self.size)?,
-            formats: options::files(&self.out, self.turntable.is_some())?,
+            formats: options::files(&self.out, self.series()?)?,
             frames: match self.turntable {
                 Some(n) => options::counted("--turntable", n, MOST_FRAMES)?,
                 None => 1,
@@ -174,6 +176,18 @@ impl RenderArgs {
             },
             tone: options::named("--skin", &self.skin, &tones, tone)?,
         })
+    }
+
+    /// How many pictures are drawn.
+    fn series(&self) -> Result<Series, Stop> {
+        match (self.turntable, self.camera.len()) {
+            (Some(_), 2..) => {
+                Err(Stop::refused("--turntable goes around with one --camera; several were given"))
+            }
+            (Some(_), _) => Ok(Series::Turntable),
+            (None, 2..) => Ok(Series::Cameras),
+            (None, _) => Ok(Series::One),
+        }
     }
 
     /// Lights and surroundings: those of a name, or those of a file.
@@ -255,14 +269,16 @@ fn draw_opened(
     tell: &dyn Tell,
     report: &mut Report,
 ) -> Result<(), Stop> {
-    let place = Place::of(&args.camera, opened)?;
+    let places = args.camera.iter().map(|name| Place::of(name, opened));
+    let places = places.collect::<Result<Vec<Place>, Stop>>()?;
     let followed = match asked.show {
         Show::Hair(_) => vec![],
         Show::Guides | Show::Clusters => {
             feeders(&opened.document, opened.outputs.iter().map(|output| &output.socket.node))
         }
     };
-    let more: Vec<Socket> = followed.iter().chain(place.socket()).cloned().collect();
+    let more: Vec<Socket> =
+        followed.iter().chain(places.iter().filter_map(Place::socket)).cloned().collect();
     if followed.is_empty() && !matches!(asked.show, Show::Hair(_)) {
         return Err(Stop::refused(format!(
             "--view {}: no node on the way to the outputs makes hair that follows curves",
@@ -288,7 +304,11 @@ fn draw_opened(
     let frame = evaluated.scalps.first().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
     let closest = evaluated.more.split_off(followed.len());
     let scene = Scene::of(asked, args, evaluated)?;
-    let still = place.camera(asked, &scene, closest.first())?;
+    let mut closest = closest.iter();
+    let stills = places
+        .iter()
+        .map(|place| place.camera(asked, &scene, place.socket().and_then(|_| closest.next())));
+    let stills = stills.collect::<Result<Vec<Camera>, Stop>>()?;
     let description = describe(args, asked, &scene);
     renderer.set_look(&asked.look);
     renderer.set_rig(&asked.rig);
@@ -304,21 +324,30 @@ fn draw_opened(
         ("graph".to_owned(), document_hash(&opened.document)),
         ("hair".to_owned(), hashes(report)),
         ("view".to_owned(), args.view.clone()),
-        ("camera".to_owned(), place.in_words(asked)),
+        ("camera".to_owned(), String::new()),
         ("light".to_owned(), args.lit_by()),
         ("samples".to_owned(), asked.samples.to_string()),
         ("adapter".to_owned(), adapter.clone()),
     ];
-    texts.retain(|(_, text)| !text.is_empty());
+    texts.retain(|(name, text)| !text.is_empty() || name == "camera");
     let first_sample_ms = Cell::new(None);
     let mut files = vec![];
     let mut pending = Pending::default();
     tell.counts("samples");
-    let total = (asked.frames * asked.samples) as usize;
-    for number in 0..asked.frames {
-        let turn = 360.0 * number as f32 / asked.frames as f32;
+    let shots = asked.frames * places.len() as u32;
+    let total = (shots * asked.samples) as usize;
+    for number in 0..shots {
+        // A turntable has one place, several places have one frame each.
+        let turn = 360.0 * (number % asked.frames) as f32 / asked.frames as f32;
+        let (place, still) = {
+            let at = (number / asked.frames) as usize;
+            (&places[at], &stills[at])
+        };
         let camera = still.turned(frame.origin, frame.up, turn);
         renderer.set_camera(&camera);
+        for (_, text) in texts.iter_mut().filter(|(name, _)| name == "camera") {
+            *text = place.in_words(asked);
+        }
         let seen = |samples: u32| {
             if samples > 0 && first_sample_ms.get().is_none() {
                 first_sample_ms.set(Some(since(began)));
@@ -339,7 +368,7 @@ fn draw_opened(
             chart::draw(&mut picture, &asked.rig, &camera);
         }
         for (path, format) in args.out.iter().zip(&asked.formats) {
-            let path = options::numbered(path, number + 1);
+            let path = options::called(&options::numbered(path, number + 1), &place.name);
             tell.say(format!("writing {}", path.display()));
             let written = pending.write(&path, cancel, |out| {
                 let written = match format {
@@ -366,7 +395,7 @@ fn draw_opened(
         height: asked.size[1],
         description,
         view: args.view.clone(),
-        camera: place.name,
+        camera: args.camera.join(", "),
         light: args.lit_by(),
         samples: asked.samples,
         transform: asked.transform.name(),

@@ -65,8 +65,20 @@ pub(super) fn named<T>(
     })
 }
 
-/// The formats of the files to write; their names hold a number exactly when there is a turntable.
-pub(super) fn files(out: &[PathBuf], turntable: bool) -> Result<Vec<Format>, Stop> {
+/// How many pictures are drawn, and what tells their files apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Series {
+    /// One picture.
+    One,
+    /// A turntable, by number.
+    Turntable,
+    /// Several cameras, by name.
+    Cameras,
+}
+
+/// The formats of the files to write; their names hold a number exactly when there is a turntable, and `%s` exactly when
+/// there are several cameras.
+pub(super) fn files(out: &[PathBuf], series: Series) -> Result<Vec<Format>, Stop> {
     if out.is_empty() {
         return Err(Stop::refused("--out FILE is needed: a picture is written as .png or .exr"));
     }
@@ -78,14 +90,20 @@ pub(super) fn files(out: &[PathBuf], turntable: bool) -> Result<Vec<Format>, Sto
                 "exr" => Format::Exr,
                 _ => return Err(fault("pictures are written as .png or .exr")),
             };
-            match (place_of_number(path), turntable) {
-                (Some(_), true) | (None, false) => Ok(format),
-                (None, true) => Err(fault(
+            match (place_of_number(path), place_of_name(path), series) {
+                (Some(_), None, Series::Turntable)
+                | (None, Some(_), Series::Cameras)
+                | (None, None, Series::One) => Ok(format),
+                (None, _, Series::Turntable) => Err(fault(
                     "a turntable is many files; put %04d where their number goes, as in turn.%04d.png",
                 )),
-                (Some(_), false) => {
+                (_, None, Series::Cameras) => Err(fault(
+                    "several cameras are several files; put %s where their name goes, as in groom-%s.png",
+                )),
+                (Some(_), ..) => {
                     Err(fault("is numbered, which is for --turntable N and that is not given"))
                 }
+                (_, Some(_), _) => Err(fault("has %s, which is for several --camera")),
             }
         })
         .collect()
@@ -104,6 +122,21 @@ fn place_of_number(path: &Path) -> Option<(&str, usize, &str)> {
         }
     }
     None
+}
+
+/// Where in a file's name the name of a camera goes: the text before and after.
+fn place_of_name(path: &Path) -> Option<(&str, &str)> {
+    path.file_name()?.to_str()?.split_once("%s")
+}
+
+/// The file of one of several cameras. A name without a place for it stays as it is.
+pub(super) fn called(path: &Path, camera: &str) -> PathBuf {
+    let plain: String =
+        camera.chars().map(|c| if c.is_alphanumeric() || c == '_' { c } else { '-' }).collect();
+    match place_of_name(path) {
+        Some((before, after)) => path.with_file_name(format!("{before}{plain}{after}")),
+        None => path.to_owned(),
+    }
 }
 
 /// The file of one picture of a turntable, numbered from 1. A name without a number stays as it is.
@@ -150,26 +183,44 @@ mod tests {
     }
 
     #[test]
-    fn turntables_and_only_they_have_numbered_names() {
-        let check = |name: &str, turntable: bool, expected: Result<Format, &str>| {
-            let found = said(files(&[PathBuf::from(name)], turntable));
+    fn series_and_only_they_have_a_place_for_what_tells_them_apart() {
+        use Series::{Cameras, One, Turntable};
+        let check = |name: &str, series: Series, expected: Result<Format, &str>| {
+            let found = said(files(&[PathBuf::from(name)], series));
             match (found, expected) {
                 (Ok(found), Ok(expected)) => assert_eq!(found, [expected], "{name}"),
                 (Err(found), Err(words)) => assert!(found.contains(words), "{name}: {found}"),
                 (found, _) => panic!("{name}: {found:?}"),
             }
         };
-        check("a.png", false, Ok(Format::Png));
-        check("a.EXR", false, Ok(Format::Exr));
-        check("a%04d.png", true, Ok(Format::Png));
-        check("100%.png", false, Ok(Format::Png));
-        check("a%04d.png", false, Err("--turntable"));
-        check("a.png", true, Err("%04d"));
-        check("a%4d.png", true, Err("%04d"));
-        check("%04d/a.png", true, Err("%04d"));
-        check("a.jpg", false, Err(".png or .exr"));
-        check("a", false, Err(".png or .exr"));
-        assert!(said(files(&[], false)).unwrap_err().contains("--out"));
+        check("a.png", One, Ok(Format::Png));
+        check("a.EXR", One, Ok(Format::Exr));
+        check("a%04d.png", Turntable, Ok(Format::Png));
+        check("100%.png", One, Ok(Format::Png));
+        check("a%04d.png", One, Err("--turntable"));
+        check("a.png", Turntable, Err("%04d"));
+        check("a%4d.png", Turntable, Err("%04d"));
+        check("%04d/a.png", Turntable, Err("%04d"));
+        check("a-%s.png", Cameras, Ok(Format::Png));
+        check("a.png", Cameras, Err("%s"));
+        check("%s/a.png", Cameras, Err("%s"));
+        check("a-%s.png", One, Err("--camera"));
+        check("a%04d.png", Cameras, Err("%s"));
+        check("a.jpg", One, Err(".png or .exr"));
+        check("a", One, Err(".png or .exr"));
+        assert!(said(files(&[], One)).unwrap_err().contains("--out"));
+    }
+
+    #[test]
+    fn pictures_of_several_cameras_are_called_after_them() {
+        for (name, camera, expected) in [
+            ("f/afro-%s.png", "close tip", "f/afro-close-tip.png"),
+            ("%s.exr", "close:rows", "close-rows.exr"),
+            ("%s.png", "../up", "---up.png"),
+            ("still.png", "front", "still.png"),
+        ] {
+            assert_eq!(called(Path::new(name), camera), Path::new(expected));
+        }
     }
 
     #[test]
