@@ -226,6 +226,7 @@ impl Filler<'_> {
                 && let Some(hit) = skin.closest(root)
             {
                 let on_scalp = scalp.root(hit.triangle, hit.bary);
+                let on_scalp = scalp.kept_in_section(sections.root, on_scalp);
                 root = on_scalp.point;
                 triangles.push(on_scalp.triangle as i32);
                 barys.push(on_scalp.bary);
