@@ -15,7 +15,7 @@ use super::stray::{self, Strand};
 use super::touch::{Line, Near, touching_radii};
 use super::weave::{Paths, Pitch, Weave, coprime, default_frequency};
 use crate::data::attributes::{self as attr, Attribute, Domain, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV};
-use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, choice, node};
@@ -55,7 +55,8 @@ node! {
         stitches | knots: FieldInput = 12.0f32, hard(1.0, 200.0), soft(3.0, 60.0), unit(Count), words("knots frequency");
         /// Distance of stitches, when they are spaced. 0 takes what suits firmly braided hair: one and a half times the
         /// amplitude (about half the braid's width) for up to four strands, less for more. Under one
-        /// amplitude strands get thin. Longer sources get more stitches, and those there are stay where they are.
+        /// amplitude strands get thin. Longer sources get more stitches, and those there are stay where they are. A ramp or
+        /// an attribute such as girth makes stitches shorter where the braid is thinner.
         stitch_spacing: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 4.0), unit(Length), words("knots frequency");
         /// Width of the whole braid over its tubes. A ramp or mask may vary it.
         width: FieldInput = 1.0f32, hard(0.01, 100.0), soft(0.2, 5.0), unit(Length), handle(Handle::Radius);
@@ -371,7 +372,14 @@ fn braid(
         asked if asked > 0.0 => asked,
         _ => length - tied_at,
     };
-    let spacing = spacing?.along(tuft, curve, 0.0) * unit;
+    let spacing = spacing?;
+    let spacing_at = |u: f32| spacing.along(tuft, curve, u) * unit;
+    let varies = inputs.stitches_by == StitchesBy::Spacing && !spacing.is_of_curves();
+    // Inner sizes are those of the widest place, where stitches are longest.
+    let spacing = match varies {
+        true => (0..=64).map(|k| spacing_at(k as f32 / 64.0)).fold(0.0, f32::max),
+        false => spacing_at(0.0),
+    };
     let asked = match inputs.stitches_by {
         StitchesBy::Count => Pitch::Cm(tied_at / count?.along(tuft, curve, 0.0).round().max(1.0)),
         StitchesBy::Spacing if spacing > 0.0 => Pitch::Cm(spacing),
@@ -392,7 +400,10 @@ fn braid(
             "stitches are closer than the amplitude of the braid, so strands are thin",
         );
     }
-    let (advance, stitches) = advance(plan, braid_id, size.pitch, tied_at);
+    let least = 0.15 * size.pitch;
+    let along = |s: f32| spacing_at(s / length).clamp(least, size.pitch);
+    let along: Option<&dyn Fn(f32) -> f32> = if varies { Some(&along) } else { None };
+    let (advance, stitches) = advance(plan, braid_id, size.pitch, along, tied_at);
 
     let start = tuft.view(attr::NORMAL).at(curve, tuft.range(curve).start);
     let start = (start != Vec3::ZERO)
@@ -464,6 +475,7 @@ fn braid(
     }
     let along =
         |line: &Line| -> Vec<f32> { line.s.iter().map(|s| (s / length).clamp(0.0, 1.0)).collect() };
+    carry_along(&mut out, tuft, curve, &source, &laid.lines, length);
     out.set(attr::ID, Domain::Curve, ids.clone());
     out.set(attr::PARENT, Domain::Curve, vec![source_id]);
     out.set(attr::BRAID, Domain::Curve, vec![braid_id]);
@@ -532,17 +544,23 @@ fn lerp(a: f32, b: f32, t: f32) -> f32 {
 }
 
 /// How stitches follow one another up to the tie, and how many there are.
-fn advance(plan: &Plan, braid_id: u64, pitch: f32, tied_at: f32) -> (Advance, f64) {
+/// `along` tells the length of a stitch at a place (cm) where it is not the same everywhere.
+fn advance(
+    plan: &Plan,
+    braid_id: u64,
+    pitch: f32,
+    along: Option<&dyn Fn(f32) -> f32>,
+    tied_at: f32,
+) -> (Advance, f64) {
     let mut even = f64::from(tied_at) / f64::from(pitch);
     if plan.inputs.stitches_by == StitchesBy::Count {
         even = even.round().max(1.0);
     }
-    if plan.inputs.uneven_stitches <= 0.0 {
+    if plan.inputs.uneven_stitches <= 0.0 && along.is_none() {
         return (Advance::even(pitch), even);
     }
-    let draw = |k: u64| {
-        pitch * (1.0 + 0.7 * plan.inputs.uneven_stitches * plan.uneven.signed(braid_id, k))
-    };
+    let uneven = |k: u64| 1.0 + 0.7 * plan.inputs.uneven_stitches * plan.uneven.signed(braid_id, k);
+    let draw = |k: u64| pitch * uneven(k);
     match plan.inputs.stitches_by {
         // As many as asked for share the length.
         StitchesBy::Count => {
@@ -553,10 +571,11 @@ fn advance(plan: &Plan, braid_id: u64, pitch: f32, tied_at: f32) -> (Advance, f6
         // As many as go in: a longer source changes none of them.
         StitchesBy::Spacing => {
             let mut reached = 0.0;
-            let lengths = (0..).map(draw).take_while(|length| {
+            let lengths = (0..).map_while(|k| {
+                let length = along.map_or(pitch, |along| along(reached)) * uneven(k);
                 let more = reached < tied_at;
                 reached += length;
-                more
+                more.then_some(length)
             });
             let advance = Advance::uneven(pitch, lengths);
             let stitches = advance.q(tied_at);
@@ -575,6 +594,32 @@ fn rest(below: &Below, p: Vec3, grip: f32, radius: &mut f32) -> f32 {
     }
     // A thousandth over, for what lies between CVs.
     if *radius > d + 1e-4 { (*radius - d) + 1e-3 } else { 0.0 }
+}
+
+/// Gives strands the numbers that their source has at its points, such as how much hair has joined there.
+fn carry_along(
+    out: &mut TuftBuilder,
+    tuft: &Tuft,
+    curve: usize,
+    source: &Spline,
+    lines: &[Line],
+    length: f32,
+) {
+    let own = [attr::ALONG.name, attr::RADIUS.name, attr::ALLOW_DEPTH.name];
+    for attribute in tuft.attributes() {
+        let (Domain::Point, false) = (attribute.domain, own.contains(&attribute.name.as_ref()))
+        else {
+            continue;
+        };
+        let Some(View::Point(all)) = tuft.view_named::<f32>(&attribute.name) else { continue };
+        let all = &all[tuft.range(curve)];
+        let at = |s: &f32| {
+            let place = source.locate((s / length).clamp(0.0, 1.0));
+            lerp(all[place.span], all[place.span + 1], place.t)
+        };
+        let values = lines.iter().flat_map(|line| line.s.iter().map(at)).collect();
+        out.set_named(attribute.name.clone(), Domain::Point, values);
+    }
 }
 
 /// Binds curves to the scalp where their source is bound, or else where it is closest.

@@ -2,12 +2,17 @@
 
 use crate::define::NodeDef;
 
+mod braid_hair;
+mod braid_territory;
+mod ground;
 #[cfg(test)]
 mod laws;
 mod lay;
 mod lissajous_braid;
 mod stray;
 mod touch;
+mod tube;
 mod weave;
 
-pub(crate) const NODES: &[&NodeDef] = &[&lissajous_braid::NODE];
+pub(crate) const NODES: &[&NodeDef] =
+    &[&braid_territory::NODE, &lissajous_braid::NODE, &braid_hair::NODE];

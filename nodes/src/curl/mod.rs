@@ -1,5 +1,6 @@
 //! Curls.
 
+mod drawn;
 #[cfg(test)]
 mod laws;
 mod preset;

@@ -5,6 +5,7 @@
 //! 0.5 %, or that of a `fibre_length` that the source has room for. Not promised: that hairs keep clear of each other, or that a curl much wider than its
 //! source's bends does not loop through itself.
 
+use super::drawn::with_drawn;
 use super::preset::Numbers;
 use super::section::{Shape, entries};
 use super::winding::{Detail, Goal, Pattern, Sizes, Winder, arc_length};
@@ -14,7 +15,7 @@ use crate::data::attributes::{
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::{Scalp, Skin};
-use crate::data::shapes::ShapeList;
+use crate::data::shapes::{ShapeList, Tier};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::frame::carry;
@@ -42,6 +43,10 @@ node! {
         preset: Preset = Preset::Type3b, words("type hair pattern chart");
         /// Cross-sections in tiers: A is the primary shape, B the secondary, C the tertiary. Unset: the preset's.
         shapes: Option<Arc<ShapeList>>, words("cross-section lame polygon ellipse circle rose");
+        /// Drawn cross-sections: each curve is flattened to its own plane, closed and brought to the curl's size. They take the place of the tier's other shapes.
+        shape_curves: Option<Curves>, words("custom drawn sketch cross-section profile outline");
+        /// Tier that drawn cross-sections join.
+        drawn_tier: DrawnTier = DrawnTier::A, words("custom drawn sketch");
         /// Share of turns that have a shape of tier A, from 0 (none) to 1 (all). Unset: the preset's.
         uniformity: Option<f32>, hard(0.0, 1.0), unit(Ratio);
         /// How many turns have a shape of tier B for each one of tier C. Unset: the preset's.
@@ -117,24 +122,36 @@ choice! {
     Preset {
         /// A plain round coil: for curls whose every number you set.
         Custom = "custom",
-        /// Wavy: long loose waves close to the head.
+        /// Wavy, 12 mm high every 80 mm: long loose waves close to the head.
         Type2a = "2a",
-        /// Wavy: S-waves from mid-length on.
+        /// Wavy, 14 mm high every 60 mm: S-waves from mid-length on.
         Type2b = "2b",
-        /// Wavy: deep S-waves that begin to coil.
+        /// Wavy, 16 mm high every 40 mm: deep S-waves that begin to coil.
         Type2c = "2c",
-        /// Curly: loose ringlets as wide as a piece of chalk.
+        /// Curly, 25 mm wide: loose ringlets as wide as a piece of chalk.
         Type3a = "3a",
-        /// Curly: springy ringlets as wide as a marker.
+        /// Curly, 15 mm wide: springy ringlets as wide as a marker.
         Type3b = "3b",
-        /// Curly: tight corkscrews as wide as a pencil.
+        /// Curly, 8 mm wide: tight corkscrews as wide as a pencil.
         Type3c = "3c",
-        /// Coily: small defined coils as wide as a crochet needle.
+        /// Coily, 5 mm wide: small defined coils as wide as a crochet needle.
         Type4a = "4a",
-        /// Coily: zigzags with sharp bends and few full turns.
+        /// Coily, 4 mm wide: zigzags with sharp bends and few full turns.
         Type4b = "4b",
-        /// Coily: dense small bends and coils that change direction often, hardly clumped.
+        /// Coily, 3 mm wide: dense small bends and coils that change direction often, hardly clumped.
         Type4c = "4c",
+    }
+}
+
+choice! {
+    /// Tier that drawn shapes join.
+    DrawnTier {
+        /// Primary: as often as the uniformity says.
+        A = "a",
+        /// Secondary.
+        B = "b",
+        /// Tertiary.
+        C = "c",
     }
 }
 
@@ -191,8 +208,16 @@ choice! {
 }
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let (numbers, used) = inputs.numbers();
+    let (mut numbers, used) = inputs.numbers();
     cx.remark(used);
+    if let Some(drawn) = &inputs.shape_curves {
+        let tier = match inputs.drawn_tier {
+            DrawnTier::A => Tier::A,
+            DrawnTier::B => Tier::B,
+            DrawnTier::C => Tier::C,
+        };
+        numbers.shapes = with_drawn(cx, &numbers.shapes, drawn, tier);
+    }
     let key = numbers.shapes.add_to(KeyBuilder::new("sections")).float(numbers.rounding).finish();
     let shapes = cx.memo(key, || {
         let of = |(_, section): &(_, _)| Shape::of(section, numbers.rounding);
@@ -207,6 +232,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         Ok([curl(tuft, &inputs, &numbers, &pattern, skin.as_ref(), piece)?])
     })?;
     remark_on_shrinkage(cx, &curves);
+    remark_on_limit(cx, &curves, inputs.most_points as usize);
     Ok(Outputs { curves })
 }
 
@@ -412,7 +438,7 @@ fn curl(
         // A wave wider than its source's bends cuts across them and may even be shorter than the source.
         let mut more = 0.0;
         for _ in 0..6 {
-            if !goes_on || winder.fibre >= 0.999 * goal.fibre {
+            if !goes_on || winder.fibre >= 0.997 * goal.fibre {
                 break;
             }
             more += 1.5 * (goal.fibre - winder.fibre).max(1e-3 * goal.fibre);
@@ -517,6 +543,18 @@ fn is_even(points: &[Vec3]) -> bool {
         let (a, b) = (w[0].distance_squared(w[1]), w[1].distance_squared(w[2]));
         a <= b * 1.44 && b <= a * 1.44
     })
+}
+
+/// Says how many hairs have as many points as are allowed.
+fn remark_on_limit(cx: &EvalCx, curves: &Curves, most: usize) {
+    let full = |tuft: &Tuft| (0..tuft.len()).filter(|i| tuft.curve(*i).len() + 4 >= most).count();
+    let n: usize = curves.tufts().iter().map(|tuft| full(tuft)).sum();
+    if n > 0 {
+        let all = curves.curve_count();
+        cx.remark(format!(
+            "{n} of {all} hairs have all the {most} points that a hair may have, and are coarser than the tolerance asks"
+        ));
+    }
 }
 
 fn remark_on_shrinkage(cx: &EvalCx, curves: &Curves) {

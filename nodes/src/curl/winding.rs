@@ -102,12 +102,12 @@ const PLANES: u64 = 1 << 41;
 const MOST_TURNS: f32 = 16_384.0;
 /// The fewest CVs on a turn, whatever its size.
 const FEWEST: f32 = 8.0;
-/// By how much the length of steps may differ from one turn to the next: less than a twelfth from one CV to the next.
-const STEADY: f32 = 1.7;
+/// By how much the length of steps may differ from one turn to the next: less than a tenth from one CV to the next.
+const STEADY: f32 = 1.5;
 /// How far the length of a step may lie off what it should be.
 const LENIENT: f32 = 0.06;
 /// How close a curl comes to the length that is asked for, as a share.
-const CLOSE: f32 = 1e-3;
+const CLOSE: f32 = 2.5e-3;
 /// How many CVs share what is left over at the tip.
 const TAIL: usize = 10;
 /// Places along a curl between which its amount is taken as linear.
@@ -264,7 +264,7 @@ pub(crate) struct Winder {
     pub(crate) fibre: f32,
     pub(crate) span: f32,
     /// Whether all points that were asked for are there.
-    pub(crate) enough: bool,
+    enough: bool,
 }
 
 /// Smoothstep, its integral from 0 and its slope, for a step of width `b`.
@@ -412,37 +412,52 @@ impl Winder {
         let last = (self.laid.partition_point(|laid| laid.s < goal.reach).max(1) - 1)
             .min(self.laid.len() - 2);
         let x = self.x_at(last, goal.reach, pattern.blend);
-        let wish = self.steps_to(last, x, goal.fibre);
+        let (wish, length) = self.steps_to(last, x, goal.fibre);
         self.enough = wish <= (most - 1) as f32;
-        let mut stretch =
-            (wish / (fewest - 1) as f32).min(1.0).max(wish * 1.01 / (most - 1) as f32);
+        let mut stretch = (wish / (fewest - 1) as f32).min(1.0);
+        if !self.enough {
+            let even = length / (most - 1) as f32;
+            self.laid.iter_mut().for_each(|laid| laid.spacing = even);
+            stretch = 1.01;
+        }
         // The spline through the points is a little shorter than the path: how long it is shows when it is there. And
         // a walk that needs more points than there may be is begun again with longer steps.
         let (mut fibre, mut corrections) = (goal.fibre, 0);
-        for _ in 0..8 {
+        for _ in 0..10 {
             match self.walk(pattern, rail, (last as u32, x), fibre, (stretch, most), roll) {
                 Ok(whole) => {
                     self.fibre = arc_length(&self.points);
                     let off = self.fibre - goal.fibre;
-                    if whole && off < 0.0 || off.abs() <= CLOSE * goal.fibre || corrections == 3 {
-                        return;
-                    }
-                    if goal.fibre == f32::INFINITY {
+                    let ended = whole && off < 0.0;
+                    let close = off.abs() <= CLOSE * goal.fibre || goal.fibre == f32::INFINITY;
+                    if ended || close {
                         return;
                     }
                     corrections += 1;
                     fibre *= goal.fibre / self.fibre;
+                    if corrections > 2 {
+                        // Cusps that points pass over now and now not: finer points hold them all.
+                        stretch *= 0.8;
+                    }
                 }
                 Err(part) => {
-                    self.enough = false;
-                    stretch *= 1.01 / part.clamp(0.5, 0.99);
+                    if self.enough {
+                        // Steps that change over so few points would be uneven.
+                        let most =
+                            self.laid.iter().fold(0.0f32, |most, laid| most.max(laid.spacing));
+                        self.laid.iter_mut().for_each(|laid| laid.spacing = most);
+                        self.enough = false;
+                    } else {
+                        stretch *= 1.01 / part.clamp(0.5, 0.99);
+                    }
                 }
             }
         }
     }
 
-    /// About how many steps of the wanted length lead to the fraction `x` of turn `last`, or to `fibre` cm of curl.
-    fn steps_to(&self, last: usize, x: f32, fibre: f32) -> f32 {
+    /// About how many steps of the wanted length lead to the fraction `x` of turn `last`, or to `fibre` cm of curl; and how
+    /// many cm they are.
+    fn steps_to(&self, last: usize, x: f32, fibre: f32) -> (f32, f32) {
         let (mut steps, mut gone) = (0.0, 0.0);
         for j in 0..=last {
             let (turn, before) = (&self.laid[j], &self.laid[j.saturating_sub(1)]);
@@ -455,7 +470,7 @@ impl Winder {
                 break;
             }
         }
-        steps.max(1e-3)
+        (steps.max(1e-3), gone.min(fibre))
     }
 
     /// Walks to the place `end` (turn and fraction), or as far as `fibre` cm of curl. Steps are `stretch` times as long as wanted.
@@ -484,8 +499,14 @@ impl Winder {
                 &self.laid[(mark.turn as usize).saturating_sub(1)],
             );
             let wanted = stretch * (before.spacing + (turn.spacing - before.spacing) * mark.x);
-            let (next, at, _) =
-                self.step(pattern, rail, (&mark, here, faster), wanted, &mut cursor, roll);
+            let (next, at, _) = self.step(
+                pattern,
+                rail,
+                (&mark, here, faster),
+                (wanted, LENIENT),
+                &mut cursor,
+                roll,
+            );
             let past = (next.turn, next.x) >= whole;
             if past || next.arc >= fibre {
                 let mut place = whole;
@@ -533,51 +554,102 @@ impl Winder {
         let own = (n - 1 - base) as f32;
         // As many as there are, or one more.
         let mean = if base + 1 < n { chords(&self.points[base..]) / own } else { wanted };
-        let steps = (left / mean).round().clamp(1.0, own + 1.0);
-        let step = left / steps;
-        self.points.truncate(base + 1);
-        self.marks.truncate(base + 1);
-        let mut gone = 0.0;
-        for k in 1..steps as usize {
-            let (mark, here) = (self.marks[base + k - 1], self.points[base + k - 1]);
-            let want = (step * k as f32 - gone).max(0.5 * step);
-            let (next, at, far) = self.step(pattern, rail, (&mark, here, 0.0), want, cursor, roll);
-            if (next.turn, next.x) >= (end.turn, end.x) {
+        let likely = (left / mean).round().clamp(1.0, own + 1.0) as usize;
+        let mut best = (f32::INFINITY, likely, left / likely as f32);
+        for steps in [likely, likely + 1, likely.max(2) - 1] {
+            let (mut step, mut low, mut high) = (left / steps as f32, 0.88 * mean, 1.14 * mean);
+            for _ in 0..9 {
+                let over = self.tail(pattern, rail, (base, end, stop), (steps, step), cursor, roll);
+                let off = (over / step).abs();
+                if off < best.0 {
+                    best = (off, steps, step);
+                }
+                if off <= LENIENT {
+                    break;
+                }
+                if over > 0.0 {
+                    low = step
+                } else {
+                    high = step
+                }
+                let guess = step + over / steps as f32;
+                step = if guess > low && guess < high { guess } else { 0.5 * (low + high) };
+            }
+            if best.0 <= LENIENT {
                 break;
             }
-            gone += far;
-            self.points.push(at);
-            self.marks.push(next);
+        }
+        if best.0 > LENIENT {
+            let way = (best.1, best.2);
+            self.tail(pattern, rail, (base, end, stop), way, cursor, roll);
         }
         self.points.push(stop);
         self.marks.push(end);
     }
 
-    /// The point `wanted` cm from a point of the curl, where the speed changes by `faster` a turn; and its distance.
+    /// Takes all steps but the last from point `base` to the end. By how much the last is longer than the others, or how
+    /// far they went past it (negative).
+    fn tail(
+        &mut self,
+        pattern: &Pattern,
+        rail: &Rail,
+        (base, end, stop): (usize, Mark, Vec3),
+        (steps, step): (usize, f32),
+        cursor: &mut usize,
+        roll: Option<&impl Fn((u32, f32)) -> f32>,
+    ) -> f32 {
+        self.points.truncate(base + 1);
+        self.marks.truncate(base + 1);
+        for k in 1..steps {
+            let (mark, here) = (self.marks[base + k - 1], self.points[base + k - 1]);
+            let still = (&mark, here, 0.0);
+            let (next, at, _) = self.step(pattern, rail, still, (step, 0.01), cursor, roll);
+            if (next.turn, next.x) >= (end.turn, end.x) {
+                return -step * (steps - k) as f32;
+            }
+            self.points.push(at);
+            self.marks.push(next);
+        }
+        self.points[self.points.len() - 1].distance(stop) - step
+    }
+
+    /// The next point `wanted` cm from a point of the curl, give or take a share, where the speed changes by `faster` a
+    /// turn; and its distance.
     #[inline(always)]
     fn step(
         &self,
         pattern: &Pattern,
         rail: &Rail,
         (mark, here, faster): (&Mark, Vec3, f32),
-        wanted: f32,
+        (wanted, lenient): (f32, f32),
         cursor: &mut usize,
         roll: Option<&impl Fn((u32, f32)) -> f32>,
     ) -> (Mark, Vec3, f32) {
         let mut ahead = wanted / mark.speed;
         ahead =
             wanted / (mark.speed + 0.5 * faster * ahead).clamp(0.5 * mark.speed, 2.0 * mark.speed);
-        let mut tries = 0;
+        // Where the curl turns back on itself (a wave wider than its source's bends does), distance no longer grows with
+        // the way: then the first place that is far enough is closed in on.
+        let (mut near, mut beyond, mut tries) = (0.0, f32::INFINITY, 0);
         loop {
             let place = self.ahead((mark.turn, mark.x), ahead);
             let (point, speed) = self.at(pattern, rail, place, cursor, roll);
             let (way, far) = way(here, point);
             tries += 1;
-            if (far - wanted).abs() <= LENIENT * wanted || tries == 5 {
+            if (far - wanted).abs() <= lenient * wanted || tries == 24 {
                 let arc = mark.arc + arc(far, way, mark);
                 return (Mark { turn: place.0, x: place.1, speed, way, arc }, point, far);
             }
-            ahead *= (wanted / far.max(1e-9)).clamp(0.4, 2.5);
+            if far < wanted {
+                near = ahead
+            } else {
+                beyond = ahead
+            }
+            ahead = match () {
+                () if tries < 3 => ahead * (wanted / far.max(1e-9)).clamp(0.5, 2.0),
+                () if beyond == f32::INFINITY => near * 1.25,
+                () => 0.5 * (near + beyond),
+            };
         }
     }
 

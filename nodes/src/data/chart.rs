@@ -49,8 +49,15 @@ impl Spread {
     #[inline]
     pub fn flat_direction(&self, d: Vec3) -> Vec2 {
         let [x, y, z] = self.axes.map(|axis| d.dot(axis));
-        let length = (x * x + y * y + z * z).sqrt().max(1e-9);
-        Vec2::new(x, y) * (2.0 / (length * (length + z).max(1e-6 * length))).sqrt()
+        let square = x * x + y * y;
+        let length = (square + z * z).sqrt().max(1e-9);
+        // Two ways to write the same, each where nothing cancels.
+        let scale = if z >= 0.0 {
+            2.0 / (length * (length + z))
+        } else {
+            2.0 * (length - z) / (length * square.max(1e-12))
+        };
+        Vec2::new(x, y) * scale.sqrt()
     }
     /// The direction from the middle of the cranium that lies at `q` on the map. Unit.
     pub fn direction(&self, q: Vec2) -> Vec3 {

@@ -155,6 +155,30 @@ impl Scalp {
     pub fn free(&self, point: Vec3) -> bool {
         self.sections.as_ref().is_none_or(|sections| sections.at(point).is_some_and(|s| s.free))
     }
+    /// A root, or where it lies on a parting or beyond one, its mirror image within the section of `centre`: for whoever roots
+    /// hair around a point.
+    pub fn kept_in_section(&self, centre: Vec3, root: Root) -> Root {
+        let Some(sections) = &self.sections else { return root };
+        let Some(home) = sections.at(centre) else { return root };
+        let at_home = |p: Vec3| sections.at(p).is_some_and(|s| s.free && s.section == home.section);
+        if at_home(root.point) {
+            return root;
+        }
+        let (mut out, mut back) = (0.0, 1.0);
+        let mut kept = root;
+        for _ in 0..10 {
+            let middle = 0.5 * (out + back);
+            match self.closest_root(root.point.lerp(centre, middle)) {
+                Some(near) if at_home(near.point) => (back, kept) = (middle, near),
+                _ => out = middle,
+            }
+        }
+        // As far within the border as it lay beyond, so that roots do not pile up along it.
+        let border = 1.0 - back;
+        let mirrored = (border - back).max(0.2 * border);
+        let near = self.closest_root(centre.lerp(root.point, mirrored));
+        near.filter(|near| at_home(near.point)).unwrap_or(kept)
+    }
     /// The scalp as a flat map, made when first asked for.
     pub fn chart(&self) -> &Chart {
         let head = &*self.head;
@@ -281,11 +305,7 @@ impl Skin<'_> {
     /// smooth, off by up to a tenth at creases, +-1 beyond the field's band. Cheap; for whoever may err on the safe side.
     #[inline]
     pub fn about(&self, p: Vec3) -> f32 {
-        match self.field.depth(self.surface, p) {
-            Depth::Near(d, ..) => d,
-            Depth::Outside => 1.0,
-            Depth::Inside => -1.0,
-        }
+        self.roughly(p).map_or(1.0, |(d, ..)| d)
     }
 
     /// The scalp point closest to `p`: [`Surface::closest`], told by the field how far to look.
@@ -306,6 +326,17 @@ impl Skin<'_> {
             Depth::Outside => radius < self.field.band(),
             Depth::Near(d, _, doubt) => d - doubt > radius,
             Depth::Inside => false,
+        }
+    }
+
+    /// What the field alone says about `p`: distance, the way out (zero where that is not known), and how far the distance may
+    /// be wrong; none farther outside than the field's band. A tenth of the price of an exact answer, for hair by the million.
+    #[inline]
+    pub fn roughly(&self, p: Vec3) -> Option<(f32, Vec3, f32)> {
+        match self.field.depth(self.surface, p) {
+            Depth::Near(d, gradient, doubt) => Some((d, gradient, doubt)),
+            Depth::Inside => Some((-1.0, Vec3::ZERO, 1.0)),
+            Depth::Outside => None,
         }
     }
 

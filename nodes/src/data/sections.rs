@@ -252,19 +252,24 @@ impl Sections {
             members.clear();
             members.push(seed);
             self.labels[seed] = found;
-            let (mut next, mut area) = (0, 0.0);
+            let (mut next, mut area, mut parted) = (0, 0.0, false);
             while let Some(cell) = members.get(next).copied() {
                 next += 1;
                 area += spots[cell].area * spots[cell].grows;
                 for other in around(cell).take(4) {
-                    if grows[other] && self.labels[other] == NONE && self.open(cell, other) {
-                        self.labels[other] = found;
-                        members.push(other);
+                    if grows[other] && self.labels[other] != found {
+                        let open = self.open(cell, other);
+                        parted |= !open && spots[cell].grows >= 0.5;
+                        if open && self.labels[other] == NONE {
+                            self.labels[other] = found;
+                            members.push(other);
+                        }
                     }
                 }
             }
             if area < LEAST {
-                slivers += 1;
+                // Specks at the ragged edge of a region are nothing to tell.
+                slivers += usize::from(parted);
                 // Not looked at again, and cleared below.
                 members.iter().for_each(|cell| self.labels[*cell] = NONE - 1);
             } else {
@@ -553,4 +558,108 @@ fn whereabouts(scalp: &Scalp, p: Vec3) -> String {
         _ => "middle",
     };
     format!("{area} {side}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::scalp::tests::shared_ball;
+    use crate::maths::hash::Dice;
+    use crate::maths::transcendental::sin_cos_turns;
+
+    /// A line over the ball in the plane x = `x` (or z = `x`), from one edge of the scalp to the other.
+    fn across(id: u64, x: f32, turned: bool) -> Parting {
+        let points = (0..=120).map(|k| {
+            let (s, c) = sin_cos_turns(k as f32 / 240.0 - 0.25);
+            let r = (8.9f32 * 8.9 - x * x).sqrt();
+            let p = Vec3::new(x, c * r, s * r);
+            let p = if turned { Vec3::new(p.z, p.y, p.x) } else { p };
+            shared_ball().closest_root(p).unwrap().point
+        });
+        Parting { id, points: points.collect() }
+    }
+    fn cut(lines: Vec<Parting>, names: &[(String, Vec3)]) -> (Sections, Vec<String>) {
+        Sections::new(&shared_ball(), lines, 0.16, names)
+    }
+    fn ids(sections: &Sections) -> BTreeSet<u64> {
+        sections.list().iter().map(|s| s.id).collect()
+    }
+
+    #[test]
+    fn a_point_has_the_section_of_its_own_side_however_near_the_line() {
+        let lines = vec![across(1, -3.0, false), across(2, 0.2, false), across(3, 4.0, true)];
+        let (sections, said) = cut(lines, &[]);
+        assert_eq!((sections.list().len(), said.len()), (6, 0), "{said:?}");
+        let scalp = shared_ball();
+        let dice = Dice::new(1, 0, "points");
+        let mut of_side: BTreeMap<(bool, bool, bool), u32> = BTreeMap::new();
+        let mut close = 0;
+        for id in 0..20_000 {
+            let near = [-3.0, 0.2][id as usize % 2] + 0.1 * dice.signed(id, 5);
+            let x = if id % 3 == 0 { near } else { 7.0 * dice.signed(id, 0) };
+            let d = Vec3::new(x, 1.0 + 5.0 * dice.unit(id, 1), 7.0 * dice.signed(id, 2));
+            let p = scalp.closest_root(d.normalize() * 8.9).unwrap().point;
+            if p.y < 0.6 {
+                continue;
+            }
+            let place = sections.at(p).unwrap();
+            // The lines' points lie on flat triangles: between them they are a few hundredths of a millimetre off the plane.
+            let off = [p.x + 3.0, p.x - 0.2, p.z - 4.0];
+            if off.iter().any(|x| x.abs() < 0.01) {
+                continue;
+            }
+            close += u32::from(off.iter().any(|x| x.abs() < 0.05));
+            let side = (off[0] > 0.0, off[1] > 0.0, off[2] > 0.0);
+            assert_eq!(*of_side.entry(side).or_insert(place.section), place.section, "{p}");
+            assert_eq!(place.free, place.distance >= 0.08);
+            let least = off.iter().map(|x| x.abs()).fold(f32::MAX, f32::min);
+            // Nearer than that the planes of the lines are as far as the lines.
+            if least < 0.4 && p.y > 2.0 {
+                assert!((place.distance - least).abs() < 0.02 + 0.2 * least, "{place:?} {least}");
+            }
+        }
+        assert!(of_side.len() == 6 && close > 300, "{} {close}", of_side.len());
+    }
+
+    #[test]
+    fn moving_a_line_or_cutting_elsewhere_keeps_ids() {
+        let three =
+            |x: f32| vec![across(1, -3.0, false), across(2, x, false), across(3, 3.0, true)];
+        let (a, _) = cut(three(0.5), &[]);
+        let (b, _) = cut(three(1.4), &[]);
+        assert_eq!(ids(&a), ids(&b));
+        let mut more = three(0.5);
+        more.push(across(9, 5.5, false));
+        let (c, _) = cut(more, &[]);
+        // The two sections right of line 2 are cut in two each; the other four are as they were.
+        assert_eq!(ids(&a).intersection(&ids(&c)).count(), 4);
+        assert_eq!(c.list().len(), 8);
+        assert_eq!(ids(&c).len(), 8);
+    }
+
+    #[test]
+    fn names_stay_and_tell_of_merging_and_splitting() {
+        let name = |name: &str, x: f32| (name.to_owned(), Vec3::new(x, 8.0, 0.0));
+        let names = [name("left", 4.0), name("right", -4.0)];
+        let (two, said) = cut(vec![across(1, 0.3, false)], &names);
+        assert!(said.is_empty() && two.named("left") != two.named("right"), "{said:?}");
+        let (one, said) = cut(vec![], &names);
+        assert_eq!(one.list()[0].name, "left");
+        assert_eq!(said, ["\"left\" and \"right\" are one section now; it is called \"left\""]);
+        let (_, said) = cut(vec![across(1, 0.3, false)], &[name("all", 4.0), name("all", -4.0)]);
+        assert_eq!(said, ["\"all\" is cut in two; the other part is called \"all 2\""]);
+    }
+
+    #[test]
+    fn a_line_that_ends_in_hair_cuts_nothing() {
+        let mut line = across(1, 0.0, false);
+        line.points.truncate(60);
+        let (sections, _) = cut(vec![line.clone()], &[]);
+        assert_eq!(sections.list().len(), 1);
+        let p = line.points[40];
+        let root = shared_ball().closest_root(p + Vec3::X * 0.05).unwrap();
+        assert!(sections.distance(&root) < 0.06);
+        assert!(sections.crosses(p + Vec3::X, p - Vec3::X));
+        assert!(!sections.crosses(p + Vec3::X, p + Vec3::X * 2.0));
+    }
 }

@@ -244,9 +244,10 @@ fn missing<T: Item>(name: &str, like: &Column) -> Option<T> {
     T::values(&a::default_of(name, like))?.first().copied()
 }
 
-/// A stable id in the 31 bits that `int` primvars have. 0 stays 0.
+/// A stable id in the 31 bits that `int` primvars have. 0, which means none, stays 0, and nothing else becomes it.
 fn fold(id: u64) -> i32 {
-    ((id ^ (id >> 33)) & 0x7FFF_FFFF) as i32
+    let folded = ((id ^ (id >> 33)) & 0x7FFF_FFFF) as i32;
+    if id == 0 { 0 } else { folded.max(1) }
 }
 
 /// Folded ids, one a curve, without repeats: among 100,000 about two pairs collide, and the larger full id of a pair
@@ -502,6 +503,66 @@ mod tests {
         );
         let again = conform(&after.curves, None, &in_order);
         assert!(Arc::ptr_eq(&again.curves.tufts()[0], tuft), "what agrees is not copied");
+    }
+
+    #[test]
+    fn every_declared_attribute_travels_as_one_value_a_curve_and_a_point() {
+        let of = |ty: &str, n: usize| {
+            let number = |k: usize| k as f32 + 1.5;
+            match ty {
+                "f32" => f32::column((0..n).map(number).collect()),
+                "i32" => i32::column((0..n).map(|k| k as i32 + 3).collect()),
+                "u64" => u64::column((0..n).map(|k| (k as u64 + 1) << 35).collect()),
+                "Vec2" => Vec2::column((0..n).map(|k| Vec2::splat(number(k))).collect()),
+                _ => Vec3::column((0..n).map(|k| Vec3::splat(number(k))).collect()),
+            }
+        };
+        for (domain, n, how) in [(Domain::Curve, 2, "uniform"), (Domain::Point, 6, "vertex")] {
+            let mut b = TuftBuilder::even((0..6).map(|k| Vec3::Y * k as f32).collect(), 3);
+            for (name, ty, _) in a::DECLARED {
+                let values = of(ty, n);
+                b.set_column(a::Attribute { name: (*name).into(), domain, values });
+            }
+            let curves = Curves::new(vec![Arc::new(b.build())]);
+            let group =
+                |name: &str| Group { name: name.into(), guides: false, curves: curves.clone() };
+            let about = About {
+                title: "all".into(),
+                generator: "test".into(),
+                graph_hash: String::new(),
+                seed: 0,
+            };
+            let mut file = std::io::Cursor::new(vec![]);
+            write(Format::Usdc, &[group("one"), group("two")], &about, &mut file).unwrap();
+            let prims = super::super::usd::read::read_curves(&file.into_inner(), "usdc").unwrap();
+            for (name, ty, _) in a::DECLARED.iter().filter(|(name, ..)| *name != WIDTH.name) {
+                let known = match *name {
+                    "parent" => "clumpId",
+                    "root_triangle" => "skinprim",
+                    "root_bary" => "skinprimuv",
+                    "root_uv" => "st",
+                    "colour" => "displayColor",
+                    name => name,
+                };
+                let found = |k: usize| prims[k].primvars.iter().find(|p| p.name == known).unwrap();
+                let (one, two) = (found(0), found(1));
+                let wanted = if *name == ID.name { "uniform" } else { how };
+                assert_eq!(
+                    (one.interpolation.as_str(), one.values.len()),
+                    (wanted, if *name == ID.name { 2 } else { n }),
+                    "{name} {ty}"
+                );
+                assert_eq!(one.values, two.values, "{name} is the same in every prim");
+            }
+        }
+    }
+
+    #[test]
+    fn an_id_never_folds_to_none() {
+        assert_eq!(fold(0), 0);
+        for id in [1 << 31, 1 | 1 << 33, 5, u64::MAX] {
+            assert!(fold(id) > 0, "{id:x}");
+        }
     }
 
     #[test]

@@ -11,6 +11,7 @@
 
 use crate::data::scalp::{Root, Skin};
 use crate::define::NodeError;
+use crate::eval::EvalCx;
 use crate::maths::frame::across;
 use crate::maths::hash::Dice;
 use crate::maths::spline::Spline;
@@ -18,6 +19,7 @@ use crate::maths::transcendental::{exp, sin, sin_cos};
 use glam::{IVec3, Vec3};
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
+use std::sync::OnceLock;
 
 /// One curve that is to fall. Lengths in cm.
 pub(super) struct Thread {
@@ -72,11 +74,7 @@ struct Chain {
 
 impl Fall<'_> {
     /// The finished curves, in the order of the threads.
-    pub(super) fn all(
-        &self,
-        threads: &[Thread],
-        check: &dyn Fn() -> Result<(), NodeError>,
-    ) -> Result<Vec<Vec<Vec3>>, NodeError> {
+    pub(super) fn all(&self, threads: &[Thread], cx: &EvalCx) -> Result<Vec<Vec<Vec3>>, NodeError> {
         let mut order: Vec<usize> = (0..threads.len()).collect();
         let height = |i: usize| -threads[i].point.dot(self.down);
         order.sort_by(|a, b| {
@@ -92,7 +90,7 @@ impl Fall<'_> {
             })
             .collect();
         for i in order {
-            check()?;
+            cx.check()?;
             let grown = self.grow(&threads[i], i, chains[i].step, &grid, &chains, threads);
             chains[i].at = grown;
             if self.separate {
@@ -101,23 +99,21 @@ impl Fall<'_> {
         }
         let mut near: Vec<Vec<Vec<(u32, u32)>>> = vec![];
         for round in 0..ROUNDS {
-            check()?;
+            cx.check()?;
             if self.separate && round % LISTED == 0 {
-                near = neighbours(threads, &chains, thickest);
+                near = neighbours(cx, threads, &chains, thickest);
             }
             let last = round + 3 >= ROUNDS;
-            let next: Vec<Vec<Vec3>> = (0..chains.len())
-                .map(|i| {
-                    let near = near.get(i).map_or(&[][..], Vec::as_slice);
-                    self.relaxed(threads, &chains, i, near, last)
-                })
-                .collect();
+            let next = each(cx, chains.len(), |i| {
+                let near = near.get(i).map_or(&[][..], Vec::as_slice);
+                self.relaxed(threads, &chains, i, near, last)
+            });
             for (chain, at) in chains.iter_mut().zip(next) {
                 chain.at = at;
             }
         }
-        check()?;
-        Ok(threads.iter().zip(&chains).map(|(t, chain)| self.finished(t, &chain.at)).collect())
+        cx.check()?;
+        Ok(each(cx, threads.len(), |i| self.finished(&threads[i], &chains[i].at)))
     }
 
     /// Where a thread is drawn to at arc length `s`: down, straying slowly to and fro.
@@ -260,8 +256,28 @@ impl Fall<'_> {
         self.skin.map_or(p, |skin| skin.lift_about(p, height))
     }
 
+    /// A fallen thread without corners: where it still turns sharply, squeezed between others, it is smoothed.
+    fn softened(&self, at: &[Vec3]) -> Vec<Vec3> {
+        let mut at = at.to_vec();
+        for _ in 0..80 {
+            let mut sharp = false;
+            for k in 2..at.len().saturating_sub(1) {
+                let (a, b) = (at[k] - at[k - 1], at[k + 1] - at[k]);
+                if a.dot(b) < 0.97 * (a.length_squared() * b.length_squared()).sqrt() {
+                    sharp = true;
+                    at[k] = self.lift((at[k - 1] + at[k + 1]) * 0.5, LEAST).0;
+                }
+            }
+            if !sharp {
+                break;
+            }
+        }
+        at
+    }
+
     /// The curve of even points and exact length along a fallen thread.
     fn finished(&self, thread: &Thread, at: &[Vec3]) -> Vec<Vec3> {
+        let at = &self.softened(at)[..];
         let Ok(mut spline) = Spline::new(at) else {
             return straight(thread, self.down, self.points);
         };
@@ -375,28 +391,41 @@ impl Grid {
     }
 }
 
+/// What `make` gives for each number, made by all threads there are.
+fn each<T: Default + Send + Sync>(
+    cx: &EvalCx,
+    n: usize,
+    make: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
+    let made: Vec<OnceLock<T>> = (0..n).map(|_| OnceLock::new()).collect();
+    cx.host.for_each(n, &|i| {
+        let _ = made[i].set(make(i));
+    });
+    made.into_iter().map(|cell| cell.into_inner().unwrap_or_default()).collect()
+}
+
 /// For each point of each thread the segments of others that may come to touch it.
-fn neighbours(threads: &[Thread], chains: &[Chain], thickest: f32) -> Vec<Vec<Vec<(u32, u32)>>> {
+fn neighbours(
+    cx: &EvalCx,
+    threads: &[Thread],
+    chains: &[Chain],
+    thickest: f32,
+) -> Vec<Vec<Vec<(u32, u32)>>> {
     let mut grid = Grid::new(2.0 * thickest + 2.0 * STEP);
     for (i, chain) in chains.iter().enumerate() {
         grid.add(i, &chain.at);
     }
-    let mut found = vec![];
-    chains
-        .iter()
-        .enumerate()
-        .map(|(i, chain)| {
-            let mut lists = Vec::with_capacity(chain.at.len());
-            for p in &chain.at {
-                grid.near(*p, &mut found);
-                let close = |(c, segment): &(u32, u32)| {
-                    let reach = threads[i].clearance + threads[*c as usize].clearance + 1.5 * STEP;
-                    let at = chains[*c as usize].at[*segment as usize];
-                    *c as usize != i && at.distance_squared(*p) < reach * reach
-                };
-                lists.push(found.iter().copied().filter(close).collect());
-            }
-            lists
-        })
-        .collect()
+    each(cx, chains.len(), |i| {
+        let mut found = vec![];
+        let at = |(c, segment): &(u32, u32)| chains[*c as usize].at[*segment as usize];
+        let list = |p: &Vec3| {
+            grid.near(*p, &mut found);
+            let close = |one: &(u32, u32)| {
+                let reach = threads[i].clearance + threads[one.0 as usize].clearance + 1.5 * STEP;
+                one.0 as usize != i && at(one).distance_squared(*p) < reach * reach
+            };
+            found.iter().copied().filter(close).collect()
+        };
+        chains[i].at.iter().map(list).collect()
+    })
 }

@@ -78,7 +78,7 @@ node! {
 choice! {
     /// Which way curves leave their roots.
     Flow {
-        /// The direction below on the head's left and its mirror image on the right: hair that is parted.
+        /// The direction below on the head's left and its mirror image on the right, down at the back: hair that is parted.
         Sides = "sides",
         /// The same direction everywhere.
         Direction = "direction",
@@ -110,8 +110,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     let start = (inputs.roots.key(), || Ok(vec![]));
     let bytes = |fallen: &Vec<Vec<Vec3>>| fallen.iter().map(|c| c.len() * 12 + 24).sum();
-    let fallen =
-        cx.fold(start, &[(Key(0), ())], |_, ()| fall.all(&threads, &|| cx.check()), bytes)?;
+    let fallen = cx.fold(start, &[(Key(0), ())], |_, ()| fall.all(&threads, cx), bytes)?;
 
     let tufts = threads.iter().zip(&from).zip(&*fallen).map(|((thread, (tuft, i)), points)| {
         let mut b = TuftBuilder::new();
@@ -208,7 +207,11 @@ impl Inputs {
         let wanted = match self.flow {
             Flow::Sides => {
                 let side = if at.x < self.parted_at { -1.0 } else { 1.0 };
-                frame.vector_from_head(self.direction * Vec3::new(side, 1.0, 1.0))
+                let sideways = self.direction * Vec3::new(side, 1.0, 1.0);
+                // Parted hair is parted to the crown: on the back of the head it falls down.
+                let behind = ((-normal.dot(frame.forward) - 0.1) / 0.6).clamp(0.0, 1.0);
+                let behind = behind * behind * (3.0 - 2.0 * behind);
+                frame.vector_from_head(sideways.lerp(Vec3::NEG_Y, behind))
             }
             Flow::Direction => frame.vector_from_head(self.direction),
             Flow::Back => {

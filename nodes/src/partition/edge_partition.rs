@@ -6,13 +6,14 @@
 //! Guarantees: roots lie on the scalp and are bound to it; ends lie within the braid's radius about its row;
 //! hairs stay out of the skin; ends of a group lie within the group's radius; without `cross_partings` every
 //! root keeps half a parting's width from the parting and no hair crosses it. A row's hairs depend on that row and the
-//! rows it meets, so that editing one row makes anew its own hairs and its neighbours'. Not promised:
+//! rows it meets, so that editing one row makes anew its own hairs and its neighbours'; on a parted scalp they depend on
+//! the row and its section, and no hair crosses a parting. Not promised:
 //! that hairs of one row never lie over each other, for combed hair does.
 
-use super::pulled::{self, Ground, Middle, Rules, Wish};
+use super::pulled::{self, Ground, Home, Middle, Reach, Rules, Wish};
 use super::territory::{Row, Station, neighbour};
 use crate::data::attributes::{
-    ALONG, BRAID, Domain, GROUP, ID, PARENT, RADIUS, SCALP_NORMAL, SIDE, WIDTH,
+    ALONG, BRAID, Domain, GROUP, ID, PARENT, RADIUS, SCALP_NORMAL, SECTION, SIDE, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
@@ -32,7 +33,8 @@ node! {
     ///
     /// Wire the rows that braids are laid along. For each row the nearest rows on its left and right are found; half-way
     /// to them is the parting, where the hairs are rooted, and from there they are combed over the scalp along and into the
-    /// braid, evenly or gathered at each stitch.
+    /// braid, evenly or gathered at each stitch. On a parted scalp (node Partings) hairs are rooted up to the partings of the
+    /// row's own section and stay in it.
     "edge_partition", version 1, label "Edge partition", words "parting part side middle hairs section cornrow canerow braid edge guide partition segments pulled comb line", thins;
     inputs {
         /// The rows, root first: the same curves that the braids are laid along.
@@ -249,7 +251,9 @@ impl Map {
         let is_self = |n: usize| self.among_themselves && n == own;
         let given = |role: i32| self.rows.iter().any(|(_, r, _)| *r == role);
         let mut needed = BTreeSet::new();
-        for row in rows_of(tuft) {
+        // On a parted scalp rows mind their section and nobody else.
+        let rows = rows_of(tuft).filter(|_| rules.scalp.sections().is_none() || rules.crossing);
+        for row in rows {
             let lead = lead / row.length();
             let looks = (row.length() * (1.0 + lead) / LOOK).ceil().clamp(4.0, 512.0) as usize;
             for k in 0..=looks {
@@ -354,10 +358,23 @@ fn hairs(
             left: if inputs.left.is_some() { left.iter().collect() } else { free.clone() },
             right: if inputs.right.is_some() { right.iter().collect() } else { free },
             own: &own,
+            home: if rules.crossing { None } else { home(rules.scalp, &own) },
         };
         row_hairs(cx, inputs, rules, unit, (tuft, i), &ground, read, &mut made, piece)?;
     }
     made.tuft(inputs)
+}
+
+/// The section that most of a row lies in.
+fn home<'a>(scalp: &'a Scalp, row: &Row) -> Option<Home<'a>> {
+    let sections = scalp.sections()?;
+    let mut votes: BTreeMap<u32, u32> = BTreeMap::new();
+    for k in 1..16 {
+        let at = sections.at(row.spline.at(k as f32 / 16.0));
+        at.into_iter().for_each(|at| *votes.entry(at.section).or_default() += 1);
+    }
+    let (number, _) = votes.into_iter().rev().max_by_key(|(_, votes)| *votes)?;
+    Some(Home { sections, number })
 }
 
 /// Hairs while they are made.
@@ -390,6 +407,10 @@ impl Made {
         let normals = self.roots.iter().map(|root| root.normal).collect();
         hair.set(SCALP_NORMAL, Domain::Curve, normals);
         lay::bind(&mut hair, &self.roots);
+        if let Some(sections) = inputs.scalp.sections() {
+            let id = |root: &Root| sections.id_at(root.point).unwrap_or_default();
+            hair.set(SECTION, Domain::Curve, self.roots.iter().map(id).collect());
+        }
         let hair = hair.build();
         let width = inputs.width.on(&hair, Some(&inputs.scalp))?;
         let (mut edit, cvs) = (hair.edit(), inputs.cvs as usize);
@@ -437,6 +458,7 @@ fn row_hairs(
     let gather = gather(inputs, ground, count / 2, read);
     let dice = cx.dice(inputs.seed, "edge");
     let braid = braid_id(tuft, curve, row, read);
+    let reach = Reach::new(rules, ground, lead);
     let before = made.ids.len();
     let mut points = vec![];
     let mut middles: BTreeMap<i32, Option<Middle>> = BTreeMap::new();
@@ -457,7 +479,7 @@ fn row_hairs(
             lift: lift.along(tuft, curve, along) * unit * (1.0 + 0.8 * vary(1)),
             round: (ROUND + 50.0 * vary(2)).to_radians(),
         };
-        let Some(start) = pulled::start(rules, ground, &wish) else { continue };
+        let Some(start) = pulled::start(rules, ground, &reach, &wish) else { continue };
         let (mut end_u, mut group) = (start.end_u, None);
         if let Some((at, number)) = gather.as_ref().and_then(|g| g.nearest(end_u, side)) {
             (end_u, group) = (at, Some(2 * number + i32::from(side > 0)));
@@ -473,7 +495,7 @@ fn row_hairs(
                     lift: 0.0,
                     round: ROUND.to_radians(),
                 };
-                pulled::middle(rules, ground, &wish, radius)
+                pulled::middle(rules, ground, &reach, &wish, radius)
             })
         });
         let point = match middle {

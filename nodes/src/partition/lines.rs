@@ -114,6 +114,15 @@ pub(crate) fn end(chart: &Chart, points: &mut Vec<Vec2>, others: &[&[Vec2]], joi
     let per_cm = CELL / chart.stretch(tip, Vec2::new(CELL, 0.0)).max(1e-6);
     let reach = join * per_cm;
     let near: Vec<&[Vec2]> = near(others, tip, 2.0 * reach);
+    // A line that ends on this one does not end this one.
+    let tips: Vec<Vec2> = others
+        .iter()
+        .flat_map(|line| [line.first(), line.last()])
+        .flatten()
+        .filter(|q| q.distance(tip) < 2.0 * reach)
+        .copied()
+        .collect();
+    let stem = |q: Vec2| tips.iter().any(|tip| tip.distance(q) < 3.0 * OVER * per_cm);
     let all: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
     let (mut walked, mut last) = (0.0, None);
     for k in (1..points.len()).rev() {
@@ -122,7 +131,7 @@ pub(crate) fn end(chart: &Chart, points: &mut Vec<Vec2>, others: &[&[Vec2]], joi
         }
         let (a, b) = (points[k - 1], points[k]);
         // From the end inwards the farthest crossing is the one where the line should have stopped.
-        if let Some(t) = first_crossing(a, b, &near) {
+        if let Some(t) = first_crossing(a, b, &near).filter(|t| !stem(a.lerp(b, *t))) {
             last = Some((k, t));
         }
         walked += a.distance(b);

@@ -2,13 +2,15 @@
 
 use crate::define::NodeDef;
 
+mod baby_hair;
 mod edge_partition;
+mod hairline;
 mod lines;
 mod middles;
 mod net;
 mod partings;
 mod pattern;
 mod pulled;
-mod territory;
+pub(crate) mod territory;
 
-pub(crate) const NODES: &[&NodeDef] = &[&partings::NODE, &edge_partition::NODE];
+pub(crate) const NODES: &[&NodeDef] = &[&partings::NODE, &edge_partition::NODE, &baby_hair::NODE];

@@ -252,9 +252,10 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Drawn {
     drawn
 }
 
-/// Ends lines where they meet: rows first, then what cuts rows.
+/// Ends lines where they meet: rows first, then what cuts rows. Rows twice, for what one was ended at may itself have been
+/// ended nearer since.
 fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec2>], join: f32) {
-    for rows in [true, false] {
+    for (rows, last) in [(true, false), (true, true), (false, true)] {
         for i in 0..lines.len() {
             if lines[i].row != rows || lines[i].closed {
                 continue;
@@ -273,7 +274,7 @@ fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec
                 loose += usize::from(end(chart, &mut points, &others, join) == End::Loose);
                 points.reverse();
             }
-            if loose > 0 {
+            if loose > 0 && last {
                 cx.trouble(lines[i].id, "a parting ends in the middle of hair and cuts nothing");
             }
             lines[i].points = points;
@@ -495,4 +496,141 @@ fn curve(roots: &[Root], id: u64, parent: u64) -> TuftBuilder {
     b.set(SCALP_NORMAL, Domain::Point, roots.iter().map(|r| r.normal).collect());
     bind(&mut b, &roots[..1]);
     b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::field::Field;
+    use crate::define::Value;
+    use crate::testing::{curves_of, run};
+
+    fn head() -> Arc<Scalp> {
+        static HEAD: std::sync::OnceLock<Arc<Scalp>> = std::sync::OnceLock::new();
+        let make = || match run(crate::by_id("head").unwrap(), &[]).0.remove(0) {
+            Value::Scalp(scalp) => scalp,
+            other => panic!("a {}", other.type_name()),
+        };
+        HEAD.get_or_init(make).clone()
+    }
+    fn scalp_of(value: &Value) -> Arc<Scalp> {
+        match value {
+            Value::Scalp(scalp) => scalp.clone(),
+            other => panic!("a {}", other.type_name()),
+        }
+    }
+    #[track_caller]
+    fn part(scalp: &Arc<Scalp>, set: &[(&str, Value)]) -> (Vec<Value>, Vec<String>) {
+        let (out, mut said) = run(&NODE, &[&[("scalp", scalp.clone().into())], set].concat());
+        said.retain(|s| !s.contains("sections:") && !s.starts_with("lengths"));
+        (out, said)
+    }
+
+    #[test]
+    fn every_pattern_cuts_the_head_into_the_sections_that_were_asked_for() {
+        let check =
+            |pattern: &str, count: i64, cells: &str, want: std::ops::RangeInclusive<usize>| {
+                let set = [
+                    ("pattern", pattern.into()),
+                    ("count", Value::Int(count)),
+                    ("cells", cells.into()),
+                ];
+                let (out, said) = part(&head(), &set);
+                let what = format!("{pattern} {cells}");
+                assert!(said.is_empty(), "{what}: {said:?}");
+                let scalp = scalp_of(&out[0]);
+                let list = scalp.sections().unwrap().list();
+                assert!(want.contains(&list.len()), "{what}: {}", list.len());
+                let ids: std::collections::BTreeSet<u64> = list.iter().map(|s| s.id).collect();
+                assert_eq!(ids.len(), list.len(), "{what}: ids are unique");
+                let mean = list.iter().map(|s| s.area).sum::<f32>() / list.len() as f32;
+                let least = list.iter().map(|s| s.area).fold(f32::MAX, f32::min);
+                assert!(least > 0.2 * mean, "{what}: a sliver of {least} where {mean} is the mean");
+                assert_eq!(curves_of(&out[3]).curve_count(), list.len(), "{what}");
+                assert!(curves_of(&out[2]).curve_count() + 1 >= list.len(), "{what}");
+                for (tuft, i) in curves_of(&out[1]).each() {
+                    for p in tuft.curve(i) {
+                        assert!(scalp.surface().closest(*p).unwrap().distance < 1e-3);
+                    }
+                }
+            };
+        check("straight_back", 9, "whole", 9..=9);
+        check("straight_back", 6, "whole", 6..=6);
+        check("curved", 8, "whole", 8..=8);
+        check("across", 7, "whole", 7..=7);
+        check("gathered", 12, "whole", 13..=13);
+        check("halo", 4, "whole", 5..=5);
+        check("halo", 4, "boxes", 60..=110);
+        check("across", 9, "boxes", 60..=120);
+        check("across", 7, "triangles", 80..=180);
+    }
+
+    #[test]
+    fn rows_run_in_their_section_as_wide_as_it_is() {
+        let (out, _) = part(&head(), &[("pattern", "straight_back".into())]);
+        let scalp = scalp_of(&out[0]);
+        let sections = scalp.sections().unwrap();
+        for (tuft, i) in curves_of(&out[2]).each() {
+            let points = tuft.curve(i);
+            for (k, p) in points.iter().enumerate().skip(2).take(points.len() - 4) {
+                assert_eq!(sections.id_at(*p), Some(tuft.view(SECTION).at(i, 0)));
+                let (half, to) = (tuft.view(RADIUS).at(i, k), sections.at(*p).unwrap().distance);
+                assert!(half < 4.0 && half > 0.5 * to.min(half), "{half} {to}");
+            }
+            // From the forehead to the nape.
+            assert!(points[0].z > points[points.len() - 1].z + 5.0);
+        }
+    }
+
+    #[test]
+    fn a_second_node_cuts_the_sections_of_the_first_where_a_mask_says() {
+        let half = [("pattern", "across".into()), ("count", Value::Int(2))];
+        let names = [("names", "front 0 7 6; back 0 3 -8".into()), ("seed", Value::Int(1))];
+        let (out, _) = part(&head(), &[&half[..], &names].concat());
+        let parted = scalp_of(&out[0]);
+        let set = [
+            ("pattern", "straight_back".into()),
+            ("count", Value::Int(6)),
+            ("area", Field::Mask("front".into()).into()),
+        ];
+        let (out, said) = part(&parted, &set);
+        assert!(said.is_empty(), "{said:?}");
+        let scalp = scalp_of(&out[0]);
+        assert_eq!(scalp.sections().unwrap().list().len(), 7);
+        assert_eq!(curves_of(&out[2]).curve_count(), 6);
+        assert!(std::ptr::eq(scalp.surface(), head().surface()), "the head itself is shared");
+        assert_ne!(scalp.key(), parted.key());
+    }
+
+    #[test]
+    fn hair_keeps_to_its_section_and_off_the_partings() {
+        let set = [("pattern", "straight_back".into()), ("width", Value::Float(0.3))];
+        let (out, _) = part(&head(), &set);
+        let (scalp, number) = (scalp_of(&out[0]), Value::Int(400));
+        let guides = crate::by_id("scatter_guides").unwrap();
+        let (grown, _) = run(guides, &[("scalp", scalp.clone().into()), ("count", number)]);
+        // A guide says by its width which section it stands in.
+        let sections = scalp.sections().unwrap();
+        let hair = crate::by_id("interpolate").unwrap();
+        let set = [
+            ("guides", grown[0].clone()),
+            ("scalp", scalp.clone().into()),
+            ("density", Value::Float(20.0)),
+        ];
+        let (hair, _) = run(hair, &set);
+        let home: BTreeMap<u64, u64> = curves_of(&grown[0])
+            .each()
+            .map(|(t, i)| (t.id(i), sections.id_at(t.curve(i)[0]).unwrap()))
+            .collect();
+        let mut hairs = 0;
+        for (tuft, i) in curves_of(&hair[0]).each() {
+            let place = sections.at(tuft.curve(i)[0]).unwrap();
+            assert!(place.distance >= 0.15, "{place:?}");
+            let id = sections.list()[place.section as usize].id;
+            assert_eq!(tuft.view(SECTION).at(i, 0), id);
+            assert_eq!(home[&tuft.view(PARENT).at(i, 0)], id);
+            hairs += 1;
+        }
+        assert!(hairs > 5000, "{hairs}");
+    }
 }

@@ -141,10 +141,17 @@ impl Family<'_> {
             let d = self.frame.head_from_vector(self.chart.direction(middle(cell)));
             self.place(d).0
         };
+        let levels: Vec<f32> = (0..CELLS * CELLS)
+            .map(|cell| {
+                let near = [cell, cell.wrapping_sub(1), cell.wrapping_sub(CELLS)];
+                let asked = near.iter().any(|c| self.part.get(*c).is_some_and(|part| *part));
+                if asked { level(cell) } else { 0.0 }
+            })
+            .collect();
         for cell in (0..CELLS * CELLS - CELLS - 1).filter(|c| self.part[*c]) {
-            let here = level(cell);
+            let here = levels[cell];
             let [x, y] = [cell + 1, cell + CELLS].map(|other| {
-                let rise = level(other) - here;
+                let rise = levels[other] - here;
                 let rise = if self.is_rings() { rise } else { wrapped(rise) };
                 (spots[other].point - spots[cell].point, rise)
             });
@@ -167,9 +174,12 @@ impl Family<'_> {
         }
         let longest = sums.iter().map(|s| s.1).fold(0.0, f64::max);
         let mut total = 0.0f64;
-        sums.iter()
-            .map(|(area, length)| {
-                if *length > f64::from(SHORT) * longest {
+        (0..)
+            .zip(&sums)
+            .map(|(at, (area, length))| {
+                let short =
+                    if self.is_rings() && low + bin * at as f32 <= 0.9 { 0.0 } else { SHORT };
+                if *length > f64::from(short) * longest {
                     total += area / length * f64::from(bin);
                 }
                 total as f32
@@ -181,7 +191,9 @@ impl Family<'_> {
     fn level_at(&self, widths: &[f32], share: f32) -> f32 {
         let (low, high) = self.levels();
         let wanted = share * widths[BINS - 1];
-        let at = widths.partition_point(|w| *w < wanted).min(BINS - 1);
+        // Where nothing is at the ends, the end nearer to what there is counts.
+        let at = widths.partition_point(|w| if share < 0.5 { *w <= wanted } else { *w < wanted });
+        let at = at.min(BINS - 1);
         let before = if at > 0 { widths[at - 1] } else { 0.0 };
         let part = (wanted - before) / (widths[at] - before).max(1e-9);
         low + (at as f32 + part.clamp(0.0, 1.0)) / BINS as f32 * (high - low)
@@ -347,9 +359,6 @@ pub(crate) fn drawn(chart: &Chart, frame: &HeadFrame, part: &[bool], wish: &Wish
             rows(&Family { mirror, ..family(net, part) }, wish, count, 0, &mut out);
         }
         Rows::Curved => {
-            // The middle parting stands in both halves' way and ends their rows.
-            let net = Net::new(FRONT, BEHIND, Vec3::Y, Vec3::X);
-            family(net, part).put(wish, 999, 0.0, &mut out);
             for (half, side) in [(0, 1.0), (1, -1.0)] {
                 let own: Vec<bool> = (0..CELLS * CELLS)
                     .map(|cell| part[cell] && middle(cell).x * side > 0.0)
@@ -365,6 +374,9 @@ pub(crate) fn drawn(chart: &Chart, frame: &HeadFrame, part: &[bool], wish: &Wish
                 let own = Family { chart, frame, net, edge: vec![], part: &own, mirror: false };
                 rows(&own, wish, count.div_ceil(2), half, &mut out);
             }
+            // The middle parting stands in both halves' way and ends their rows.
+            let net = Net::new(FRONT, BEHIND, Vec3::Y, Vec3::X);
+            family(net, part).put(wish, 999, 0.0, &mut out);
         }
         Rows::Gathered => {
             let net = Net::new(wish.centre, -wish.centre, Vec3::Z, Vec3::X);
@@ -430,7 +442,7 @@ const BEHIND: Vec3 = Vec3::new(0.0, -0.96, 0.28);
 /// Where rows from ear to ear seem to come from.
 const UNDER_EAR: Vec3 = Vec3::new(0.62, -0.75, 0.22);
 /// How far curved rows are swept when nobody says so, radians.
-const SWEEP: f32 = 0.9;
+const SWEEP: f32 = 0.3;
 
 fn about_up(d: Vec3, angle: f32) -> Vec3 {
     let (sin, cos) = sin_cos(angle);
@@ -458,7 +470,7 @@ fn hairline(family: &Family) -> Vec<f32> {
         })
         .collect();
     let mut edge = raw;
-    for _ in 0..24 {
+    for _ in 0..90 {
         edge = (0..AROUND)
             .map(|k| {
                 let [a, b, c] = [k + AROUND - 1, k, k + 1].map(|i| edge[i % AROUND]);

@@ -14,9 +14,10 @@
 use super::territory::{Row, Station, neighbour};
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Root, Scalp, Skin};
+use crate::data::sections::Sections;
+use crate::maths::closest::{Hit, Surface};
 use crate::maths::spline::{Place, Spline};
 use crate::maths::transcendental::{sin_cos, tan};
-use crate::scalp::lay::laid;
 use glam::Vec3;
 
 /// What all hairs of a run share. Lengths in cm, angles in radians.
@@ -36,11 +37,31 @@ pub(crate) struct Rules<'a> {
     pub(crate) clear: f32,
 }
 
-/// A row with those that its hairs must mind.
+/// A row with what its hairs must mind: the section it lies in, or where there are none, other rows.
 pub(crate) struct Ground<'a> {
     pub(crate) own: &'a Row,
     pub(crate) left: Vec<&'a Row>,
     pub(crate) right: Vec<&'a Row>,
+    pub(crate) home: Option<Home<'a>>,
+}
+
+/// The section that a row lies in.
+#[derive(Clone, Copy)]
+pub(crate) struct Home<'a> {
+    pub(crate) sections: &'a Sections,
+    pub(crate) number: u32,
+}
+
+impl Home<'_> {
+    /// How far within the section and off the bare skin of its partings a point is, cm; negative elsewhere.
+    fn slack(&self, p: Vec3) -> f32 {
+        match self.sections.at(p) {
+            Some(place) if place.section == self.number => {
+                place.distance - self.sections.half_width()
+            }
+            _ => -1.0,
+        }
+    }
 }
 
 /// What one hair asks for.
@@ -80,45 +101,172 @@ impl Ground<'_> {
         }
         other - own
     }
+    /// How far `p` is within its own ground; twice that (or less) it may move without leaving it.
+    fn margin(&self, p: Vec3) -> f32 {
+        match &self.home {
+            Some(home) => 2.0 * home.slack(p).max(0.0),
+            None => self.ahead(p),
+        }
+    }
+    /// Whether `p` is in its own section, or nearer to its own row than to any other by `slack`.
+    fn is_home(&self, p: Vec3, slack: f32) -> bool {
+        if let Some(home) = &self.home {
+            return home.slack(p) >= 0.0;
+        }
+        let limit = self.own.nearest(p).1 + slack;
+        let mut others = self.left.iter().chain(&self.right);
+        others.all(|row| row.distance_under(p, limit) >= limit)
+    }
+}
+
+/// What lies beside a place of a row, on one side.
+#[derive(Clone, Copy)]
+struct Beside {
+    /// To the neighbour, or where it would be.
+    to: Vec3,
+    /// Whether somebody is met there.
+    shared: bool,
+    /// Number of who is met.
+    who: usize,
+    /// The scalp's normal under the row.
+    normal: Vec3,
+    /// The farthest part of the way at which hair may be rooted.
+    most: f32,
+}
+
+/// What lies beside a row, at even distances along it, so that a hair has only to look it up.
+pub(crate) struct Reach {
+    from: f32,
+    per_u: f32,
+    sides: [Vec<Option<Beside>>; 2],
+}
+
+/// Distance between the places at which a row's sides are looked at, cm.
+const LOOK: f32 = 0.2;
+
+impl Reach {
+    /// Looks at a row from `lead` (a fraction of its length) before its root to its end.
+    pub(crate) fn new(rules: &Rules, ground: &Ground, lead: f32) -> Self {
+        let n = (ground.own.length() * (1.0 + lead) / LOOK).ceil().clamp(4.0, 1000.0);
+        let look = |side: i32| {
+            let at = |k: usize| beside(rules, ground, (1.0 + lead) * k as f32 / n - lead, side);
+            (0..=n as usize).map(at).collect()
+        };
+        Self { from: -lead, per_u: n / (1.0 + lead), sides: [look(-1), look(1)] }
+    }
+    /// What lies beside the row at `u`, where the places about it agree.
+    fn at(&self, u: f32, side: i32) -> Option<Beside> {
+        let list = &self.sides[usize::from(side > 0)];
+        let x = (u - self.from) * self.per_u;
+        let i = (x as usize).min(list.len() - 2);
+        let t = (x - i as f32).clamp(0.0, 1.0);
+        let (a, b) = (list[i]?, list[i + 1]?);
+        (a.shared == b.shared && a.who == b.who).then(|| Beside {
+            to: a.to.lerp(b.to, t),
+            normal: a.normal.lerp(b.normal, t),
+            most: a.most + (b.most - a.most) * t,
+            ..a
+        })
+    }
+    /// Whether there is no ground on a side near `u`.
+    fn is_bare(&self, u: f32, side: i32) -> bool {
+        let list = &self.sides[usize::from(side > 0)];
+        let i = (((u - self.from) * self.per_u) as usize).min(list.len() - 2);
+        list[i].is_none() && list[i + 1].is_none()
+    }
+}
+
+/// Looks to one side of a row at `u`; none where there is no ground, or none of it is the row's own.
+fn beside(rules: &Rules, ground: &Ground, u: f32, side: i32) -> Option<Beside> {
+    let station = Station::new(ground.own, rules.scalp, u);
+    let way = station.side(side);
+    let (to, shared, who) = if let Some(home) = &ground.home {
+        // The border of the section stands where the parting half-way to a neighbour would.
+        let inside = |d: &f32| {
+            let root = rules.scalp.closest_root(station.point + way * *d);
+            root.is_some_and(|root| {
+                home.slack(root.point) >= 0.0 && grows(rules.scalp, &root) >= 0.5
+            })
+        };
+        let steps = (1..=64).map(|k| k as f32 * 0.1).take_while(|d| *d <= rules.reach);
+        let far = steps.take_while(inside).last()?;
+        (way * (2.0 * (far + 0.1)), true, 0)
+    } else {
+        let rows = ground.beside(side).iter().copied().enumerate();
+        match neighbour(&station, side, rows, rules.reach) {
+            Some((who, q)) => (q - station.point, true, who),
+            None if rules.open_side > 0.0 => (way * (2.0 * rules.open_side), false, 0),
+            None => return None,
+        }
+    };
+    let mut found = Beside { to, shared, who, normal: station.normal, most: 1.0 };
+    let at = |t: f32| place(rules, ground, &station, &found, t);
+    let last = at(1.0)?;
+    if last.1 < 0.0 {
+        found.most = farthest(at, 1.0, last.1)?.1;
+    }
+    Some(found)
+}
+
+fn grows(scalp: &Scalp, root: &Root) -> f32 {
+    scalp.mask_at(scalp.region(), root.triangle, root.bary)
+}
+
+/// The root a part of the way to what lies beside, and how much room it has left.
+fn place(
+    rules: &Rules,
+    ground: &Ground,
+    station: &Station,
+    beside: &Beside,
+    t: f32,
+) -> Option<(Root, f32)> {
+    let root = rules.scalp.closest_root(station.point + beside.to * t)?;
+    let slack = if rules.crossing {
+        f32::MAX
+    } else if let Some(home) = &ground.home {
+        home.slack(root.point)
+    } else if beside.shared {
+        ground.ahead(root.point) - rules.parting
+    } else {
+        // Nobody is met on this side: the ground ends where the parting would be.
+        let edge = (0.5 - t) * 2.0 * rules.open_side - 0.5 * rules.parting;
+        edge.min(ground.ahead(root.point) - rules.parting)
+    };
+    Some((root, slack.min(if grows(rules.scalp, &root) >= 0.5 { f32::MAX } else { -1.0 })))
 }
 
 /// Where a hair is rooted; none where there is no ground on that side, or none of it is the row's own.
-pub(crate) fn start(rules: &Rules, ground: &Ground, wish: &Wish) -> Option<Start> {
-    let station = Station::new(ground.own, rules.scalp, wish.u);
-    let beside = ground.beside(wish.side).iter().copied().enumerate();
-    let (to, shared) = match neighbour(&station, wish.side, beside, rules.reach) {
-        Some((_, q)) => (q, true),
-        None if rules.open_side > 0.0 => {
-            (station.point + station.side(wish.side) * (2.0 * rules.open_side), false)
+pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) -> Option<Start> {
+    let (station, root) = match reach.at(wish.u, wish.side) {
+        Some(found) => {
+            let station = Station::with_normal(ground.own, wish.u, found.normal);
+            let t = wish.mediate.min(found.most);
+            let (root, slack) = place(rules, ground, &station, &found, t)?;
+            if slack >= 0.0 {
+                (station, root)
+            } else {
+                // Between two places the edge bends a little: a look from near it.
+                let at = |t: f32| place(rules, ground, &station, &found, t);
+                (station, farthest(at, t, slack)?.0)
+            }
         }
-        None => return None,
+        None if reach.is_bare(wish.u, wish.side) => return None,
+        None => {
+            let found = beside(rules, ground, wish.u, wish.side)?;
+            let station = Station::with_normal(ground.own, wish.u, found.normal);
+            let t = wish.mediate.min(found.most);
+            (station, place(rules, ground, &station, &found, t)?.0)
+        }
     };
-    let at = |t: f32| {
-        let root = rules.scalp.closest_root(station.point + (to - station.point) * t)?;
-        let slack = if rules.crossing {
-            f32::MAX
-        } else if shared {
-            ground.ahead(root.point) - rules.parting
-        } else {
-            // Nobody is met on this side: the ground ends where the parting would be.
-            let edge = (0.5 - t) * 2.0 * rules.open_side - 0.5 * rules.parting;
-            edge.min(ground.ahead(root.point) - rules.parting)
-        };
-        let grows = rules.scalp.mask_at(rules.scalp.region(), root.triangle, root.bary);
-        Some((root, slack.min(if grows >= 0.5 { f32::MAX } else { -1.0 })))
-    };
-    let (mut root, slack) = at(wish.mediate)?;
-    if slack < 0.0 {
-        root = farthest(at, wish.mediate, slack)?;
-    }
     // The pull is measured from beside the root, not from the slanted line to the neighbour.
     let off = (root.point - station.point).reject_from_normalized(station.along).length();
     let pulled = tan(wish.pull) * off / ground.own.length();
     Some(Start { root, end_u: (wish.u + pulled).clamp(0.0, 1.0), pulled })
 }
 
-/// The farthest root with slack, up to `most` (which has `lack` of it); none when the row itself has none.
-fn farthest(at: impl Fn(f32) -> Option<(Root, f32)>, most: f32, lack: f32) -> Option<Root> {
+/// The farthest root with slack and how far on the way it is, up to `most` (which has `lack` of it); none when the row itself has
+/// none.
+fn farthest(at: impl Fn(f32) -> Option<(Root, f32)>, most: f32, lack: f32) -> Option<(Root, f32)> {
     let (mut low, mut high) = (0.0, most);
     let (mut found, mut slack) = at(0.0)?;
     let mut lack = lack;
@@ -138,7 +286,7 @@ fn farthest(at: impl Fn(f32) -> Option<(Root, f32)>, most: f32, lack: f32) -> Op
             break;
         }
     }
-    Some(found)
+    Some((found, low))
 }
 
 /// A root this near to where it may not be (cm) is near enough.
@@ -196,10 +344,16 @@ pub(crate) struct Middle {
 }
 
 /// The hair without chance that ends at the fraction `wish.u` of the row; `radius` is the braid's there.
-pub(crate) fn middle(rules: &Rules, ground: &Ground, wish: &Wish, radius: f32) -> Option<Middle> {
-    let beside = start(rules, ground, wish)?;
+pub(crate) fn middle(
+    rules: &Rules,
+    ground: &Ground,
+    reach: &Reach,
+    wish: &Wish,
+    radius: f32,
+) -> Option<Middle> {
+    let beside = start(rules, ground, reach, wish)?;
     let before = Wish { u: (wish.u - beside.pulled).max(0.0), ..*wish };
-    let root = start(rules, ground, &before).unwrap_or(beside).root;
+    let root = start(rules, ground, reach, &before).unwrap_or(beside).root;
     let end = end(rules, ground.own, &root, wish.u, (wish.side, wish.round), radius);
     Some(Middle { root: root.point, end })
 }
@@ -225,9 +379,13 @@ pub(crate) fn way(
         from.lerp(middle, s).lerp(middle.lerp(to, s), s)
     };
     let surface = rules.scalp.surface();
-    let end_height = surface.closest(end).map_or(0.0, |hit| surface.signed_distance(end, &hit));
+    let mut feeler = Feeler { surface, near: root.triangle };
+    let end_height = feeler.height(end);
     // On a bumpy scalp the smooth normal does not quite point at the end.
-    let aside = end - laid(rules.scalp, end, end_height).0;
+    let aside = end - feeler.laid(end, end_height).0;
+    feeler.near = root.triangle;
+    // While the last point known to be at home is this far off, the next cannot have left it.
+    let (mut known, mut sure) = (root.point, 0.0f32);
     let fine = rules.cvs + 2;
     // The middle hair is met where it is as far from the end, so that a hair rooted nearer to the braid does not first
     // run back to the middle hair's root.
@@ -251,10 +409,11 @@ pub(crate) fn way(
         }
         let height = lift * 4.0 * s * (1.0 - s) + end_height * s * s;
         let height = height.max(rules.clear * (s * 8.0).min(1.0));
-        if !rules.crossing {
+        if !rules.crossing && 2.0 * p.distance(known) > sure {
             p = kept_at_home(ground, p, 0.25 * rules.parting);
+            (known, sure) = (p, ground.margin(p) - 0.25 * rules.parting);
         }
-        points.push(laid(rules.scalp, p, height).0 + aside * (s * s));
+        points.push(feeler.laid(p, height).0 + aside * (s * s));
     }
     points.push(end);
     let mut spline = Spline::default();
@@ -267,29 +426,60 @@ pub(crate) fn way(
         spline.resample(rules.cvs, |p| points.push(p));
         points[0] = root.point;
         points[rules.cvs - 1] = end;
-        if round == 5 || !lifted(rules, &mut spline, points) {
+        if round == 5 || !lifted(rules, &mut spline, points, root.triangle) {
             break;
         }
     }
-    true
+    // A border may jut out between two points that are at home.
+    let stays = |home: &Home| points.windows(2).all(|w| !home.sections.crosses(w[0], w[1]));
+    rules.crossing || ground.home.as_ref().is_none_or(stays)
+}
+
+/// Looks for the scalp under point after point, each near the last.
+struct Feeler<'a> {
+    surface: &'a Surface,
+    near: u32,
+}
+
+impl Feeler<'_> {
+    fn hit(&mut self, p: Vec3) -> Option<Hit> {
+        let hit = self.surface.closest_from(p, self.near)?;
+        self.near = hit.triangle;
+        Some(hit)
+    }
+    /// Height of a point over the skin, cm.
+    fn height(&mut self, p: Vec3) -> f32 {
+        self.hit(p).map_or(0.0, |hit| self.surface.signed_distance(p, &hit))
+    }
+    /// [`crate::scalp::lay::laid`].
+    fn laid(&mut self, p: Vec3, height: f32) -> (Vec3, Vec3) {
+        match self.hit(p) {
+            Some(hit) => {
+                let normal = self.surface.smooth_normal(hit.triangle, hit.bary);
+                (hit.point + normal * height, normal)
+            }
+            None => (p, Vec3::ZERO),
+        }
+    }
 }
 
 /// `p`, or a point towards the own row that is at least `slack` nearer to it than to any other.
 fn kept_at_home(ground: &Ground, p: Vec3, slack: f32) -> Vec3 {
-    if ground.ahead(p) >= slack {
+    if ground.is_home(p, slack) {
         return p;
     }
     let home = ground.own.nearest(p).0;
     let (mut out, mut back) = (0.0, 1.0);
     for _ in 0..8 {
         let middle = 0.5 * (out + back);
-        if ground.ahead(p.lerp(home, middle)) >= slack { back = middle } else { out = middle }
+        if ground.is_home(p.lerp(home, middle), slack) { back = middle } else { out = middle }
     }
     p.lerp(home, back)
 }
 
 /// Lifts points where the curve between them is under the skin; whether any was.
-fn lifted(rules: &Rules, spline: &mut Spline, points: &mut [Vec3]) -> bool {
+fn lifted(rules: &Rules, spline: &mut Spline, points: &mut [Vec3], near: u32) -> bool {
+    let mut feeler = Feeler { surface: rules.scalp.surface(), near };
     let n = points.len();
     if spline.rebuild(points).is_err() {
         return false;
@@ -301,11 +491,11 @@ fn lifted(rules: &Rules, spline: &mut Spline, points: &mut [Vec3]) -> bool {
         for &t in at {
             let p = spline.point(Place { span, t });
             let wanted = rules.clear * if span == 0 { 0.1 * t } else { 0.1 };
-            let low = wanted - rules.skin.distance(p);
+            let low = wanted - feeler.height(p);
             if low > 0.0 {
                 any = true;
                 let lever = if span == 0 { (1.0 / t).min(6.0) } else { 1.5 };
-                let up = laid(rules.scalp, p, 0.0).1 * (lever * low + 0.2 * rules.clear);
+                let up = feeler.laid(p, 0.0).1 * (lever * low + 0.2 * rules.clear);
                 for k in [span, span + 1] {
                     if k > 0 && k < n - 1 {
                         points[k] += up;

@@ -16,6 +16,8 @@ pub(crate) struct Row {
     points: Vec<Vec3>,
     /// Box of each [`RUN`] pieces, so that a search opens few of them.
     boxes: Vec<(Vec3, Vec3)>,
+    /// Box of all of it.
+    whole: (Vec3, Vec3),
 }
 
 /// Distance between the points of the line, cm; half of its sagitta on the tightest row (radius 1 cm) is the
@@ -32,14 +34,16 @@ impl Row {
         let n = (spline.length() / STEP).ceil().clamp(8.0, MOST) as usize + 1;
         let mut points = Vec::with_capacity(n);
         spline.resample(n, |p| points.push(p));
-        let boxes = (0..n - 1)
+        let boxes: Vec<(Vec3, Vec3)> = (0..n - 1)
             .step_by(RUN)
             .map(|k| {
                 let run = &points[k..(k + RUN + 1).min(n)];
                 run.iter().fold((run[0], run[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)))
             })
             .collect();
-        Ok(Self { id, spline, points, boxes })
+        let join = |a: (Vec3, Vec3), b: &(Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
+        let whole = boxes.iter().fold((points[0], points[0]), join);
+        Ok(Self { id, spline, points, boxes, whole })
     }
     pub(crate) fn length(&self) -> f32 {
         self.spline.length()
@@ -47,24 +51,34 @@ impl Row {
     /// Calls `see` with the nearest point of every piece, its squared distance and the piece's fraction, of the runs
     /// whose box is nearer than the squared distance that `see` last gave; it starts with `limit`.
     fn search(&self, p: Vec3, limit: f32, mut see: impl FnMut(Vec3, f32, f32) -> f32) {
-        let far = |b: usize| {
-            let (low, high) = self.boxes[b];
-            (low - p).max(p - high).max(Vec3::ZERO).length_squared()
-        };
-        let by = |a: &(f32, usize), b: &(f32, usize)| a.0.total_cmp(&b.0);
-        let Some((_, first)) = (0..self.boxes.len()).map(|b| (far(b), b)).min_by(by) else {
-            return;
-        };
         let mut limit = limit;
-        // The nearest box first: it leaves little for the others.
-        for b in std::iter::once(first).chain((0..self.boxes.len()).filter(|b| *b != first)) {
-            if far(b) >= limit {
-                continue;
-            }
+        let far = |b: usize| beside(self.boxes[b], p);
+        let mut open = |b: usize, limit: f32| {
+            let mut limit = limit;
             let last = (b * RUN + RUN).min(self.points.len() - 1);
             for k in b * RUN..last {
                 let (q, t) = on_piece(p, self.points[k], self.points[k + 1]);
                 limit = see(q, q.distance_squared(p), k as f32 + t);
+            }
+            limit
+        };
+        // The nearest box first where nothing is known yet: it leaves little for the others.
+        let mut first = usize::MAX;
+        if limit > WIDE {
+            let mut least = f32::MAX;
+            for b in 0..self.boxes.len() {
+                let d = far(b);
+                if d < least {
+                    (least, first) = (d, b);
+                }
+            }
+            if first < self.boxes.len() && least < limit {
+                limit = open(first, limit);
+            }
+        }
+        for b in 0..self.boxes.len() {
+            if b != first && far(b) < limit {
+                limit = open(b, limit);
             }
         }
     }
@@ -82,6 +96,9 @@ impl Row {
     /// The distance of the row from `p` where it is under `limit`, else `limit`.
     pub(crate) fn distance_under(&self, p: Vec3, limit: f32) -> f32 {
         let mut best = limit * limit;
+        if beside(self.whole, p) >= best {
+            return limit;
+        }
         self.search(p, best, |_, d, _| {
             best = best.min(d);
             best
@@ -105,6 +122,15 @@ impl Row {
     }
 }
 
+/// Squared distance of a point from a box.
+#[inline]
+fn beside((low, high): (Vec3, Vec3), p: Vec3) -> f32 {
+    (low - p).max(p - high).max(Vec3::ZERO).length_squared()
+}
+
+/// From this squared limit on (cm2) looking for the nearest box first pays.
+const WIDE: f32 = 9.0;
+
 fn on_piece(p: Vec3, a: Vec3, b: Vec3) -> (Vec3, f32) {
     let along = b - a;
     let t = ((p - a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
@@ -123,19 +149,30 @@ pub(crate) struct Station {
 impl Station {
     /// The place at fraction `u` of the row's length; beyond its ends, straight on.
     pub(crate) fn new(row: &Row, scalp: &Scalp, u: f32) -> Self {
+        let (point, along) = Self::on_row(row, u);
+        let normal = scalp.closest_root(point).map_or(Vec3::Y, |root| root.normal);
+        Self { point, along, normal: square(normal, along) }
+    }
+    /// The same place, where the scalp's normal is known already.
+    pub(crate) fn with_normal(row: &Row, u: f32, normal: Vec3) -> Self {
+        let (point, along) = Self::on_row(row, u);
+        Self { point, along, normal: square(normal, along) }
+    }
+    fn on_row(row: &Row, u: f32) -> (Vec3, Vec3) {
         let place = row.spline.locate(u);
         let along = row.spline.tangent(place);
         let beyond = u.min(0.0) + (u - 1.0).max(0.0);
-        let point = row.spline.point(place) + along * (beyond * row.length());
-        let normal = scalp.closest_root(point).map_or(Vec3::Y, |root| root.normal);
-        let normal = crate::maths::frame::across(normal, along)
-            .unwrap_or_else(|| crate::maths::frame::any_normal(along));
-        Self { point, along, normal }
+        (row.spline.point(place) + along * (beyond * row.length()), along)
     }
     /// To the right (1) or left (-1), seen along the row with the scalp's normal up.
     pub(crate) fn side(&self, side: i32) -> Vec3 {
         self.along.cross(self.normal) * side as f32
     }
+}
+
+fn square(normal: Vec3, along: Vec3) -> Vec3 {
+    crate::maths::frame::across(normal, along)
+        .unwrap_or_else(|| crate::maths::frame::any_normal(along))
 }
 
 /// Which of `rows` the row with this station meets first on a side, and where; none within `reach`.

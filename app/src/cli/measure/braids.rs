@@ -1,0 +1,366 @@
+//! What can be said of the braids of a file: word, crossing, distances of strands, height over the skin, hair per stitch.
+
+use super::prim::{Column, Prim, in_parts, quantile};
+use super::strands::{Braid, Section, braids};
+use super::word::{Crossing, Word};
+use coif_nodes::data::scalp::Scalp;
+use coif_nodes::maths::frame::{across, any_normal, carry};
+use glam::{Vec2, Vec3};
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The braids of one prim.
+#[derive(Serialize)]
+pub(super) struct Braids {
+    pub(super) braids: usize,
+    /// Strands of all braids.
+    pub(super) strands: usize,
+    /// Whether strands are single tubes; else they are made of hair, and their radius is that of its spread.
+    pub(super) tubes: bool,
+    /// Largest (r_i + r_j) / distance of two strands of a braid: 1 touches, more overlaps.
+    pub(super) worst_overlap: f32,
+    /// Braids of a kind together.
+    pub(super) kinds: Vec<Kind>,
+    /// Braids whose crossings are not those of one weave all along.
+    pub(super) broken_words: usize,
+    /// With a scalp: lowest, middle and highest distance, cm, of the braids' middle lines from the skin.
+    pub(super) height_cm: Option<[f32; 3]>,
+    /// With a scalp: the smallest, over the braids the middle of the smallest, and the largest smallest distance, cm,
+    /// between skin and strands, negative where they reach into it.
+    pub(super) gap_cm: Option<[f32; 3]>,
+    pub(super) joined: Option<Joined>,
+}
+
+/// Braids with the same crossings.
+#[derive(Serialize)]
+pub(super) struct Kind {
+    pub(super) braids: usize,
+    pub(super) strands: usize,
+    /// Frequency of the weave; null: none is braided so.
+    pub(super) weave: Option<usize>,
+    /// One stitch's factor: `s1` the pair farthest left, `^-1` where the strand going right is behind.
+    pub(super) factor: String,
+    /// `under`, `over`, `either` (both are the same braid), or `not known` where nothing in the file tells its front.
+    pub(super) crossing: &'static str,
+    /// Fewest, middle and most stitches of a braid.
+    pub(super) stitches: [usize; 3],
+}
+
+/// How hair joins braids.
+#[derive(Serialize)]
+pub(super) struct Joined {
+    /// Hairs that grow and join.
+    pub(super) grown: usize,
+    /// Extension hairs fed in.
+    pub(super) fed: usize,
+    /// Hairs of braids that join at no stitch.
+    pub(super) unjoined: usize,
+    /// Stitches at which hair joins, of all braids.
+    pub(super) stitches: usize,
+    /// Stitches between a braid's first and last with hair at which none joins.
+    pub(super) empty_stitches: usize,
+    /// Fewest, middle and most hairs joined at a stitch where any do.
+    pub(super) a_stitch: [usize; 3],
+}
+
+/// Farther than this (cm) from the skin its side tells nothing of a braid's front.
+const NEAR: f32 = 3.0;
+
+pub(super) fn measure(prim: &Prim, scalp: Option<&Scalp>) -> Option<Braids> {
+    let all = braids(prim);
+    let joined = joined(prim);
+    if all.is_empty() {
+        return None;
+    }
+    let root_front = prim.vectors("scalp_normal");
+    let found = in_parts(all.len(), 1, |part| {
+        let braid = &all[part.start];
+        One::of(prim, braid, scalp, root_front.as_ref())
+    });
+    let mut kinds: BTreeMap<(usize, Option<usize>, String, &'static str), Vec<usize>> =
+        BTreeMap::new();
+    let mut broken = 0;
+    for (one, braid) in found.iter().zip(&all) {
+        let Some(word) = &one.word else {
+            broken += 1;
+            continue;
+        };
+        broken += usize::from(word.faults > 0 || word.weave().is_none());
+        let crossing = match (word.crossing(), one.front_known) {
+            (Crossing::Either, _) => "either",
+            (_, false) => "not known",
+            (Crossing::Under, true) => "under",
+            (Crossing::Over, true) => "over",
+        };
+        let kind = (braid.strands.len(), word.weave(), word.factor(), crossing);
+        kinds.entry(kind).or_default().push(word.stitches);
+    }
+    let kinds = kinds.into_iter().map(|((strands, weave, factor, crossing), mut stitches)| {
+        stitches.sort_unstable();
+        let (low, high) = (stitches[0], stitches[stitches.len() - 1]);
+        let stitches_ = [low, stitches[stitches.len() / 2], high];
+        Kind { braids: stitches.len(), strands, weave, factor, crossing, stitches: stitches_ }
+    });
+    let spread = |values: &dyn Fn(&One) -> Option<Vec<f32>>| {
+        let mut all: Vec<f32> = found.iter().filter_map(values).flatten().collect();
+        all.sort_by(f32::total_cmp);
+        (!all.is_empty()).then(|| [0.0, 0.5, 1.0].map(|q| quantile(&all, q)))
+    };
+    Some(Braids {
+        braids: all.len(),
+        strands: all.iter().map(|b| b.strands.len()).sum(),
+        tubes: all.iter().all(|b| b.tubes),
+        worst_overlap: found.iter().map(|one| one.overlap).fold(0.0, f32::max),
+        kinds: kinds.collect(),
+        broken_words: broken,
+        height_cm: spread(&|one| one.heights.clone()),
+        gap_cm: spread(&|one| one.gap.map(|gap| vec![gap])),
+        joined,
+    })
+}
+
+struct One {
+    word: Option<Word>,
+    front_known: bool,
+    overlap: f32,
+    heights: Option<Vec<f32>>,
+    gap: Option<f32>,
+}
+
+impl One {
+    fn of(
+        prim: &Prim,
+        braid: &Braid,
+        scalp: Option<&Scalp>,
+        root_front: Option<&Column<Vec3>>,
+    ) -> Self {
+        let spine = Spine::of(prim, braid, scalp, root_front);
+        let sections = spine.sections(braid);
+        // The root where strands are gathered to a bundle and the brush beyond the tie are no braid.
+        let mut halves: Vec<f32> = sections.iter().map(|s| half(s)).collect();
+        let wide = {
+            let mut sorted = halves.clone();
+            sorted.sort_by(f32::total_cmp);
+            0.4 * quantile(&sorted, 0.5)
+        };
+        let first = halves.iter().position(|h| *h > wide).unwrap_or(0);
+        let last = halves.iter().rposition(|h| *h > wide).unwrap_or(0);
+        halves.clear();
+        let word = Word::read(braid.strands.len(), &sections[first..=last]);
+        let (mut heights, mut gap) = (None, None);
+        if let Some(scalp) = scalp {
+            let skin = scalp.skin();
+            let every = (spine.at.len() / 64).max(1);
+            heights = Some(spine.at.iter().step_by(every).map(|p| far(scalp, *p)).collect());
+            let strands = braid.strands.iter().flat_map(|s| s[first..=last].iter().step_by(2));
+            gap = Some(
+                strands
+                    .map(|s| match skin.distance(s.middle) {
+                        d if d < 1.0 => d - s.radius,
+                        _ => far(scalp, s.middle) - s.radius,
+                    })
+                    .fold(f32::MAX, f32::min),
+            );
+        }
+        Self { word, front_known: spine.front_known, overlap: overlap(braid), heights, gap }
+    }
+}
+
+fn far(scalp: &Scalp, p: Vec3) -> f32 {
+    let surface = scalp.surface();
+    surface.closest(p).map_or(0.0, |hit| surface.signed_distance(p, &hit))
+}
+
+fn half(section: &[Vec2]) -> f32 {
+    section.iter().map(|p| p.x.abs()).fold(0.0, f32::max)
+}
+
+/// A braid's own middle line with its front.
+struct Spine {
+    at: Vec<Vec3>,
+    tangents: Vec<Vec3>,
+    fronts: Vec<Vec3>,
+    front_known: bool,
+}
+
+impl Spine {
+    fn of(
+        prim: &Prim,
+        braid: &Braid,
+        scalp: Option<&Scalp>,
+        root_front: Option<&Column<Vec3>>,
+    ) -> Self {
+        let n = braid.strands[0].len();
+        let of_strands = braid.strands.len() as f32;
+        let at: Vec<Vec3> = (0..n)
+            .map(|k| braid.strands.iter().map(|s| s[k].middle).sum::<Vec3>() / of_strands)
+            .collect();
+        let reach = (n / 100).max(2);
+        let mut tangents: Vec<Vec3> = (0..n)
+            .map(|k| at[(k + reach).min(n - 1)] - at[k.saturating_sub(reach)])
+            .map(Vec3::normalize_or_zero)
+            .collect();
+        for k in 1..n {
+            if tangents[k] == Vec3::ZERO {
+                tangents[k] = tangents[k - 1];
+            }
+        }
+        // What tells the front: the file at each point; else the skin where the braid begins, or the normal of the scalp at
+        // its roots, carried on along the braid.
+        let told: Vec<Vec3> = (0..n)
+            .map(|k| braid.strands.iter().map(|s| s[k].front).sum::<Vec3>().normalize_or_zero())
+            .collect();
+        let told_everywhere = told.iter().all(|f| *f != Vec3::ZERO);
+        let below = |p: &Vec3| {
+            let hit = scalp?.surface().closest_within(*p, NEAR)?;
+            Some(scalp?.surface().smooth_normal(hit.triangle, hit.bary))
+        };
+        let begins = n.div_ceil(20);
+        let skin = at[..begins].iter().filter_map(below).sum::<Vec3>();
+        let roots = braid.curves.iter().flatten();
+        let root = root_front.map_or(Vec3::ZERO, |column| {
+            roots.map(|i| column.at(*i, prim.range(*i).start)).sum::<Vec3>()
+        });
+        let start = [told[0], skin, root].into_iter().find(|v| v.length_squared() > 0.0);
+        let start = start.and_then(|v| across(v.normalize_or_zero(), tangents[0]));
+        let mut fronts: Vec<Vec3> = vec![start.unwrap_or_else(|| any_normal(tangents[0]))];
+        for k in 1..n {
+            let carried = carry(fronts[k - 1], tangents[k - 1], tangents[k]);
+            let own = Some(told[k]).filter(|_| told_everywhere);
+            fronts.push(own.and_then(|own| across(own, tangents[k])).unwrap_or(carried));
+        }
+        let front_known = start.is_some();
+        let mut spine = Self { at, tangents, fronts, front_known };
+        if !told_everywhere {
+            spine.turn_to_the_broad_side(braid);
+        }
+        spine
+    }
+
+    /// Where the front is known from the root or the skin alone, the braid may have turned: it is taken to be the front
+    /// of its broad side that is nearest.
+    fn turn_to_the_broad_side(&mut self, braid: &Braid) {
+        let n = self.at.len();
+        let sections = self.sections(braid);
+        let moments: Vec<[f32; 3]> = sections
+            .iter()
+            .map(|s| {
+                s.iter().fold([0.0; 3], |[xx, xy, yy], p| {
+                    [xx + p.x * p.x, xy + p.x * p.y, yy + p.y * p.y]
+                })
+            })
+            .collect();
+        let reach = (n / 40).max(6);
+        let mut last = 0.0f32;
+        for k in 0..n {
+            let window = &moments[k.saturating_sub(reach)..(k + reach + 1).min(n)];
+            let [xx, xy, yy] =
+                window.iter().fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
+            let split = (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
+            let round = split < 0.12 * (xx + yy);
+            let mut angle = if round { last } else { 0.5 * (2.0 * xy).atan2(xx - yy) };
+            let half_turn = std::f32::consts::PI;
+            angle += ((last - angle) / half_turn).round() * half_turn;
+            last = angle;
+            let (front, right) = (self.fronts[k], self.tangents[k].cross(self.fronts[k]));
+            // The broad side turned from `right` towards `front` by the angle.
+            self.fronts[k] = front * angle.cos() - right * angle.sin();
+        }
+    }
+
+    /// Each strand seen along the braid: to the right (tangent x front) and to the front.
+    fn sections(&self, braid: &Braid) -> Vec<Vec<Vec2>> {
+        let n = self.at.len();
+        let reach = (n / 30).max(3);
+        (0..n)
+            .map(|k| {
+                let (at, tangent, front) = (self.at[k], self.tangents[k], self.fronts[k]);
+                let right = tangent.cross(front);
+                let one = |strand: &Vec<Section>| {
+                    // Where the strand goes through the plane across the braid here.
+                    let ahead = |j: usize| (strand[j].middle - at).dot(tangent);
+                    let mut p = strand[k].middle;
+                    let mut best = usize::MAX;
+                    for j in k.saturating_sub(reach)..(k + reach).min(n - 1) {
+                        let (a, b) = (ahead(j), ahead(j + 1));
+                        if a <= 0.0 && b > 0.0 && j.abs_diff(k) < best {
+                            best = j.abs_diff(k);
+                            p = strand[j].middle.lerp(strand[j + 1].middle, a / (a - b));
+                        }
+                    }
+                    Vec2::new((p - at).dot(right), (p - at).dot(front))
+                };
+                braid.strands.iter().map(one).collect()
+            })
+            .collect()
+    }
+}
+
+/// The largest (r_i + r_j) / distance of samples of different strands.
+fn overlap(braid: &Braid) -> f32 {
+    const BLOCK: usize = 16;
+    // The sphere about each block of samples, radii included: blocks that are apart are passed over.
+    let blocks: Vec<Vec<(Vec3, f32)>> = braid
+        .strands
+        .iter()
+        .map(|strand| {
+            let around = |block: &[Section]| {
+                let middle = block.iter().map(|s| s.middle).sum::<Vec3>() / block.len() as f32;
+                let reach = |s: &Section| s.middle.distance(middle) + s.radius;
+                (middle, block.iter().map(reach).fold(0.0, f32::max))
+            };
+            strand.chunks(BLOCK).map(around).collect()
+        })
+        .collect();
+    let mut worst = 0.0f32;
+    for i in 0..braid.strands.len() {
+        for j in i + 1..braid.strands.len() {
+            for (one, (p, a)) in braid.strands[i].chunks(BLOCK).zip(&blocks[i]) {
+                for (other, (q, b)) in braid.strands[j].chunks(BLOCK).zip(&blocks[j]) {
+                    if p.distance_squared(*q) > 2.5 * (a + b) * (a + b) {
+                        continue;
+                    }
+                    for s in one {
+                        for t in other {
+                            let sum = s.radius + t.radius;
+                            let d2 = s.middle.distance_squared(t.middle);
+                            worst = worst.max(sum * sum / d2.max(1e-18));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    // A pair that is far apart is not looked at.
+    worst.sqrt()
+}
+
+pub(super) fn joined(prim: &Prim) -> Option<Joined> {
+    let (braid, stitch) = (prim.whole("braid")?, prim.whole("stitch")?);
+    let fed = prim.whole("fed").unwrap_or_else(|| vec![0; prim.len()]);
+    let mut counts: BTreeMap<(i64, i64), usize> = BTreeMap::new();
+    let mut out =
+        Joined { grown: 0, fed: 0, unjoined: 0, stitches: 0, empty_stitches: 0, a_stitch: [0; 3] };
+    for i in (0..prim.len()).filter(|i| braid[*i] != 0) {
+        match (stitch[i] >= 0, fed[i] > 0) {
+            (false, _) => out.unjoined += 1,
+            (true, true) => out.fed += 1,
+            (true, false) => {
+                out.grown += 1;
+                *counts.entry((braid[i], stitch[i])).or_default() += 1;
+            }
+        }
+    }
+    out.stitches = counts.len();
+    for braid in counts.keys().map(|(b, _)| *b).collect::<BTreeSet<i64>>() {
+        let of = || counts.keys().filter(|(b, _)| *b == braid).map(|(_, s)| *s);
+        let span = of().max()? - of().min()? + 1;
+        out.empty_stitches += span as usize - of().count();
+    }
+    let mut sizes: Vec<usize> = counts.into_values().collect();
+    sizes.sort_unstable();
+    if let (Some(low), Some(high)) = (sizes.first(), sizes.last()) {
+        out.a_stitch = [*low, sizes[sizes.len() / 2], *high];
+    }
+    (out.grown + out.fed > 0).then_some(out)
+}

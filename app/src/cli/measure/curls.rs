@@ -1,0 +1,259 @@
+//! Diameter, pitch and shrinkage of curled hair, measured from where its points lie and set beside what was asked.
+//!
+//! No number that was asked enters: the axis of a curl is the mean of the hair over one turn, and what a turn is comes from
+//! the hair itself, by turns counted about the axis until both agree. Diameter: twice the root of the mean square distance
+//! from the axis (a wave's is its height times the root of 2, as methods.md 4 has it); pitch: length of the axis for a
+//! turn; shrinkage: what the axis is shorter than the hair. Root and tip, where curls open and run out, do not count.
+
+use super::prim::{Column, Prim, in_parts, quantile};
+use coif_nodes::maths::frame::carry;
+use coif_nodes::maths::spline::Spline;
+use glam::{Vec2, Vec3};
+use serde::Serialize;
+
+#[derive(Serialize)]
+pub(super) struct Curls {
+    /// Hairs that were asked to curl.
+    pub(super) curled: usize,
+    /// Hairs measured, spread evenly over them; those with fewer than two and a half turns tell nothing.
+    pub(super) measured: usize,
+    /// Measured over asked: of 5 % of the hairs at most, the middle, of 95 % at most.
+    pub(super) diameter_ratio: [f32; 3],
+    pub(super) pitch_ratio: [f32; 3],
+    pub(super) shrinkage_ratio: Option<[f32; 3]>,
+    /// The middle of what was measured: cm, cm, and 0 to 1.
+    pub(super) diameter_cm: f32,
+    pub(super) pitch_cm: f32,
+    pub(super) shrinkage: f32,
+}
+
+/// The most hairs that are measured.
+const MOST: usize = 2000;
+
+pub(super) fn measure(prim: &Prim) -> Option<Curls> {
+    let (diameter, pitch) = (prim.numbers("curl_diameter")?, prim.numbers("curl_pitch")?);
+    let shrinkage = prim.numbers("shrinkage");
+    let asked = |column: &Column<f32>, i: usize| column.at(i, prim.range(i).start);
+    let curled: Vec<usize> = (0..prim.len())
+        .filter(|i| {
+            prim.curve(*i).len() > 3 && asked(&diameter, *i) > 0.0 && asked(&pitch, *i) > 0.0
+        })
+        .collect();
+    if curled.is_empty() {
+        return None;
+    }
+    let every = curled.len().div_ceil(MOST);
+    let chosen: Vec<usize> = curled.iter().copied().step_by(every).collect();
+    let found: Vec<(usize, Curl)> = in_parts(chosen.len(), 50, |part| {
+        let curl = |k: usize| Some((chosen[k], Curl::of(prim.curve(chosen[k]))?));
+        part.filter_map(curl).collect::<Vec<_>>()
+    })
+    .concat();
+    let spread = |value: &dyn Fn(&(usize, Curl)) -> Option<f32>| {
+        let mut all: Vec<f32> = found.iter().filter_map(value).collect();
+        all.sort_by(f32::total_cmp);
+        [0.05, 0.5, 0.95].map(|q| quantile(&all, q))
+    };
+    Some(Curls {
+        curled: curled.len(),
+        measured: found.len(),
+        diameter_ratio: spread(&|(i, c)| Some(c.diameter / asked(&diameter, *i))),
+        pitch_ratio: spread(&|(i, c)| Some(c.pitch / asked(&pitch, *i))),
+        shrinkage_ratio: shrinkage.map(|s| {
+            spread(&|(i, c)| Some(c.shrinkage / asked(&s, *i)).filter(|_| asked(&s, *i) > 0.02))
+        }),
+        diameter_cm: spread(&|(_, c)| Some(c.diameter))[1],
+        pitch_cm: spread(&|(_, c)| Some(c.pitch))[1],
+        shrinkage: spread(&|(_, c)| Some(c.shrinkage))[1],
+    })
+}
+
+impl Curls {
+    /// Whether the middle of each figure is within `share` of what was asked.
+    pub(super) fn as_asked(&self, share: f32) -> [(&'static str, bool); 3] {
+        let near = |ratio: [f32; 3]| (ratio[1] - 1.0).abs() <= share;
+        [
+            ("curl diameters are as asked to 5 %", near(self.diameter_ratio)),
+            ("curl pitches are as asked to 5 %", near(self.pitch_ratio)),
+            ("shrinkage is as told to 5 %", self.shrinkage_ratio.is_none_or(near)),
+        ]
+    }
+}
+
+/// What one hair's curl measures.
+#[derive(Clone, Copy, Debug)]
+struct Curl {
+    diameter: f32,
+    pitch: f32,
+    shrinkage: f32,
+}
+
+impl Curl {
+    fn of(points: &[Vec3]) -> Option<Self> {
+        let spline = Spline::new(points).ok()?;
+        let length = spline.length();
+        let count = (points.len() * 4).clamp(64, 2048);
+        let mut at = Vec::with_capacity(count);
+        spline.resample(count, |p| at.push(p));
+        // Sums up to each sample, so that a mean over any window is two look-ups.
+        let mut sums = vec![glam::DVec3::ZERO];
+        for p in &at {
+            sums.push(sums[sums.len() - 1] + p.as_dvec3());
+        }
+        let mut window = count as f32 / 3.0;
+        let mut found = None;
+        for _ in 0..8 {
+            let (axis, from) = axis(&sums, window)?;
+            let (turns, counted) = turns(&at[from..from + axis.len()], &axis)?;
+            let next = counted as f32 / turns.max(1e-3);
+            found = Some((axis, from, turns, counted));
+            // Waves are counted in a window of many before they are in one of one.
+            let settled = (next - window).abs() < 0.01 * window;
+            window = next.clamp(6.0, count as f32 / 2.5);
+            if settled {
+                break;
+            }
+        }
+        let (axis, _, turns, counted) = found?;
+        if turns < 1.5 || window * 2.5 > count as f32 {
+            return None;
+        }
+        let (axis, from) = if axis.is_empty() { return None } else { self::axis(&sums, window)? };
+        let step = length / (count - 1) as f32;
+        let span: f32 = axis.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let of_hair = (axis.len() - 1) as f32 * step;
+        // Root and tip, where a curl opens and runs out, are no part of its width.
+        let (first, last) = (axis.len() / 3, axis.len() - axis.len() / 12);
+        let square: f32 = (first..last).map(|k| at[from + k].distance_squared(axis[k])).sum();
+        Some(Self {
+            diameter: 2.0 * (square / (last - first).max(1) as f32).sqrt(),
+            pitch: span / (turns * axis.len() as f32 / counted as f32),
+            shrinkage: 1.0 - span / of_hair,
+        })
+    }
+}
+
+/// Means over `window` samples, with the sample that the first belongs to.
+fn axis(sums: &[glam::DVec3], window: f32) -> Option<(Vec<Vec3>, usize)> {
+    let n = sums.len() - 1;
+    let half = 0.5 * window;
+    let first = half.ceil() as usize + 1;
+    let last = n.checked_sub(first + 1)?;
+    if last < first + 8 {
+        return None;
+    }
+    // Between sums, as the window is no whole number of samples.
+    let sum = |x: f32| {
+        let k = (x.floor() as usize).min(n - 1);
+        sums[k].lerp(sums[k + 1], f64::from(x - k as f32))
+    };
+    let mean = |k: usize| {
+        let middle = k as f32 + 0.5;
+        ((sum(middle + half) - sum(middle - half)) / f64::from(window)).as_vec3()
+    };
+    Some(((first..=last).map(mean).collect(), first))
+}
+
+/// How often `at` goes about its axis, whichever way round, and over how many samples that was counted.
+fn turns(at: &[Vec3], axis: &[Vec3]) -> Option<(f32, usize)> {
+    let n = axis.len();
+    let tangent =
+        |k: usize| (axis[(k + 1).min(n - 1)] - axis[k.saturating_sub(1)]).normalize_or_zero();
+    let mut before = tangent(0);
+    let mut normal = coif_nodes::maths::frame::any_normal(before);
+    let mut last: Option<Vec2> = None;
+    let mut angle = 0.0f32;
+    for k in 0..n {
+        let along = tangent(k);
+        if along == Vec3::ZERO {
+            continue;
+        }
+        normal = carry(normal, before, along);
+        before = along;
+        let off = at[k] - axis[k];
+        let here = Vec2::new(off.dot(normal), off.dot(along.cross(normal)));
+        if let Some(last) = last {
+            angle += last.perp_dot(here).atan2(last.dot(here)).abs();
+        }
+        if here.length_squared() > 0.0 {
+            last = Some(here);
+        }
+    }
+    (n > 8).then_some((angle / std::f32::consts::TAU, n))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `turns` turns of a coil of this diameter and pitch, `per_turn` points each, round an axis that bends; `hand`
+    /// tells the way round after each number of turns.
+    fn coil(diameter: f32, pitch: f32, turns: f32, per_turn: f32, bend: f32) -> Vec<Vec3> {
+        let n = (turns * per_turn) as usize;
+        (0..=n)
+            .map(|k| {
+                let turn = k as f32 / per_turn;
+                let (s, c) = (turn * std::f32::consts::TAU).sin_cos();
+                let along = turn * pitch * bend;
+                let (sb, cb) = along.sin_cos();
+                let out = Vec3::new(cb, sb, 0.0);
+                out * (1.0 / bend + 0.5 * diameter * c) + Vec3::Z * (0.5 * diameter * s)
+            })
+            .collect()
+    }
+
+    #[track_caller]
+    fn check(points: &[Vec3], diameter: f32, pitch: f32, shrinkage: f32) {
+        let curl = Curl::of(points).unwrap();
+        let near = |found: f32, want: f32| (found / want - 1.0).abs() < 0.03;
+        assert!(
+            near(curl.diameter, diameter)
+                && near(curl.pitch, pitch)
+                && near(curl.shrinkage, shrinkage),
+            "{curl:?}, not {diameter} {pitch} {shrinkage}"
+        );
+    }
+
+    #[test]
+    fn a_coil_measures_what_it_is() {
+        let shrinkage =
+            |d: f32, p: f32| 1.0 - p / ((std::f32::consts::PI * d).powi(2) + p * p).sqrt();
+        for (d, p, turns) in [(0.5, 0.7, 20.0), (1.5, 3.0, 6.0), (0.3, 0.25, 60.0), (2.5, 6.0, 4.0)]
+        {
+            check(&coil(d, p, turns, 12.0, 1e-3), d, p, shrinkage(d, p));
+        }
+        check(&coil(0.5, 0.7, 20.0, 12.0, 0.1), 0.5, 0.7, shrinkage(0.5, 0.7));
+    }
+
+    #[test]
+    fn a_wave_measures_its_height_times_the_root_of_two() {
+        let wave = |k: usize| {
+            let turn = k as f32 / 16.0;
+            Vec3::new((turn * std::f32::consts::TAU).sin() * 0.7, -5.0 * turn, 0.0)
+        };
+        let points: Vec<Vec3> = (0..=100).map(wave).collect();
+        let curl = Curl::of(&points).unwrap();
+        assert!((curl.diameter / (2.0 * 0.7 / 2f32.sqrt()) - 1.0).abs() < 0.04, "{curl:?}");
+        assert!((curl.pitch / 5.0 - 1.0).abs() < 0.04, "{curl:?}");
+    }
+
+    #[test]
+    fn switchbacks_are_counted_on() {
+        let mut points = vec![];
+        let mut angle = 0.0f32;
+        for k in 0..400 {
+            angle += if (k / 60) % 2 == 0 { 0.5 } else { -0.5 };
+            points.push(Vec3::new(0.25 * angle.cos(), -0.05 * k as f32, 0.25 * angle.sin()));
+        }
+        let curl = Curl::of(&points).unwrap();
+        let pitch = 0.05 * std::f32::consts::TAU / 0.5;
+        assert!((curl.pitch / pitch - 1.0).abs() < 0.06, "{curl:?} {pitch}");
+    }
+
+    #[test]
+    fn straight_hair_has_no_curl() {
+        let straight: Vec<Vec3> = (0..20).map(|k| Vec3::Y * k as f32).collect();
+        assert!(Curl::of(&straight).is_none());
+        assert!(Curl::of(&[Vec3::ZERO, Vec3::ZERO]).is_none());
+    }
+}

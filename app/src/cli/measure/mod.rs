@@ -1,0 +1,464 @@
+//! `coif measure`: the laws of hair, measured on an exported file alone (methods.md 0 and 2 to 6).
+//!
+//! What coif promises of its own grooms is measured on whatever is in the file, by whomever it was written: lengths, widths, spacing of
+//! CVs, stable ids, agreement of the two Catmull-Rom readings, braids (word, crossing, how near strands come, hair per
+//! stitch), partings that no hair crosses, hair of sections, curls as asked, clean outlines of puffs, and, with a scalp, roots on
+//! the skin and nothing under it. What a file does not tell is not judged: the figure is null and the law is missing.
+//!
+//! `prim.rs` reads columns, `strands.rs` finds the strands of braids; the other files measure one thing each.
+
+mod braids;
+mod curls;
+mod parted;
+mod prim;
+mod puffs;
+mod strands;
+mod word;
+mod words;
+
+use super::{Exit, complain, extension_of, print, shown};
+use clap::Args;
+use coif_graphs::schedule::files::{DiskFiles, Files};
+use coif_nodes::data::scalp::Scalp;
+use coif_nodes::define::Value;
+use coif_nodes::eval::{EvalCx, Log, PlainHost, Quality};
+use coif_nodes::formats::export::{AGREE, readings_differ};
+use coif_nodes::formats::usd::read::read_curves;
+use coif_nodes::maths::hash::Key;
+use coif_nodes::maths::spline::Spline;
+use glam::Vec3;
+use parted::Partings;
+use prim::{Prim, in_parts};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+#[derive(Args)]
+pub(crate) struct MeasureArgs {
+    /// USD file with BasisCurves: .usda, .usdc, .usd or .usdz
+    file: PathBuf,
+    /// Head mesh that the roots should lie on: .obj, .gltf or .glb; "builtin" for the built-in head
+    #[arg(long, value_name = "FILE")]
+    scalp: Option<PathBuf>,
+    /// Print JSON for other tools
+    #[arg(long)]
+    json: bool,
+}
+
+/// Everything measured on one curves prim.
+#[derive(Serialize)]
+struct Measured {
+    path: String,
+    purpose: String,
+    curves: usize,
+    points: usize,
+    points_a_curve: [usize; 2],
+    /// Smallest, middle and largest arc length, cm.
+    length_cm: [f32; 3],
+    /// Smallest and largest diameter, cm.
+    width_cm: Option<[f32; 2]>,
+    bounds: Option<[[f32; 3]; 2]>,
+    /// Curves of fewer than 2 points or without length.
+    no_curve: usize,
+    /// Largest ratio of two neighbouring segments' lengths.
+    spacing_ratio: f32,
+    /// Largest distance, cm, between the uniform and the centripetal reading of a curve.
+    reading_difference_cm: f32,
+    /// Curves whose id another curve has too; null where the file has no ids.
+    repeated_ids: Option<usize>,
+    braids: Option<braids::Braids>,
+    sections: Option<parted::BySection>,
+    partings: Option<parted::Parted>,
+    curls: Option<curls::Curls>,
+    puffs: Option<puffs::Puffs>,
+    scalp: Option<OnScalp>,
+    /// The laws and whether they hold.
+    laws: BTreeMap<&'static str, bool>,
+}
+
+#[derive(Serialize)]
+struct OnScalp {
+    /// Middle and largest distance of a root from the skin, cm.
+    root_distance_cm: [f32; 2],
+    /// Points deeper under the skin than their curve allows (and 0.001 cm of rounding).
+    too_deep: usize,
+    /// The deepest point's depth, cm.
+    deepest_cm: f32,
+}
+
+/// The most points of a strand (the limit of engines) and of all hair of a file.
+const MOST_A_CURVE: usize = 255;
+const MOST_POINTS: usize = 16_000_000;
+/// Tubes may overlap by this share of their distance.
+const TOUCH: f32 = 1.02;
+
+pub(crate) fn run(args: MeasureArgs) -> Exit {
+    let refuse = |file: &PathBuf, reason: String| {
+        complain(format!("{}: {reason}", shown(file)));
+        Exit::Refused
+    };
+    let bytes = match std::fs::metadata(&args.file) {
+        Ok(about) if !about.is_file() => return refuse(&args.file, "is not a file".to_owned()),
+        Ok(_) => std::fs::read(&args.file),
+        Err(err) => Err(err),
+    };
+    let bytes = match bytes {
+        Ok(bytes) => bytes,
+        Err(err) => return refuse(&args.file, err.to_string()),
+    };
+    let prims = match read_curves(&bytes, &extension_of(&args.file)) {
+        Ok(prims) if prims.is_empty() => {
+            return refuse(&args.file, "there are no BasisCurves in it".to_owned());
+        }
+        Ok(prims) => prims,
+        Err(err) => return refuse(&args.file, err.to_string()),
+    };
+    let scalp = match args.scalp.as_ref().map(read_scalp).transpose() {
+        Ok(scalp) => scalp,
+        Err(reason) => return refuse(args.scalp.as_ref().unwrap_or(&args.file), reason),
+    };
+    let prims: Vec<Prim> = prims.iter().map(Prim::new).collect();
+    let all = measure(&prims, scalp.as_deref());
+    if args.json {
+        print(&serde_json::to_string_pretty(&all).unwrap_or_default());
+    } else {
+        all.iter().for_each(|m| print(&words::in_words(m)));
+    }
+    Exit::Done
+}
+
+/// What `--scalp` takes for the head that is part of the program.
+const BUILT_IN: &str = "builtin";
+
+/// The scalp of a mesh file or of the built-in head, as the `head` node makes it with its defaults.
+fn read_scalp(path: &PathBuf) -> Result<Arc<Scalp>, String> {
+    let node = coif_nodes::by_id("head").ok_or("this build has no head node")?;
+    let (at, _) = node.input("mesh").ok_or("this build's head node takes no mesh")?;
+    let mut inputs = vec![vec![]; node.inputs.len()];
+    if path.as_os_str() != BUILT_IN {
+        let path = std::path::absolute(path).map_err(|err| err.to_string())?;
+        inputs[at].push(Value::File(DiskFiles::new("/").read(&path.to_string_lossy())?));
+    }
+    let log = Log::default();
+    let cx = EvalCx {
+        seed: 0,
+        quality: Quality::Final,
+        node: Key::default(),
+        host: &PlainHost,
+        log: &log,
+    };
+    match (node.run)(&cx, &inputs).map_err(|err| err.to_string())?.into_iter().next() {
+        Some(Value::Scalp(scalp)) => Ok(scalp),
+        _ => Err("the head node gave no scalp".to_owned()),
+    }
+}
+
+fn measure(prims: &[Prim], scalp: Option<&Scalp>) -> Vec<Measured> {
+    let partings = Partings::of(prims);
+    let hair = prims.iter().filter(|p| !p.is_guides()).map(|p| p.read.points.len()).sum();
+    prims.iter().map(|prim| of_prim(prim, partings.as_ref(), hair, scalp)).collect()
+}
+
+/// Figures of every curve, joined over parts of a prim.
+struct Shapes {
+    lengths: Vec<f32>,
+    spacing: f32,
+    difference: f32,
+}
+
+impl Shapes {
+    fn of(prim: &Prim) -> Self {
+        let parts = in_parts(prim.len(), 500, |part| {
+            let mut out = Self { lengths: vec![], spacing: 1.0, difference: 0.0 };
+            let mut spline = Spline::default();
+            for points in part.map(|i| prim.curve(i)) {
+                if spline.rebuild(points).is_err() {
+                    continue;
+                }
+                out.lengths.push(spline.length());
+                out.difference = out.difference.max(readings_differ(points));
+                for w in points.windows(3) {
+                    let (a, b) = (w[0].distance(w[1]), w[1].distance(w[2]));
+                    out.spacing = out.spacing.max(a.max(b) / a.min(b).max(1e-9));
+                }
+            }
+            out
+        });
+        let mut all = Self { lengths: vec![], spacing: 1.0, difference: 0.0 };
+        for part in parts {
+            all.lengths.extend(part.lengths);
+            all.spacing = all.spacing.max(part.spacing);
+            all.difference = all.difference.max(part.difference);
+        }
+        all.lengths.sort_by(f32::total_cmp);
+        all
+    }
+}
+
+fn of_prim(
+    prim: &Prim,
+    partings: Option<&Partings>,
+    hair: usize,
+    scalp: Option<&Scalp>,
+) -> Measured {
+    let read = prim.read;
+    let n = prim.len();
+    let shapes = Shapes::of(prim);
+    let low_high = read.points.iter().fold(None, |box_: Option<(Vec3, Vec3)>, p| {
+        Some(box_.map_or((*p, *p), |(lo, hi)| (lo.min(*p), hi.max(*p))))
+    });
+    let widths = read.widths.as_ref().filter(|w| !w.values.is_empty()).map(|w| {
+        w.values.iter().fold([f32::MAX, f32::MIN], |[lo, hi], x| [lo.min(*x), hi.max(*x)])
+    });
+    let repeated_ids = prim.whole("id").map(|mut ids| {
+        ids.sort_unstable();
+        ids.windows(2).filter(|w| w[0] == w[1]).count()
+    });
+    let most = read.counts.iter().max().copied().unwrap_or(0) as usize;
+    let lengths = &shapes.lengths;
+    let mut out = Measured {
+        path: read.path.clone(),
+        purpose: read.purpose.clone(),
+        curves: n,
+        points: read.points.len(),
+        points_a_curve: [read.counts.iter().min().copied().unwrap_or(0) as usize, most],
+        length_cm: [0.0, 0.5, 1.0].map(|q| prim::quantile(lengths, q)),
+        width_cm: widths,
+        bounds: low_high.map(|(lo, hi)| [lo.to_array(), hi.to_array()]),
+        no_curve: n - lengths.len(),
+        spacing_ratio: shapes.spacing,
+        reading_difference_cm: shapes.difference,
+        repeated_ids,
+        braids: braids::measure(prim, scalp),
+        sections: parted::by_section(prim),
+        partings: None,
+        curls: curls::measure(prim),
+        puffs: puffs::measure(prim),
+        scalp: scalp.map(|scalp| on_scalp(prim, scalp)),
+        laws: BTreeMap::new(),
+    };
+    if !prim.is_guides() {
+        out.partings = partings.map(|partings| partings.judge(prim));
+        out.laws.insert("a strand has at most 255 points", most <= MOST_A_CURVE);
+        out.laws.insert("all hair has at most 16 million points", hair <= MOST_POINTS);
+    }
+    out.judge();
+    out
+}
+
+impl Measured {
+    /// The laws that can be judged by what was measured.
+    fn judge(&mut self) {
+        let mut laws = std::mem::take(&mut self.laws);
+        laws.insert("every curve has two points and a length", self.no_curve == 0);
+        let agree = self.reading_difference_cm <= AGREE;
+        laws.insert("both readings of every curve agree to 0.001 cm", agree);
+        laws.insert("CVs are spaced within 1.2 : 1", self.spacing_ratio <= 1.2);
+        if let Some(repeated) = self.repeated_ids {
+            laws.insert("ids do not repeat", repeated == 0);
+        }
+        if let Some(braids) = &self.braids {
+            laws.insert("braids are woven all along as they begin", braids.broken_words == 0);
+            if braids.tubes {
+                laws.insert("strands of a braid do not overlap", braids.worst_overlap <= TOUCH);
+            }
+            if let Some(joined) = &braids.joined {
+                laws.insert("all hair of a braid joins at a stitch", joined.unjoined == 0);
+            }
+        }
+        if let Some(partings) = &self.partings {
+            laws.insert("no hair crosses a parting", partings.crossing == 0);
+            laws.insert("no hair is rooted in a parting", partings.rooted_in == 0);
+        }
+        if let Some(curls) = &self.curls {
+            laws.extend(curls.as_asked(0.05));
+        }
+        if let Some(puffs) = &self.puffs {
+            laws.insert(
+                "outlines of puffs are clean",
+                puffs.within >= 0.95 && puffs.coverage >= 60.0,
+            );
+        }
+        if let Some(on) = &self.scalp {
+            laws.insert("roots lie on the scalp to 0.001 cm", on.root_distance_cm[1] <= 1e-3);
+            laws.insert("nothing is deeper under the skin than allowed", on.too_deep == 0);
+        }
+        self.laws = laws;
+    }
+}
+
+fn on_scalp(prim: &Prim, scalp: &Scalp) -> OnScalp {
+    let (surface, skin) = (scalp.surface(), scalp.skin());
+    let allowed = prim.numbers("allow_depth");
+    let parts = in_parts(prim.len(), 200, |part| {
+        let (mut distances, mut too_deep, mut deepest) = (vec![], 0, 0.0f32);
+        for i in part {
+            let first = prim.range(i).start;
+            for (k, p) in prim.curve(i).iter().enumerate() {
+                if k == 0 {
+                    distances.extend(surface.closest(*p).map(|hit| hit.distance));
+                }
+                // The field is quick and may be wrong at creases; what it finds deep is measured exactly.
+                if skin.distance(*p) >= 0.0 {
+                    continue;
+                }
+                let depth = surface.closest(*p).map_or(0.0, |h| -surface.signed_distance(*p, &h));
+                deepest = deepest.max(depth);
+                too_deep += usize::from(depth > allowed.map_or(0.0, |a| a.at(i, first + k)) + 1e-3);
+            }
+        }
+        (distances, too_deep, deepest)
+    });
+    let mut distances = vec![];
+    let (mut too_deep, mut deepest) = (0, 0.0f32);
+    for (some, deep, depth) in parts {
+        distances.extend(some);
+        too_deep += deep;
+        deepest = deepest.max(depth);
+    }
+    distances.sort_by(f32::total_cmp);
+    OnScalp {
+        root_distance_cm: [0.5, 1.0].map(|q| prim::quantile(&distances, q)),
+        too_deep,
+        deepest_cm: deepest,
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use coif_nodes::formats::usd::read::{ReadCurves, ReadPrimvar, ReadValues};
+
+    /// A prim of these curves with these primvars.
+    pub(super) fn prim_of(curves: &[&[Vec3]], primvars: &[(&str, ReadValues)]) -> ReadCurves {
+        let points: Vec<Vec3> = curves.concat();
+        let interpolation = |n: usize| match n {
+            1 => "constant",
+            n if n == curves.len() => "uniform",
+            _ => "vertex",
+        };
+        ReadCurves {
+            path: "/groom/hair".into(),
+            purpose: "default".into(),
+            counts: curves.iter().map(|c| c.len() as u32).collect(),
+            points,
+            curve_type: "cubic".into(),
+            basis: "catmullRom".into(),
+            wrap: "pinned".into(),
+            widths: None,
+            primvars: primvars
+                .iter()
+                .map(|(name, values)| ReadPrimvar {
+                    name: (*name).into(),
+                    type_name: String::new(),
+                    interpolation: interpolation(values.len()).into(),
+                    values: values.clone(),
+                })
+                .collect(),
+            notes: vec![],
+        }
+    }
+
+    /// Three strands of a braid of `stitches` stitches an amplitude of 0.4 cm wide, hanging down, as one tube each or as
+    /// `hairs` hairs; front is +z.
+    fn braid(stitches: f32, hairs: usize, depth: f32, wrong: bool) -> ReadCurves {
+        let each = (stitches * 12.0) as usize;
+        let (mut curves, mut strand, mut along) = (vec![], vec![], vec![]);
+        for i in 0..3 {
+            for hair in 0..hairs {
+                let turn = hair as f32 * 2.4;
+                let out = 0.12 * ((hair as f32 + 0.5) / hairs as f32).sqrt();
+                let off = if hairs > 1 {
+                    Vec3::new(turn.cos(), 0.0, turn.sin()) * out
+                } else {
+                    Vec3::ZERO
+                };
+                let at = |k: usize| {
+                    let u = k as f32 / each as f32 * stitches;
+                    let c = (u / 3.0 + i as f32 / 3.0) * std::f32::consts::TAU;
+                    let flip = if wrong && (3.0..3.6).contains(&u) { -1.0 } else { 1.0 };
+                    Vec3::new(-0.4 * c.sin(), -0.6 * u, 0.2 * depth * flip * (2.0 * c).sin()) + off
+                };
+                curves.push((0..each).map(at).collect::<Vec<Vec3>>());
+                strand.push(i);
+                along.extend((0..each).map(|k| (k + 1) as f32 / each as f32));
+            }
+        }
+        let points = curves.iter().map(Vec::len).sum();
+        let refs: Vec<&[Vec3]> = curves.iter().map(Vec::as_slice).collect();
+        let mut primvars = vec![
+            ("braid", ReadValues::Int(vec![5])),
+            ("strand", ReadValues::Int(strand)),
+            ("along", ReadValues::Float(along)),
+            ("scalp_normal", ReadValues::Float3(vec![Vec3::Z])),
+        ];
+        if hairs == 1 {
+            primvars.push(("radius", ReadValues::Float(vec![0.12; points])));
+        }
+        prim_of(&refs, &primvars)
+    }
+
+    #[track_caller]
+    fn measured(read: &ReadCurves) -> Measured {
+        measure(&[Prim::new(read)], None).remove(0)
+    }
+
+    #[test]
+    fn braids_of_tubes_and_of_hair_are_read_alike() {
+        for hairs in [1, 40] {
+            for (depth, crossing) in [(1.0, "under"), (-1.0, "over")] {
+                let found = measured(&braid(9.0, hairs, depth, false)).braids.unwrap();
+                assert_eq!((found.braids, found.strands, found.broken_words), (1, 3, 0));
+                let kind = &found.kinds[0];
+                assert_eq!((kind.weave, kind.crossing), (Some(2), crossing), "{hairs}");
+                assert!((8..=9).contains(&kind.stitches[0]), "{:?}", kind.stitches);
+                assert!((0.5..1.1).contains(&found.worst_overlap), "{}", found.worst_overlap);
+            }
+        }
+    }
+
+    #[test]
+    fn a_crossing_the_wrong_way_breaks_the_law() {
+        let law = "braids are woven all along as they begin";
+        for hairs in [1, 40] {
+            assert!(measured(&braid(9.0, hairs, 1.0, false)).laws[law]);
+            assert!(!measured(&braid(9.0, hairs, 1.0, true)).laws[law], "{hairs}");
+        }
+    }
+
+    #[test]
+    fn limits_of_points_are_laws() {
+        let long: Vec<Vec3> = (0..300).map(|k| Vec3::Y * k as f32).collect();
+        let found = measured(&prim_of(&[&long], &[]));
+        assert!(!found.laws["a strand has at most 255 points"]);
+        assert!(found.laws["all hair has at most 16 million points"]);
+    }
+
+    #[test]
+    fn hair_per_stitch_is_counted() {
+        let hair: &[Vec3] = &[Vec3::ZERO, Vec3::Y];
+        let stitch = ReadValues::Int(vec![0, 0, 0, 2, 2, -1, 1, 1]);
+        let primvars = [
+            ("braid", ReadValues::Int(vec![5, 5, 5, 5, 5, 5, 0, 6])),
+            ("stitch", stitch),
+            ("fed", ReadValues::Int(vec![0, 0, 0, 0, 1, 0, 0, 0])),
+        ];
+        let read = prim_of(&[hair; 8], &primvars);
+        let joined = braids::joined(&Prim::new(&read)).unwrap();
+        assert_eq!((joined.grown, joined.fed, joined.unjoined), (5, 1, 1));
+        assert_eq!((joined.stitches, joined.empty_stitches, joined.a_stitch), (3, 1, [1, 1, 3]));
+    }
+
+    #[test]
+    fn the_built_in_head_can_be_named() {
+        let scalp = read_scalp(&PathBuf::from(BUILT_IN)).unwrap();
+        let root = scalp.closest_root(Vec3::Y * 20.0).unwrap();
+        let hair: &[Vec3] = &[root.point, root.point + root.normal];
+        let read = prim_of(&[hair, &[root.point, root.point - root.normal]], &[]);
+        let found = measure(&[Prim::new(&read)], Some(&scalp)).remove(0);
+        assert!(found.laws["roots lie on the scalp to 0.001 cm"]);
+        assert!(!found.laws["nothing is deeper under the skin than allowed"]);
+        assert_eq!(found.scalp.unwrap().too_deep, 1);
+    }
+}

@@ -1,0 +1,284 @@
+//! Hair and partings: hairs that cross one, hairs rooted in one, hairs of each section.
+//!
+//! Partings are the curves of a file with a `parting` number, mostly guides; their `radius` is half the parting's width and
+//! their `scalp_normal` the way off the skin. A hair can cross a parting only where it lies on the scalp: from its root
+//! until it is farther off the skin than [`ON`] or has joined a braid.
+
+use super::prim::{Prim, in_parts, quantile};
+use glam::Vec3;
+use serde::Serialize;
+
+#[derive(Serialize)]
+pub(super) struct Parted {
+    /// Partings in the file, all prims together.
+    pub(super) partings: usize,
+    /// Half their width, cm: smallest and largest.
+    pub(super) half_width_cm: [f32; 2],
+    /// Hairs of this prim that cross one on the scalp.
+    pub(super) crossing: usize,
+    /// Hairs of this prim that are rooted nearer to one than half its width.
+    pub(super) rooted_in: usize,
+}
+
+/// Hair of each section.
+#[derive(Serialize)]
+pub(super) struct BySection {
+    pub(super) sections: usize,
+    /// Hairs that belong to none.
+    pub(super) without: usize,
+    /// Fewest, middle and most hairs of a section.
+    pub(super) hairs: [usize; 3],
+}
+
+/// Hair farther off the skin than this, cm, passes over a parting; it does not cross it.
+const ON: f32 = 0.25;
+/// Hair of a braid whose file does not tell where it joins counts as far as this, cm.
+const TO_ITS_BRAID: f32 = 1.0;
+/// A root this little (cm) within a parting's width is rounding.
+const ROUNDING: f32 = 0.005;
+
+/// A piece of a parting.
+#[derive(Clone, Copy)]
+struct Piece {
+    from: Vec3,
+    to: Vec3,
+    up: Vec3,
+    half: f32,
+}
+
+/// All partings of a file, found by place.
+pub(super) struct Partings {
+    count: usize,
+    half: [f32; 2],
+    pieces: Vec<Piece>,
+    low: Vec3,
+    size: [usize; 3],
+    cells: Vec<Vec<u32>>,
+}
+
+const CELL: f32 = 0.5;
+
+impl Partings {
+    /// The partings of all prims; none where there are none.
+    pub(super) fn of(prims: &[Prim]) -> Option<Self> {
+        let mut pieces = vec![];
+        let mut ids = vec![];
+        for prim in prims {
+            let Some(parting) = prim.whole("parting") else { continue };
+            let (radius, normal) = (prim.numbers("radius"), prim.vectors("scalp_normal"));
+            for i in (0..prim.len()).filter(|i| parting[*i] != 0) {
+                ids.push(parting[i]);
+                let first = prim.range(i).start;
+                for (k, w) in prim.curve(i).windows(2).enumerate() {
+                    let up =
+                        normal.map_or(Vec3::ZERO, |n| n.at(i, first + k) + n.at(i, first + k + 1));
+                    pieces.push(Piece {
+                        from: w[0],
+                        to: w[1],
+                        up: up.normalize_or_zero(),
+                        half: radius.map_or(0.0, |r| r.at(i, first + k)),
+                    });
+                }
+            }
+        }
+        let first = pieces.first()?;
+        ids.sort_unstable();
+        ids.dedup();
+        let half =
+            pieces.iter().fold([first.half; 2], |[lo, hi], p| [lo.min(p.half), hi.max(p.half)]);
+        let (lo, hi) = pieces.iter().fold((first.from, first.from), |(lo, hi), p| {
+            (lo.min(p.from).min(p.to), hi.max(p.from).max(p.to))
+        });
+        let margin = Vec3::splat(ON.max(half[1]) + 0.1);
+        let (low, high) = (lo - margin, hi + margin);
+        let size = ((high - low) / CELL).to_array().map(|x| (x.max(0.0) as usize + 1).min(400));
+        let mut out = Self {
+            count: ids.len(),
+            half,
+            pieces,
+            low,
+            size,
+            cells: vec![vec![]; size[0] * size[1] * size[2]],
+        };
+        for n in 0..out.pieces.len() {
+            let p = out.pieces[n];
+            let (a, b) = (p.from.min(p.to) - margin, p.from.max(p.to) + margin);
+            let (a, b) = (out.clamped(a), out.clamped(b));
+            for x in a[0]..=b[0] {
+                for y in a[1]..=b[1] {
+                    for z in a[2]..=b[2] {
+                        let cell = (x * size[1] + y) * size[2] + z;
+                        out.cells[cell].push(n as u32);
+                    }
+                }
+            }
+        }
+        Some(out)
+    }
+
+    fn clamped(&self, p: Vec3) -> [usize; 3] {
+        let at = ((p - self.low) / CELL).to_array();
+        [0, 1, 2].map(|a| (at[a].max(0.0) as usize).min(self.size[a] - 1))
+    }
+
+    fn near(&self, p: Vec3) -> impl Iterator<Item = &Piece> {
+        let at = (p - self.low) / CELL;
+        let inside = at.min_element() >= 0.0
+            && [at.x, at.y, at.z].iter().zip(self.size).all(|(x, n)| *x < n as f32);
+        let cell = if inside {
+            let [x, y, z] = self.clamped(p);
+            &self.cells[(x * self.size[1] + y) * self.size[2] + z][..]
+        } else {
+            &[]
+        };
+        cell.iter().map(|n| &self.pieces[*n as usize])
+    }
+
+    /// How the hair of a prim keeps to them.
+    pub(super) fn judge(&self, prim: &Prim) -> Parted {
+        let joined = prim.numbers("along").filter(super::prim::Column::is_of_points);
+        let braid = prim.whole("braid");
+        let parts = in_parts(prim.len(), 1000, |part| {
+            let (mut crossing, mut rooted_in) = (0, 0);
+            for i in part {
+                let (points, first) = (prim.curve(i), prim.range(i).start);
+                let Some(root) = points.first() else { continue };
+                rooted_in +=
+                    usize::from(self.near(*root).any(|p| p.distance(*root) < p.half - ROUNDING));
+                let braided = braid.as_ref().is_some_and(|b| b[i] != 0);
+                let mut s = 0.0;
+                for (k, w) in points.windows(2).enumerate() {
+                    s += w[0].distance(w[1]);
+                    let in_braid = braided
+                        && match joined {
+                            Some(along) => along.at(i, first + k + 1) > 0.0,
+                            None => s > TO_ITS_BRAID,
+                        };
+                    if in_braid {
+                        break;
+                    }
+                    if self.crossed(w[0], w[1]) {
+                        crossing += 1;
+                        break;
+                    }
+                }
+            }
+            (crossing, rooted_in)
+        });
+        Parted {
+            partings: self.count,
+            half_width_cm: self.half,
+            crossing: parts.iter().map(|p| p.0).sum(),
+            rooted_in: parts.iter().map(|p| p.1).sum(),
+        }
+    }
+
+    /// Whether the way from `a` to `b` leads from one side of a parting to the other, on the skin.
+    fn crossed(&self, a: Vec3, b: Vec3) -> bool {
+        // Long steps are looked at in pieces of a cell.
+        let pieces = (a.distance(b) / (0.5 * CELL)).ceil().clamp(1.0, 200.0) as usize;
+        (0..pieces).any(|k| {
+            let at = |k: usize| a.lerp(b, k as f32 / pieces as f32);
+            let (a, b) = (at(k), at(k + 1));
+            self.near((a + b) * 0.5).any(|piece| piece.is_crossed(a, b))
+        })
+    }
+}
+
+impl Piece {
+    fn distance(&self, p: Vec3) -> f32 {
+        let along = self.to - self.from;
+        let t = (p - self.from).dot(along) / along.length_squared().max(1e-12);
+        p.distance(self.from + along * t.clamp(0.0, 1.0))
+    }
+    fn is_crossed(&self, a: Vec3, b: Vec3) -> bool {
+        let along = self.to - self.from;
+        let aside = self.up.cross(along);
+        let side = |p: Vec3| (p - self.from).dot(aside);
+        let (sa, sb) = (side(a), side(b));
+        if (sa > 0.0) == (sb > 0.0) || aside == Vec3::ZERO {
+            return false;
+        }
+        let q = a.lerp(b, sa / (sa - sb)) - self.from;
+        let t = q.dot(along) / along.length_squared().max(1e-12);
+        (0.0..1.0).contains(&t) && q.dot(self.up).abs() < ON
+    }
+}
+
+/// Hairs of each section of a prim; none where the file tells no sections.
+pub(super) fn by_section(prim: &Prim) -> Option<BySection> {
+    let mut section = prim.whole("section")?;
+    section.sort_unstable();
+    let without = section.iter().filter(|s| **s == 0).count();
+    let sizes = section.chunk_by(|a, b| a == b).filter(|c| c[0] != 0).map(<[i64]>::len);
+    let mut sizes: Vec<f32> = sizes.map(|n| n as f32).collect();
+    sizes.sort_by(f32::total_cmp);
+    (!sizes.is_empty()).then(|| BySection {
+        sections: sizes.len(),
+        without,
+        hairs: [0.0, 0.5, 1.0].map(|q| quantile(&sizes, q) as usize),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::prim_of;
+    use super::*;
+    use coif_nodes::formats::usd::read::{ReadCurves, ReadValues};
+
+    /// A parting along z on the plane y = 0.
+    fn parting() -> ReadCurves {
+        let line: Vec<Vec3> = (0..10).map(|k| Vec3::Z * k as f32).collect();
+        prim_of(
+            &[&line],
+            &[
+                ("parting", ReadValues::Int(vec![7])),
+                ("radius", ReadValues::Float(vec![0.1])),
+                ("scalp_normal", ReadValues::Float3(vec![Vec3::Y])),
+            ],
+        )
+    }
+
+    #[track_caller]
+    fn check(hair: &[Vec3], crossing: usize, rooted_in: usize) {
+        let (parting, hair) = (parting(), prim_of(&[hair], &[]));
+        let partings = Partings::of(&[Prim::new(&parting)]).unwrap();
+        let found = partings.judge(&Prim::new(&hair));
+        assert_eq!((found.crossing, found.rooted_in), (crossing, rooted_in));
+        assert_eq!((found.partings, found.half_width_cm), (1, [0.1; 2]));
+    }
+
+    #[test]
+    fn hair_crosses_only_where_it_lies_on_the_skin() {
+        let at = |x: f32, y: f32| Vec3::new(x, y, 4.5);
+        check(&[at(-1.0, 0.0), at(-0.5, 0.1), at(0.5, 0.1), at(1.0, 0.5)], 1, 0);
+        check(&[at(-1.0, 0.0), at(-0.5, 0.5), at(0.5, 0.5), at(1.0, 0.5)], 0, 0);
+        check(&[at(-1.0, 0.0), at(-0.5, 0.1), at(-0.3, 0.1)], 0, 0);
+        check(&[at(-30.0, 0.0), at(30.0, 0.1)], 1, 0);
+        check(&[at(-0.05, 0.0), at(-2.0, 0.1)], 0, 1);
+        let beyond = Vec3::Z * 10.0;
+        check(&[at(-1.0, 0.0) + beyond, at(1.0, 0.0) + beyond], 0, 0);
+    }
+
+    #[test]
+    fn hair_in_its_braid_may_pass_over() {
+        let (parting, at) = (parting(), |x: f32| Vec3::new(x, 0.05, 4.5));
+        let hair = prim_of(
+            &[&[at(-1.0), at(-0.2), at(0.2), at(1.0)]],
+            &[
+                ("braid", ReadValues::Int(vec![3])),
+                ("along", ReadValues::Float(vec![0.0, 0.0, 0.1, 0.2])),
+            ],
+        );
+        let partings = Partings::of(&[Prim::new(&parting)]).unwrap();
+        assert_eq!(partings.judge(&Prim::new(&hair)).crossing, 0);
+    }
+
+    #[test]
+    fn sections_are_counted() {
+        let hair: &[Vec3] = &[Vec3::ZERO, Vec3::Y];
+        let hairs = prim_of(&[hair; 6], &[("section", ReadValues::Int(vec![0, 4, 4, 9, 4, 0]))]);
+        let found = by_section(&Prim::new(&hairs)).unwrap();
+        assert_eq!((found.sections, found.without, found.hairs), (2, 2, [1, 3, 3]));
+    }
+}

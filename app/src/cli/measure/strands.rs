@@ -1,0 +1,211 @@
+//! The strands of the braids in a file: centre lines, thickness and front, from tubes or from the hair they are made of.
+//!
+//! A braid is what has one `braid` number, a strand what has one `strand` number in it. A strand of one curve with a `radius` is
+//! a tube and taken as it is. Of a strand of many hairs the middle counts, and the disc that would spread as they do; a
+//! hair counts from where it has joined (`along` above 0), the farthest fifth (flyaways, hair on its way in) does not.
+
+use super::prim::{Column, Prim, in_parts};
+use coif_nodes::maths::spline::{Place, Spline};
+use glam::Vec3;
+use std::collections::BTreeMap;
+
+/// A braid, each strand at the same places along it.
+pub(super) struct Braid {
+    /// Whether its strands are single tubes, whose radii were made to touch.
+    pub(super) tubes: bool,
+    pub(super) strands: Vec<Vec<Section>>,
+    /// Curves of each hair or tube: their numbers in the prim.
+    pub(super) curves: Vec<Vec<usize>>,
+}
+
+/// A strand at one place along its braid.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Section {
+    pub(super) middle: Vec3,
+    pub(super) radius: f32,
+    /// Front of the braid as the file tells it; zero where it does not.
+    pub(super) front: Vec3,
+}
+
+/// Hairs of a strand that its middle is found from.
+const MOST_HAIRS: usize = 160;
+/// Fewer hairs than this make no strand.
+const FEWEST: usize = 3;
+/// The share of hairs that counts, nearest to the middle first.
+const COUNTS: f32 = 0.8;
+
+/// All braids of a prim, by number.
+pub(super) fn braids(prim: &Prim) -> Vec<Braid> {
+    let (Some(braid), Some(strand)) = (prim.whole("braid"), prim.whole("strand")) else {
+        return vec![];
+    };
+    let mut members: BTreeMap<i64, BTreeMap<i64, Vec<usize>>> = BTreeMap::new();
+    for i in (0..prim.len()).filter(|i| braid[*i] != 0 && prim.curve(*i).len() > 1) {
+        members.entry(braid[i]).or_default().entry(strand[i]).or_default().push(i);
+    }
+    let members: Vec<BTreeMap<i64, Vec<usize>>> =
+        members.into_values().filter(|strands| strands.len() > 1).collect();
+    let radius = prim.numbers("radius");
+    let columns = Columns {
+        along: prim.numbers("along").filter(Column::is_of_points),
+        normal: prim.vectors("normal").filter(Column::is_of_points),
+        stitch: prim.whole("stitch"),
+        radius: radius.filter(Column::is_of_points),
+    };
+    in_parts(members.len(), 1, |part| columns.braid(prim, &members[part.start]))
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+struct Columns<'a> {
+    along: Option<Column<'a, f32>>,
+    normal: Option<Column<'a, Vec3>>,
+    stitch: Option<Vec<i64>>,
+    radius: Option<Column<'a, f32>>,
+}
+
+impl Columns<'_> {
+    fn braid(&self, prim: &Prim, members: &BTreeMap<i64, Vec<usize>>) -> Option<Braid> {
+        let curves: Vec<Vec<usize>> = members.values().cloned().collect();
+        let tubes = curves.iter().all(|c| c.len() == 1) && self.radius.is_some();
+        // Stitch curves, for one, have the number of their braid too.
+        if !tubes && curves.iter().any(|c| c.len() < FEWEST) {
+            return None;
+        }
+        let strands: Vec<Vec<Option<Section>>> = if tubes {
+            let most = curves.iter().map(|c| prim.curve(c[0]).len()).max()?;
+            let each = |c: &Vec<usize>| self.tube(prim, c[0], most * 8);
+            curves.iter().map(each).collect::<Option<_>>()?
+        } else {
+            curves.iter().map(|c| self.bundle(prim, c)).collect()
+        };
+        // The longest run of places at which all strands are there.
+        let n = strands.iter().map(Vec::len).min()?;
+        let (mut best, mut start) = (0..0, 0);
+        for k in 0..=n {
+            if k == n || strands.iter().any(|s| s[k].is_none()) {
+                if k - start > best.len() {
+                    best = start..k;
+                }
+                start = k + 1;
+            }
+        }
+        let cut = |s: &Vec<Option<Section>>| s[best.clone()].iter().copied().flatten().collect();
+        let strands = strands.iter().map(cut).collect();
+        (best.len() > 8).then_some(Braid { tubes, strands, curves })
+    }
+
+    fn tube(&self, prim: &Prim, curve: usize, count: usize) -> Option<Vec<Option<Section>>> {
+        let points = prim.curve(curve);
+        let first = prim.range(curve).start;
+        let spline = Spline::new(points).ok()?;
+        let last = spline.span_count() - 1;
+        let along = |k: usize| match self.along {
+            Some(along) => along.at(curve, first + k),
+            None => k as f32 / points.len() as f32,
+        };
+        let (from, to) = (along(0), along(points.len() - 1));
+        let mut span = 0;
+        let section = |k: usize| {
+            let u = from + (to - from) * k as f32 / (count - 1) as f32;
+            while span < last && along(span + 1) < u {
+                span += 1;
+            }
+            let (a, b) = (along(span), along(span + 1));
+            let t = if b > a { ((u - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
+            let radius = self.radius.map_or(0.0, |r| {
+                let (a, b) = (r.at(curve, first + span), r.at(curve, first + span + 1));
+                a + (b - a) * t
+            });
+            Some(Section {
+                middle: spline.point(Place { span, t }),
+                radius,
+                front: self.normal.map_or(Vec3::ZERO, |n| n.at(curve, first + span)),
+            })
+        };
+        Some((0..count).map(section).collect())
+    }
+
+    /// The middle of many hairs at even places along them.
+    fn bundle(&self, prim: &Prim, curves: &[usize]) -> Vec<Option<Section>> {
+        let mut chosen = curves.to_vec();
+        if let Some(stitch) = &self.stitch {
+            chosen.sort_by_key(|i| (stitch[*i], *i));
+        }
+        let every = chosen.len().div_ceil(MOST_HAIRS).max(1);
+        let chosen: Vec<usize> = chosen.into_iter().step_by(every).collect();
+        let longest = chosen.iter().map(|i| prim.curve(*i).len()).max().unwrap_or(2);
+        // Hairs that are all sampled at the same places are best taken there.
+        let count = if self.along.is_some() { (2 * longest).clamp(64, 510) } else { longest };
+        let hairs: Vec<Vec<(f32, Vec3, Vec3)>> =
+            chosen.iter().map(|i| self.hair(prim, *i)).collect();
+        let mut at = vec![0; hairs.len()];
+        let mut here = vec![];
+        (0..count)
+            .map(|k| {
+                let u = k as f32 / (count - 1) as f32;
+                here.clear();
+                for (hair, at) in hairs.iter().zip(&mut at) {
+                    while *at + 2 < hair.len() && hair[*at + 1].0 < u {
+                        *at += 1;
+                    }
+                    let [Some(a), Some(b)] = [hair.get(*at), hair.get(*at + 1)] else { continue };
+                    if a.0 <= u + 1e-6 && u <= b.0 + 1e-6 {
+                        let t =
+                            if b.0 > a.0 { ((u - a.0) / (b.0 - a.0)).clamp(0.0, 1.0) } else { 0.0 };
+                        here.push((a.1.lerp(b.1, t), a.2.lerp(b.2, t)));
+                    }
+                }
+                middle(&mut here)
+            })
+            .collect()
+    }
+
+    /// Points of a hair from where it has joined: fraction along the braid, place, front.
+    fn hair(&self, prim: &Prim, curve: usize) -> Vec<(f32, Vec3, Vec3)> {
+        let (points, first) = (prim.curve(curve), prim.range(curve).start);
+        let front = |k: usize| self.normal.map_or(Vec3::ZERO, |n| n.at(curve, first + k));
+        if let Some(along) = self.along {
+            let mut last = 0.0;
+            let mut rises = |k: &usize| {
+                let u = along.at(curve, first + *k);
+                let more = u > last;
+                last = last.max(u);
+                more
+            };
+            let joined = (0..points.len()).filter(|k| rises(k));
+            return joined.map(|k| (along.at(curve, first + k), points[k], front(k))).collect();
+        }
+        let length: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let mut s = 0.0;
+        (0..points.len())
+            .map(|k| {
+                s += if k > 0 { points[k].distance(points[k - 1]) } else { 0.0 };
+                ((s / length.max(1e-9)).min(1.0), points[k], front(k))
+            })
+            .collect()
+    }
+}
+
+fn middle(here: &mut [(Vec3, Vec3)]) -> Option<Section> {
+    if here.len() < FEWEST {
+        return None;
+    }
+    let mean = |all: &[(Vec3, Vec3)]| all.iter().map(|p| p.0).sum::<Vec3>() / all.len() as f32;
+    let mut about = mean(here);
+    let counting = ((here.len() as f32 * COUNTS).ceil() as usize).clamp(FEWEST, here.len());
+    for _ in 0..2 {
+        here.sort_by(|a, b| a.0.distance_squared(about).total_cmp(&b.0.distance_squared(about)));
+        about = mean(&here[..counting]);
+    }
+    let spread: f32 =
+        here[..counting].iter().map(|p| p.0.distance_squared(about)).sum::<f32>() / counting as f32;
+    let share = counting as f32 / here.len() as f32;
+    Some(Section {
+        middle: about,
+        // Within the share of a disc's area nearest to its middle, the mean square is half the share of its radius's.
+        radius: (2.0 * spread / share).sqrt(),
+        front: here[..counting].iter().map(|p| p.1).sum::<Vec3>().normalize_or_zero(),
+    })
+}

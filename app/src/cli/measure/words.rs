@@ -1,0 +1,107 @@
+//! What was measured, in words.
+
+use super::super::report::rounded;
+use super::Measured;
+
+pub(super) fn in_words(m: &Measured) -> String {
+    let f = |x: f32| rounded(f64::from(x));
+    let mut text = format!(
+        "{}: {} curves, {} points ({} to {} a curve)\n",
+        m.path, m.curves, m.points, m.points_a_curve[0], m.points_a_curve[1]
+    );
+    let [lo, mid, hi] = m.length_cm.map(f);
+    text += &format!("  length {lo} to {hi} cm, middle {mid}\n");
+    if let Some([lo, hi]) = m.width_cm {
+        text += &format!("  width {lo} to {hi} cm\n");
+    }
+    text += &format!(
+        "  neighbouring segments at most {} : 1, readings differ by {} cm\n",
+        f(m.spacing_ratio),
+        m.reading_difference_cm
+    );
+    if let Some(b) = &m.braids {
+        let of = if b.tubes { "strands" } else { "strands of hair" };
+        text += &format!(
+            "  {} braids of {} {of} in all, closest approach {} of touching\n",
+            b.braids,
+            b.strands,
+            f(1.0 / b.worst_overlap.max(1e-6))
+        );
+        for k in &b.kinds {
+            let weave = k.weave.map_or("no weave".to_owned(), |m| format!("weave {m}"));
+            text += &format!(
+                "    {}: {} strands, {weave}, ({})^stitches, crossing {}, {} to {} stitches\n",
+                k.braids, k.strands, k.factor, k.crossing, k.stitches[0], k.stitches[2]
+            );
+        }
+        if let Some([lo, mid, hi]) = b.height_cm.map(|h| h.map(f)) {
+            text += &format!("    middle lines {lo} to {hi} cm from the skin, middle {mid}\n");
+        }
+        if let Some([lo, mid, hi]) = b.gap_cm.map(|h| h.map(f)) {
+            text +=
+                &format!("    strands come to {lo} cm of the skin, middle {mid}, at most {hi}\n");
+        }
+        if let Some(j) = &b.joined {
+            let [lo, mid, hi] = j.a_stitch;
+            text += &format!(
+                "    {} hairs join at {} stitches ({lo} to {hi} each, middle {mid}; {} between are empty), {} fed in, {} \
+                 join nowhere\n",
+                j.grown, j.stitches, j.empty_stitches, j.fed, j.unjoined
+            );
+        }
+    }
+    if let Some(s) = &m.sections {
+        let [lo, mid, hi] = s.hairs;
+        text += &format!(
+            "  {} sections of {lo} to {hi} hairs, middle {mid}; {} hairs in none\n",
+            s.sections, s.without
+        );
+    }
+    if let Some(p) = &m.partings {
+        text += &format!(
+            "  {} partings: {} hairs cross one, {} are rooted in one (half width {} cm)\n",
+            p.partings,
+            p.crossing,
+            p.rooted_in,
+            f(p.half_width_cm[1])
+        );
+    }
+    if let Some(c) = &m.curls {
+        let of = |ratio: [f32; 3]| {
+            let [lo, mid, hi] = ratio.map(f);
+            format!("{mid} of what was asked ({lo} to {hi})")
+        };
+        text += &format!(
+            "  curls of {} hairs, {} measured: diameter {} cm, {}; pitch {} cm, {}\n",
+            c.curled,
+            c.measured,
+            f(c.diameter_cm),
+            of(c.diameter_ratio),
+            f(c.pitch_cm),
+            of(c.pitch_ratio)
+        );
+        if let Some(ratio) = c.shrinkage_ratio {
+            text += &format!("    shrinkage {}, {}\n", f(c.shrinkage), of(ratio));
+        }
+    }
+    if let Some(p) = &m.puffs {
+        text += &format!(
+            "  {} puffs of {} hairs: clean to {} degrees, {} % of cells within 3 % of the sphere, 95 % within {} %\n",
+            p.puffs,
+            p.hairs,
+            f(p.coverage),
+            f(100.0 * p.within),
+            f(100.0 * p.deviation)
+        );
+    }
+    if let Some(s) = &m.scalp {
+        text += &format!(
+            "  roots {} cm from the scalp (middle), {} at most; {} points too deep, deepest {} cm\n",
+            s.root_distance_cm[0], s.root_distance_cm[1], s.too_deep, s.deepest_cm
+        );
+    }
+    for (law, holds) in &m.laws {
+        text += &format!("  {} {law}\n", if *holds { "holds:" } else { "BROKEN:" });
+    }
+    text
+}

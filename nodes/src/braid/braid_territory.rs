@@ -1,0 +1,611 @@
+//! Braid territory: which hair each braid picks up, where, and how it is combed there.
+//!
+//! methods.md 2, "Beyond". Rows, their ground and the ways over it are in `ground.rs`. Every root of a row's ground joins
+//! once, where it is combed to; what is fed in joins as asked. Both are counted along the row, which tells how thick
+//! the braid is everywhere (`girth`).
+//!
+//! Guarantees: roots are spread evenly, bound to the scalp, and keep half a parting's width from every parting; a higher
+//! density only adds hairs; how much hair a row has along its way does not depend on the density. Not promised: ways
+//! free of the skin by more than the distance field errs (`braid_hair` sees to it).
+
+use super::ground::{Ground, Lane, Map, Owner};
+use crate::data::attributes::{
+    ALONG, Attribute, Domain, FED, FIBRE, ID, PARENT, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
+    SCALP_NORMAL, SECTION, SIDE,
+};
+use crate::data::curves::{Curves, MOST_CURVES, Tuft, TuftBuilder};
+use crate::data::field::Sampler;
+use crate::data::ramp::{Blend, Ramp};
+use crate::data::scalp::{Root, Scalp, Skin};
+use crate::define::{FieldInput, NodeError, node};
+use crate::eval::{EvalCx, Piece};
+use crate::guides::even_roots::EvenRoots;
+use crate::maths::hash::{Dice, KeyBuilder, curve_id};
+use crate::maths::low_discrepancy::r2;
+use crate::maths::spline::Spline;
+use crate::maths::transcendental::{exp, tan};
+use crate::scalp::lay;
+use glam::Vec3;
+use std::sync::{Arc, OnceLock};
+
+node! {
+    /// Share out the hair of a scalp among rows of braiding: every root of a row's ground is combed to where the braid
+    /// picks it up.
+    ///
+    /// Wire the rows that braids are laid along. Each root belongs to the row nearest to it; between two rows is a
+    /// parting. The hairs go to Braid hair, which leads them on into the strands. The rows come out again with the
+    /// attribute girth, how thick the braid is for the hair that it has there: wire them to the Lissajous braid and
+    /// multiply its width by that attribute, and it grows as hair is picked up.
+    "braid_territory", version 1, label "Braid territory",
+        words "pick up section french dutch cornrow canerow feed in knotless extension add gather roots comb parting row", thins;
+    inputs {
+        /// The rows, root first: the curves that braids are to be laid along. Rows may go on beyond the scalp.
+        source: Curves, words("rows braids guides");
+        /// The head.
+        scalp: Arc<Scalp>;
+        /// Hairs on a square centimetre. People have 130 to 250.
+        density: f32 = 130.0, hard(0.0, 5000.0), soft(1.0, 300.0), unit(PerCm2), words("amount number count");
+        /// Width of the bare skin of a parting between two rows; roots keep half of it from the middle.
+        parting_width: f32 = 0.15, hard(0.0, 5.0), soft(0.0, 0.6), unit(Length), words("gap line skin clean");
+        /// How far from its row hair is picked up. 0: however far it is, as long as no other row is nearer.
+        reach: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 15.0), unit(Length), words("distance section width"), handle(Handle::Radius);
+        /// How far hair is combed along the row on its way to it: 0 square, 80 nearly along it, negative against it.
+        /// Varies along the row.
+        pull_angle: FieldInput = 45.0, hard(-80.0, 80.0), unit(Angle), handle(Handle::Angle), words("sweep oblique comb direction back lead");
+        /// How much hairs differ in that angle.
+        unevenness: f32 = 0.15, hard(0.0, 1.0), unit(Ratio), words("random variation natural loose messy");
+        /// How hairs turn into the braid: 0 straight from root to braid, 100% they leave the parting square and end along
+        /// the braid.
+        sweep: f32 = 0.45, hard(0.0, 1.0), unit(Ratio), words("curve bend comb");
+        /// Hair that would join within this distance of the row's root is in the braid from its first stitch: the section
+        /// that the first strands are made of.
+        start: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 5.0), unit(Length), words("first section base");
+        /// Where on the scalp the last hair joins, as a fraction of the row's length there.
+        until: f32 = 0.97, hard(0.05, 1.0), unit(Ratio), handle(Handle::Along), words("last end");
+        /// How far beside the row the braid's edge is, where hair comes in.
+        braid_width: f32 = 1.0, hard(0.0, 50.0), soft(0.2, 4.0), unit(Length), words("size");
+        /// Length of the hair. It may end within the braid, which gets thinner there. 0: all of it reaches the end.
+        length: FieldInput = 0.0, hard(0.0, 500.0), soft(0.0, 80.0), unit(Length), words("cut layers");
+        /// How much shorter single hairs may be, when a length is given.
+        length_variation: f32 = 0.2, hard(0.0, 1.0), unit(Ratio), words("random layers");
+        /// Extension hairs fed into each row: 0 for none.
+        feed: FieldInput = 0.0, hard(0.0, 100000.0), soft(0.0, 5000.0), unit(Count), words("feed in extension knotless add braiding hair kanekalon jumbo");
+        /// Where along the row feeding begins. 0 is the first stitch.
+        feed_from: f32 = 1.0, hard(0.0, 100.0), soft(0.0, 10.0), unit(Length), words("extension knotless");
+        /// How much is fed in along the row, from where it begins (left) to the end (right). A fall to 0 early on feeds
+        /// it all in a few stitches.
+        feed_ramp: Arc<Ramp> = fading(), words("amount extension");
+        /// Length of extension hair. 0: it reaches the end.
+        feed_length: f32 = 0.0, hard(0.0, 500.0), soft(0.0, 120.0), unit(Length), words("extension");
+        /// How far each row goes on beyond its last point, hanging down and resting on head, neck and shoulders. 0: not at
+        /// all.
+        tail: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 60.0), unit(Length), words("hang free length pony"), handle(Handle::Length);
+        /// How far off the skin the tail keeps: about half the braid's height.
+        tail_height: f32 = 0.8, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("clearance");
+        /// Points on each hair from its root to the braid.
+        cvs: i64 = 9, hard(3.0, 64.0), soft(5.0, 24.0), unit(Count), words("points resolution");
+        /// Whether lengths grow with the head, and the density falls with its square.
+        scale_with_head: bool = true, words("head units");
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
+    }
+    outputs {
+        /// The hairs from their roots to where they join the braid, with row, side and the place along the row.
+        curves: Curves;
+        /// The rows, with the attributes girth (how thick the braid is there, 0 to 1) and joined (the share of all hair
+        /// that has joined up to there).
+        source: Curves;
+    }
+}
+
+/// Name of the share of a row's hair that joined before a hair does.
+pub(super) const ORDER: &str = "join_order";
+/// Name of the share of a row's hair that has joined up to a point of the row.
+pub(super) const JOINED: &str = "joined";
+/// Name of the thickness of a braid at a point of its row, as a fraction of the largest.
+pub(super) const GIRTH: &str = "girth";
+
+fn fading() -> Ramp {
+    Ramp::new(Blend::Linear, vec![(0.0, 1.0), (0.25, 0.0)]).unwrap_or_else(|_| Ramp::constant(1.0))
+}
+
+/// Hairs on a cm2 (head units) from which thickness is counted, whatever the density is.
+const PROBES: f32 = 24.0;
+/// Intervals along a row in which hairs are counted.
+const BINS: usize = 256;
+/// The least thickness of a braid.
+const THIN: f32 = 0.12;
+/// Hair in a braid winds: so much longer is it than the braid.
+const CRIMP: f32 = 1.12;
+/// Index under which ids of extension hair begin.
+const EXTENSION: u64 = 1 << 40;
+/// Roots found in one piece of work.
+const BATCH: usize = 2048;
+/// Height of hairs over the skin, cm on a head of average size: the least, and what lies over each other adds.
+const CLEAR: (f32, f32) = (0.025, 0.05);
+
+/// A root with its row.
+#[derive(Clone, Copy)]
+struct Place {
+    index: u32,
+    root: Root,
+    owner: Owner,
+    side: i32,
+}
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = &*inputs.scalp;
+    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
+    let skin = cx.skin(scalp);
+    let (mut lanes, mut rows) = (vec![], vec![]);
+    for (tuft, curve) in inputs.source.each() {
+        cx.check()?;
+        let id = tuft.id(curve);
+        let laid =
+            lengthened(tuft.curve(curve), inputs.tail * unit, inputs.tail_height * unit, &skin);
+        let source = match Spline::new(&laid) {
+            Ok(source) => source,
+            Err(fault) => {
+                cx.trouble(id, fault);
+                continue;
+            }
+        };
+        match Lane::new(id, &source, scalp, 0.9 * unit) {
+            Some(mut lane) => {
+                let section = tuft.view(SECTION).at(curve, tuft.range(curve).start);
+                lane.section = (section != 0).then_some(section);
+                lanes.push(lane);
+                rows.push((tuft, curve, source));
+            }
+            None => cx.trouble(id, "a row that is nowhere near the scalp was left out"),
+        }
+    }
+    let ground = Ground::new(lanes, scalp);
+    let maker = Maker {
+        inputs: &inputs,
+        scalp,
+        skin,
+        ground: &ground,
+        parting: inputs.parting_width * unit,
+        unit,
+        dice: cx.dice(inputs.seed, "territory"),
+        even: EvenRoots::new(scalp, cx.dice(inputs.seed, "roots")),
+    };
+    // So many of the list of even roots are hair; the probes may be more.
+    let density = inputs.density / (unit * unit);
+    let last = cx.thinned((f64::from(density) * maker.even.area()).min(20e6) as usize);
+    let (places, probes) = maker.places(cx, last)?;
+    let mut counted = vec![];
+    for (i, (tuft, curve, _)) in rows.iter().enumerate() {
+        let wishes = maker.wishes(tuft, *curve)?;
+        let row =
+            maker.count(i, &wishes, &places[i][..probes[i]], PROBES / inputs.density.max(1e-3))?;
+        if places[i].is_empty() && row.feed.is_empty() {
+            cx.trouble(tuft.id(*curve), "no hair grows on the ground of a row");
+        }
+        counted.push(row);
+    }
+    let source = rows
+        .iter()
+        .zip(&counted)
+        .map(|((tuft, curve, source), row)| Arc::new(thickened(tuft, *curve, source, row)));
+    let source = Curves::new(source.collect());
+
+    // Hair of one row in parts, so that one large row keeps all threads busy.
+    let maps: Vec<[OnceLock<Map>; 2]> = rows.iter().map(|_| Default::default()).collect();
+    let mut parts = vec![];
+    for i in 0..rows.len() {
+        let count = places[i].partition_point(|place| (place.index as usize) < last);
+        parts.extend(
+            (0..count).step_by(PART).map(|from| (i, from, (from + PART).min(count), false)),
+        );
+        let feed = counted[i].feed.len();
+        parts.extend(
+            (0..feed)
+                .step_by(MOST_CURVES)
+                .map(|from| (i, from, (from + MOST_CURVES).min(feed), true)),
+        );
+    }
+    let tufts = source.tufts();
+    let key = |n: usize| {
+        let (i, from, to, fed) = parts[n];
+        let mut key = KeyBuilder::new("territory").key(tufts[i].key()).int(u64::from(fed));
+        if fed {
+            return key.int(from as u64).int(to as u64).finish();
+        }
+        for place in &places[i][from..to] {
+            key = key.int(u64::from(place.index)).float(place.owner.ahead);
+        }
+        key.finish()
+    };
+    let [curves] = cx.each_item(parts.len(), key, |n, piece| {
+        let (i, from, to, fed) = parts[n];
+        if fed {
+            return Ok([maker.extension(i, &rows[i].2, &counted[i], from..to)]);
+        }
+        // Of the probes, so that more hair changes no way.
+        let far = places[i][..probes[i]].iter().map(|place| place.owner.distance);
+        let reach = far.fold(0.0f32, f32::max);
+        let map = |side: i32| {
+            maps[i][usize::from(side > 0)].get_or_init(|| {
+                let own = |p: Vec3| maker.whose(p).is_some_and(|o| o.lane == i as u32);
+                Map::new(&ground.lanes[i], scalp, side, 1.7 * reach + 0.4 * unit, own)
+            })
+        };
+        let row = (rows[i].0, rows[i].1);
+        Ok([maker.hairs(i, row, &counted[i], &places[i][from..to], &map, piece)?])
+    })?;
+    Ok(Outputs { curves, source })
+}
+
+/// Hairs in a piece of work.
+const PART: usize = 2048;
+
+/// How the hair of a row comes and goes along it.
+struct Row {
+    /// Share of all hair that has joined up to each of the [`BINS`]' borders.
+    joined: Vec<f32>,
+    /// Thickness at the borders.
+    girth: Vec<f32>,
+    /// Where extension hairs join, fractions of the whole row, in the order of their ids.
+    feed: Vec<f32>,
+    /// What joins at the root, as a share of all.
+    first: f32,
+}
+
+struct Maker<'a> {
+    inputs: &'a Inputs,
+    scalp: &'a Scalp,
+    skin: Skin<'a>,
+    ground: &'a Ground,
+    parting: f32,
+    unit: f32,
+    dice: Dice,
+    even: EvenRoots<'a>,
+}
+
+/// What is asked of a row's hair, along it.
+struct Wishes<'a> {
+    tuft: &'a Tuft,
+    curve: usize,
+    pull: Sampler<'a>,
+    length: Sampler<'a>,
+}
+
+impl Maker<'_> {
+    fn wishes<'t>(&'t self, tuft: &'t Tuft, curve: usize) -> Result<Wishes<'t>, NodeError> {
+        let pull = self.inputs.pull_angle.on(tuft, Some(self.scalp))?;
+        let length = self.inputs.length.on(tuft, Some(self.scalp))?;
+        Ok(Wishes { tuft, curve, pull, length })
+    }
+    /// The owner of a place, unless it lies in a parting or too far off.
+    fn whose(&self, p: Vec3) -> Option<Owner> {
+        self.owner(&self.scalp.closest_root(p)?)
+    }
+    /// The owner of a root, unless it lies in a parting or too far off.
+    fn owner(&self, root: &Root) -> Option<Owner> {
+        let p = root.point;
+        let section = match self.scalp.sections() {
+            Some(cut) => {
+                let place = cut.at(root.point)?;
+                place.free.then_some(Some(cut.list()[place.section as usize].id))?
+            }
+            None => None,
+        };
+        let of_section = |lane: u32| {
+            let own = self.ground.lanes[lane as usize].section;
+            section.is_none() || own.is_none() || own == section
+        };
+        let owner = self.ground.owner(p, of_section)?;
+        let reach = self.inputs.reach * self.unit;
+        (owner.ahead >= self.parting && (reach <= 0.0 || owner.distance <= reach)).then_some(owner)
+    }
+    /// Roots by row, in the order in which density adds them, and how many of each row are probes.
+    fn places(&self, cx: &EvalCx, last: usize) -> Result<(Vec<Vec<Place>>, Vec<usize>), NodeError> {
+        let probes = (f64::from(PROBES / (self.unit * self.unit)) * self.even.area()) as usize;
+        let last = last.max(probes);
+        let batches = last.div_ceil(BATCH);
+        let found: Vec<OnceLock<Vec<Place>>> = (0..batches).map(|_| OnceLock::new()).collect();
+        cx.host.for_each(batches, &|b| {
+            if cx.host.cancelled() || self.ground.lanes.is_empty() {
+                return;
+            }
+            let place = |index: u32| {
+                let root = self.even.root(index)?;
+                let owner = self.owner(&root)?;
+                let lane = &self.ground.lanes[owner.lane as usize];
+                let side = lane.side(root.point, owner.foot, owner.u);
+                Some(Place { index, root, owner, side })
+            };
+            let range = (b * BATCH) as u32..last.min((b + 1) * BATCH) as u32;
+            let _ = found[b].set(range.filter_map(place).collect());
+        });
+        cx.check()?;
+        let mut rows = vec![vec![]; self.ground.lanes.len()];
+        let mut few = vec![0; rows.len()];
+        for place in found.into_iter().filter_map(OnceLock::into_inner).flatten() {
+            let lane = place.owner.lane as usize;
+            few[lane] += usize::from((place.index as usize) < probes);
+            rows[lane].push(place);
+        }
+        Ok((rows, few))
+    }
+    /// Where along the whole row a root joins, and its length (0: to the end).
+    fn joins(&self, lane: &Lane, wishes: &Wishes, place: &Place, id: u64) -> (f32, f32) {
+        let on_scalp = lane.row.length();
+        let pull = wishes.pull.along(wishes.tuft, wishes.curve, place.owner.u);
+        let pull = pull + 14.0 * self.inputs.unevenness * self.dice.signed(id, 0);
+        let shift = tan(pull.clamp(-80.0, 80.0).to_radians()) * place.owner.distance;
+        // Towards the last place where hair joins the shift gives way: nothing joins beyond it.
+        let (here, last) = (place.owner.u * on_scalp, self.inputs.until * on_scalp);
+        let room = (last - here).max(0.0);
+        let x = match shift {
+            shift if shift > 0.0 && room > 0.0 => here + room * (1.0 - exp(-shift / room)),
+            shift if shift > 0.0 => last,
+            shift => (here + shift).clamp(0.0, last),
+        };
+        let x = if x < self.inputs.start * self.unit { 0.0 } else { x.min(last) };
+        let length = wishes.length.along(wishes.tuft, wishes.curve, place.owner.u) * self.unit;
+        let cut = 1.0 - self.inputs.length_variation * self.dice.unit(id, 1);
+        (x / lane.length, length * cut)
+    }
+    /// Counts the hair of a row along it, in probes; an extension hair counts as `share` of one.
+    fn count(
+        &self,
+        i: usize,
+        wishes: &Wishes,
+        probes: &[Place],
+        share: f32,
+    ) -> Result<Row, NodeError> {
+        let lane = &self.ground.lanes[i];
+        let (mut joins, mut ends) = (vec![0.0f32; BINS + 1], vec![0.0f32; BINS + 1]);
+        let bin = |u: f32| ((u * BINS as f32).ceil() as usize).min(BINS);
+        for place in probes {
+            let id = self.id(lane, place);
+            let (u, length) = self.joins(lane, wishes, place, id);
+            joins[bin(u)] += 1.0;
+            if length > 0.0 {
+                let end = u + (length - place.owner.distance).max(0.0) / (CRIMP * lane.length);
+                if end < 1.0 {
+                    ends[bin(end)] += 1.0;
+                }
+            }
+        }
+        let feed = self.feed(lane, (wishes.tuft, wishes.curve))?;
+        for u in &feed {
+            joins[bin(*u)] += share;
+            let end = u + self.inputs.feed_length * self.unit / (CRIMP * lane.length);
+            if self.inputs.feed_length > 0.0 && end < 1.0 {
+                ends[bin(end)] += share;
+            }
+        }
+        let all: f32 = joins.iter().sum::<f32>().max(1e-6);
+        let (mut joined, mut alive) = (vec![], vec![]);
+        let (mut a, mut b) = (0.0f32, 0.0f32);
+        for (joins, ends) in joins.iter().zip(&ends) {
+            (a, b) = (a + joins, b + ends);
+            joined.push(a / all);
+            alive.push((a - b).max(0.0));
+        }
+        let most = alive.iter().fold(1e-6f32, |most, n| most.max(*n));
+        let mut girth: Vec<f32> = alive.iter().map(|n| (n / most).sqrt().max(THIN)).collect();
+        // Counting in bins is rough; a braid is not.
+        for _ in 0..6 {
+            let before = girth.clone();
+            for k in 1..BINS {
+                girth[k] = 0.25 * (before[k - 1] + before[k + 1]) + 0.5 * before[k];
+            }
+        }
+        let first = joined[0];
+        Ok(Row { joined, girth, feed, first })
+    }
+    /// Where a row's extension hairs join.
+    fn feed(&self, lane: &Lane, (tuft, curve): (&Tuft, usize)) -> Result<Vec<f32>, NodeError> {
+        let count =
+            self.inputs.feed.on(tuft, Some(self.scalp))?.along(tuft, curve, 0.0).round() as u32;
+        if count == 0 {
+            return Ok(vec![]);
+        }
+        let from = (self.inputs.feed_from * self.unit / lane.length).min(1.0);
+        const STEPS: usize = 128;
+        let mut sums = vec![0.0f32];
+        for k in 0..STEPS {
+            let amount = self.inputs.feed_ramp.at((k as f32 + 0.5) / STEPS as f32).max(0.0);
+            sums.push(sums[k] + amount);
+        }
+        let all = sums[STEPS];
+        let shift = [self.dice.unit(lane.id, 2), 0.0];
+        let place = |i: u32| {
+            let wanted = r2(i, shift)[0] * all;
+            let k = (sums.partition_point(|s| *s <= wanted).max(1) - 1).min(STEPS - 1);
+            let t = (wanted - sums[k]) / (sums[k + 1] - sums[k]).max(1e-9);
+            from + (1.0 - from) * (k as f32 + t.clamp(0.0, 1.0)) / STEPS as f32
+        };
+        Ok((0..count).map(place).collect())
+    }
+    fn id(&self, lane: &Lane, place: &Place) -> u64 {
+        curve_id(lane.id, self.inputs.seed as u64, u64::from(place.index))
+    }
+    /// Hairs of a row from their roots to where they join.
+    fn hairs<'m>(
+        &self,
+        i: usize,
+        row: (&Tuft, usize),
+        counted: &Row,
+        places: &[Place],
+        map: &dyn Fn(i32) -> &'m Map,
+        piece: &mut Piece,
+    ) -> Result<Tuft, NodeError> {
+        let lane = &self.ground.lanes[i];
+        let cvs = self.inputs.cvs as usize;
+        let mut points: Vec<Vec3> = Vec::with_capacity(places.len() * cvs);
+        let (mut ids, mut sides, mut along, mut order, mut fibre) =
+            (vec![], vec![], vec![], vec![], vec![]);
+        let mut found = vec![];
+        let wishes = self.wishes(row.0, row.1)?;
+        let on_scalp = lane.row.length() / lane.length;
+        for place in places {
+            piece.tick()?;
+            let id = self.id(lane, place);
+            let (u, length) = self.joins(lane, &wishes, place, id);
+            let map = map(place.side);
+            let from = map.locate(place.root.point, &mut found);
+            // Roots under the braid are combed along under it.
+            let beside = (0.5 * self.inputs.braid_width * self.unit * girth_at(counted, u))
+                .min(0.8 * from.1);
+            let to = (map.column(u / on_scalp), beside);
+            let first = points.len();
+            map.way(&place.root, from, to, self.inputs.sweep, cvs, &mut points);
+            let high = (CLEAR.0 + CLEAR.1 * self.dice.unit(id, 2)) * self.unit;
+            for (k, p) in points[first..].iter_mut().enumerate().skip(1) {
+                let wanted = high * (5.0 * k as f32 / cvs as f32).min(1.0);
+                for _ in 0..2 {
+                    match self.skin.roughly(*p) {
+                        Some((d, out, doubt)) if d > -0.15 && doubt < 0.06 => {
+                            *p += out.normalize_or_zero() * (wanted - d);
+                        }
+                        // Where the columns of the map run into each other a way may cut a corner.
+                        _ => *p = lay::laid(self.scalp, *p, wanted).0,
+                    }
+                }
+            }
+            ids.push(id);
+            sides.push(place.side);
+            along.push(u);
+            order.push(if u > 0.0 {
+                at(&counted.joined, u)
+            } else {
+                counted.first * self.dice.unit(id, 3)
+            });
+            fibre.push(length);
+        }
+        let mut out = TuftBuilder::even(points, cvs);
+        if ids.is_empty() {
+            return Ok(out.build());
+        }
+        self.describe(&mut out, row, lane, (ids, along, order, fibre));
+        out.set(SIDE, Domain::Curve, sides);
+        out.set(FED, Domain::Curve, vec![0]);
+        let roots: Vec<Root> = places.iter().map(|place| place.root).collect();
+        out.set(SCALP_NORMAL, Domain::Curve, roots.iter().map(|root| root.normal).collect());
+        lay::bind(&mut out, &roots);
+        Ok(out.build())
+    }
+    /// What own hair and extension hair say of themselves alike.
+    fn describe(
+        &self,
+        out: &mut TuftBuilder,
+        (tuft, curve): (&Tuft, usize),
+        lane: &Lane,
+        (ids, along, order, fibre): (Vec<u64>, Vec<f32>, Vec<f32>, Vec<f32>),
+    ) {
+        let own = [ROOT_TRIANGLE.name, ROOT_BARY.name, ROOT_UV.name, SCALP_NORMAL.name];
+        for attribute in tuft.attributes() {
+            if attribute.domain == Domain::Curve && !own.contains(&attribute.name.as_ref()) {
+                let values = attribute.values.gather(&[curve as u32]);
+                out.set_column(Attribute { values, ..attribute.clone() });
+            }
+        }
+        out.set(ID, Domain::Curve, ids);
+        out.set(PARENT, Domain::Curve, vec![lane.id]);
+        out.set(ALONG, Domain::Curve, along);
+        out.set_named(ORDER.into(), Domain::Curve, order);
+        if fibre.iter().any(|length| *length > 0.0) {
+            out.set(FIBRE, Domain::Curve, fibre);
+        }
+    }
+    /// Extension hairs: short pieces of the row where they are fed in.
+    fn extension(
+        &self,
+        i: usize,
+        source: &Spline,
+        counted: &Row,
+        which: std::ops::Range<usize>,
+    ) -> Tuft {
+        let lane = &self.ground.lanes[i];
+        let mut out = TuftBuilder::new();
+        let (mut ids, mut along, mut order) = (vec![], vec![], vec![]);
+        for k in which {
+            let u = counted.feed[k];
+            let step = (0.3 * self.unit / lane.length).min(0.5);
+            out.push_curve(&[source.at((u - step).max(0.0)), source.at(u.max(step))]);
+            let id = curve_id(lane.id, self.inputs.seed as u64, EXTENSION + k as u64);
+            ids.push(id);
+            along.push(u);
+            order.push(if u > 0.0 {
+                at(&counted.joined, u)
+            } else {
+                counted.first * self.dice.unit(id, 3)
+            });
+        }
+        let fibre = vec![self.inputs.feed_length * self.unit; ids.len()];
+        out.set(ID, Domain::Curve, ids);
+        out.set(PARENT, Domain::Curve, vec![lane.id]);
+        out.set(ALONG, Domain::Curve, along);
+        out.set_named(ORDER.into(), Domain::Curve, order);
+        out.set(FED, Domain::Curve, vec![1]);
+        if self.inputs.feed_length > 0.0 {
+            out.set(FIBRE, Domain::Curve, fibre);
+        }
+        out.build()
+    }
+}
+
+/// Between the borders of bins.
+fn at(values: &[f32], u: f32) -> f32 {
+    let x = u.clamp(0.0, 1.0) * BINS as f32;
+    let k = (x as usize).min(BINS - 1);
+    values[k] + (values[k + 1] - values[k]) * (x - k as f32)
+}
+
+fn girth_at(row: &Row, u: f32) -> f32 {
+    at(&row.girth, u)
+}
+
+/// The row with its thickness, at as many even points as that takes.
+fn thickened(tuft: &Tuft, curve: usize, source: &Spline, row: &Row) -> Tuft {
+    let n = ((source.length() / 0.15).ceil() as usize).clamp(24, 240) + 1;
+    let mut points = Vec::with_capacity(n);
+    source.resample(n, |p| points.push(p));
+    let mut out = TuftBuilder::even(points, n);
+    for attribute in tuft.attributes() {
+        if attribute.domain == Domain::Curve {
+            let values = attribute.values.gather(&[curve as u32]);
+            out.set_column(Attribute { values, ..attribute.clone() });
+        }
+    }
+    let along = |values: &[f32]| (0..n).map(|k| at(values, k as f32 / (n - 1) as f32)).collect();
+    out.set_named(GIRTH.into(), Domain::Point, along(&row.girth));
+    out.set_named(JOINED.into(), Domain::Point, along(&row.joined));
+    out.build()
+}
+
+/// The row with a tail of `length` cm that falls from its end and keeps `height` off the skin.
+fn lengthened(points: &[Vec3], length: f32, height: f32, skin: &Skin) -> Vec<Vec3> {
+    let mut out = points.to_vec();
+    let n = points.len();
+    let Some(mut way) = (n > 1).then(|| (points[n - 1] - points[n - 2]).try_normalize()).flatten()
+    else {
+        return out;
+    };
+    if length <= 0.0 {
+        return out;
+    }
+    let steps = (length / 0.5).ceil().clamp(4.0, 400.0) as usize;
+    let step = length / steps as f32;
+    let mut p = points[n - 1];
+    for k in 0..steps {
+        // Gravity turns what hangs within a few centimetres.
+        way = (way + Vec3::NEG_Y * (0.22 * step)).normalize_or(way);
+        let mut next = p + way * step;
+        let wanted = height * ((k + 1) as f32 * step / (3.0 * height).max(1e-3)).min(1.0);
+        let (lifted, moved) = skin.lift(next, wanted);
+        if moved {
+            next = p + (lifted - p).normalize_or(way) * step;
+            way = (next - p).normalize_or(way);
+        }
+        p = next;
+        out.push(p);
+    }
+    out
+}

@@ -1,0 +1,306 @@
+//! The ground that belongs to each row of braiding, and the ways over it into the braid.
+//!
+//! Which row a root belongs to is decided as in `partition/territory.rs`: the nearest one. The ways over the scalp are
+//! straight lines in a *map*: on each side of a row, columns of points march square away from it over the skin, and
+//! round its two ends they fan out. A place is then (column, cm from the row), and a hair that is combed along and
+//! into the braid is a parabola in these two numbers, however the head bends under it.
+//!
+//! Guarantees: a way's points are within a few tenths of a millimetre of the skin; in ground that ends at a parting it
+//! never comes nearer to the parting than its root's side of the parting allows. Not promised: anything where the
+//! columns of a row run into each other (far from a row that bends round its ground); ways are then merely smooth.
+
+use crate::data::scalp::{Root, Scalp};
+use crate::maths::frame::{across, any_normal};
+use crate::maths::nearest::Nearest;
+use crate::maths::spline::Spline;
+use crate::maths::transcendental::sin_cos;
+use crate::partition::territory::Row;
+use glam::Vec3;
+use std::collections::BTreeMap;
+
+/// A row to braid along.
+pub(crate) struct Lane {
+    /// The source's id.
+    pub(crate) id: u64,
+    /// The part that lies on the scalp.
+    pub(crate) row: Row,
+    /// Length of the whole source, cm.
+    pub(crate) length: f32,
+    /// The section that it is the middle of; none: whatever is nearest to it.
+    pub(crate) section: Option<u64>,
+    /// Along and scalp normal at even places of the row.
+    ways: Vec<(Vec3, Vec3)>,
+}
+
+/// Places of a row at which its directions are noted.
+const WAYS: usize = 48;
+/// Distance between the points that stand for a source, cm.
+const STEP: f32 = 0.15;
+
+impl Lane {
+    /// The lane of a source, as far as it is no higher than `off` (cm) over the skin; at least its first `off`.
+    pub(crate) fn new(id: u64, source: &Spline, scalp: &Scalp, off: f32) -> Option<Self> {
+        let length = source.length();
+        let n = (length / STEP).ceil().clamp(8.0, 2048.0) as usize;
+        let step = length / n as f32;
+        let mut points = vec![];
+        for k in 0..=n {
+            let p = source.at(k as f32 / n as f32);
+            let near = scalp.surface().closest_within(p, off).is_some();
+            if !near && k as f32 * step > off && points.len() > 2 {
+                break;
+            }
+            points.push(p);
+        }
+        let row = Row::new(id, &points).ok()?;
+        let way = |k: usize| {
+            let place = row.spline.locate(k as f32 / (WAYS - 1) as f32);
+            let (p, along) = (row.spline.point(place), row.spline.tangent(place));
+            let normal = scalp.closest_root(p).map_or(Vec3::Y, |root| root.normal);
+            // A row that leaves the scalp straight up has no direction on it; any will do.
+            let along = across(along, normal).unwrap_or_else(|| any_normal(normal));
+            (along, normal)
+        };
+        let ways = (0..WAYS).map(way).collect();
+        Some(Self { id, row, length, section: None, ways })
+    }
+    /// Along and the scalp's normal at a fraction of the row.
+    fn way(&self, u: f32) -> (Vec3, Vec3) {
+        let x = u.clamp(0.0, 1.0) * (WAYS - 1) as f32;
+        let k = (x as usize).min(WAYS - 2);
+        let (a, b) = (self.ways[k], self.ways[k + 1]);
+        let normal = a.1.lerp(b.1, x - k as f32).normalize_or(a.1);
+        (across(a.0.lerp(b.0, x - k as f32), normal).unwrap_or(a.0), normal)
+    }
+    /// The side of the row that `p` is on: 1 right, -1 left, seen along it with the normal up.
+    pub(crate) fn side(&self, p: Vec3, foot: Vec3, u: f32) -> i32 {
+        let (along, normal) = self.way(u);
+        if (p - foot).dot(along.cross(normal)) >= 0.0 { 1 } else { -1 }
+    }
+}
+
+/// Whose a place is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Owner {
+    pub(crate) lane: u32,
+    pub(crate) distance: f32,
+    /// Fraction of the row at its nearest point.
+    pub(crate) u: f32,
+    pub(crate) foot: Vec3,
+    /// How much farther the next row is.
+    pub(crate) ahead: f32,
+}
+
+/// All rows, found quickly.
+pub(crate) struct Ground {
+    pub(crate) lanes: Vec<Lane>,
+    cell: f32,
+    cells: BTreeMap<[i32; 3], Vec<u32>>,
+}
+
+/// Edge of the cells that know which rows may be near, head units.
+const CELL: f32 = 1.5;
+
+impl Ground {
+    pub(crate) fn new(lanes: Vec<Lane>, scalp: &Scalp) -> Self {
+        let cell = CELL * scalp.frame().unit();
+        let mut cells: BTreeMap<[i32; 3], Vec<u32>> = BTreeMap::new();
+        if lanes.len() > 3 {
+            for (p, grows) in scalp.surface().points.iter().zip(scalp.region()) {
+                if *grows > 0.0 {
+                    cells.entry(cell_of(*p, cell)).or_default();
+                }
+            }
+            for (at, near) in &mut cells {
+                let middle = (Vec3::from(at.map(|i| i as f32)) + 0.5) * cell;
+                let far: Vec<f32> = lanes.iter().map(|lane| lane.row.nearest(middle).1).collect();
+                let mut sorted = far.clone();
+                sorted.sort_by(f32::total_cmp);
+                let reach = sorted[1] + 1.74 * cell;
+                near.extend((0..).zip(&far).filter(|(_, d)| **d <= reach).map(|(i, _)| i));
+            }
+        }
+        Self { lanes, cell, cells }
+    }
+    /// The row nearest to `p` among those that `may` have it.
+    pub(crate) fn owner(&self, p: Vec3, may: impl Fn(u32) -> bool) -> Option<Owner> {
+        let (mut best, mut second): (Option<Owner>, f32) = (None, f32::MAX.sqrt());
+        let mut see = |lane: u32| {
+            if !may(lane) {
+                return;
+            }
+            let (foot, distance, u) = self.lanes[lane as usize].row.nearest(p);
+            let last = best.map_or(f32::MAX.sqrt(), |b| b.distance);
+            if distance < last {
+                second = last;
+                best = Some(Owner { lane, distance, u, foot, ahead: 0.0 });
+            } else {
+                second = second.min(distance);
+            }
+        };
+        match self.cells.get(&cell_of(p, self.cell)) {
+            Some(near) => near.iter().for_each(|lane| see(*lane)),
+            None => (0..self.lanes.len() as u32).for_each(see),
+        }
+        best.map(|best| Owner { ahead: second - best.distance, ..best })
+    }
+}
+
+fn cell_of(p: Vec3, cell: f32) -> [i32; 3] {
+    (p / cell).floor().as_ivec3().to_array()
+}
+
+/// One side of a row unrolled.
+pub(crate) struct Map {
+    points: Vec<Vec3>,
+    columns: usize,
+    /// Steps of a column.
+    steps: usize,
+    step: f32,
+    tree: Nearest,
+    /// Distance from the row at which each column leaves the row's own ground.
+    pub(crate) limit: Vec<f32>,
+}
+
+/// Columns of the quarter turn about an end of a row.
+const FAN: usize = 8;
+/// The most stations along a row.
+const MOST_STATIONS: usize = 64;
+/// The most steps of a column.
+const MOST_STEPS: f32 = 28.0;
+
+impl Map {
+    /// The map of one side as far as `reach` cm from the row; `inside` says whether a point is the row's own ground.
+    pub(crate) fn new(
+        lane: &Lane,
+        scalp: &Scalp,
+        side: i32,
+        reach: f32,
+        inside: impl Fn(Vec3) -> bool,
+    ) -> Self {
+        let step = (reach / MOST_STEPS).max(0.2);
+        let steps = (reach / step).ceil().max(2.0) as usize;
+        let stations = ((lane.row.length() / 0.4).ceil() as usize).clamp(2, MOST_STATIONS);
+        let columns = stations + 2 * FAN;
+        let (mut points, mut limit) = (vec![], vec![]);
+        for c in 0..columns {
+            let u = Self::fraction(c as f32, columns);
+            let (along, normal) = lane.way(u);
+            let sideways = along.cross(normal) * side as f32;
+            // A quarter turn from straight ahead of the row to its side, and behind its end as much again.
+            let turned = |k: usize| (k as f32 / FAN as f32) * std::f32::consts::FRAC_PI_2;
+            let (sin, cos) = match c {
+                c if c < FAN => sin_cos(turned(FAN - c)),
+                c if c >= columns - FAN => sin_cos(-turned(c + FAN + 1 - columns)),
+                _ => (0.0, 1.0),
+            };
+            let mut way = sideways * cos - along * sin;
+            let start = scalp.closest_root(lane.row.spline.at(u));
+            let (mut p, mut inner, mut last) = (lane.row.spline.at(u), true, 0.0);
+            p = start.map_or(p, |root| root.point);
+            for k in 0..=steps {
+                points.push(p);
+                if inner && k > 0 {
+                    inner = inside(p);
+                    last = if inner { k as f32 * step } else { last };
+                }
+                if let Some(root) = scalp.closest_root(p + way * step) {
+                    p = root.point;
+                    way = across(way, root.normal).unwrap_or(way);
+                }
+            }
+            limit.push(last + 0.5 * step);
+        }
+        let tree = Nearest::new(points.iter().copied());
+        Self { points, columns, steps, step, tree, limit }
+    }
+    /// The column that starts at a fraction of the row.
+    pub(crate) fn column(&self, u: f32) -> f32 {
+        FAN as f32 + u.clamp(0.0, 1.0) * (self.columns - 2 * FAN - 1) as f32
+    }
+    /// The fraction of the row at which a column starts.
+    fn fraction(column: f32, columns: usize) -> f32 {
+        ((column - FAN as f32) / (columns - 2 * FAN - 1) as f32).clamp(0.0, 1.0)
+    }
+    fn limit_at(&self, column: f32) -> f32 {
+        let x = column.clamp(0.0, (self.columns - 1) as f32);
+        let c = (x as usize).min(self.columns - 2);
+        self.limit[c] + (self.limit[c + 1] - self.limit[c]) * (x - c as f32)
+    }
+    /// The point at a column and a distance from the row.
+    #[inline]
+    pub(crate) fn point(&self, column: f32, v: f32) -> Vec3 {
+        let x = column.clamp(0.0, (self.columns - 1) as f32);
+        let y = (v / self.step).clamp(0.0, self.steps as f32);
+        let (c, k) = ((x as usize).min(self.columns - 2), (y as usize).min(self.steps - 1));
+        let (fx, fy) = (x - c as f32, y - k as f32);
+        let at = c * (self.steps + 1) + k;
+        let next = at + self.steps + 1;
+        let a = self.points[at].lerp(self.points[at + 1], fy);
+        let b = self.points[next].lerp(self.points[next + 1], fy);
+        a.lerp(b, fx)
+    }
+    /// Column and distance of a point of the scalp.
+    pub(crate) fn locate(&self, p: Vec3, found: &mut Vec<(f32, u32)>) -> (f32, f32) {
+        self.tree.find(p, 1, found);
+        let node = found.first().map_or(0, |(_, node)| *node as usize);
+        let (mut c, mut v) =
+            ((node / (self.steps + 1)) as f32, (node % (self.steps + 1)) as f32 * self.step);
+        let (last, far) = ((self.columns - 1) as f32, self.steps as f32 * self.step);
+        for _ in 0..4 {
+            let off = p - self.point(c, v);
+            let (c0, c1) = ((c - 0.5).max(0.0), (c + 0.5).min(last));
+            let (v0, v1) = ((v - 0.5 * self.step).max(0.0), (v + 0.5 * self.step).min(far));
+            let dc = (self.point(c1, v) - self.point(c0, v)) / (c1 - c0);
+            let dv = (self.point(c, v1) - self.point(c, v0)) / (v1 - v0);
+            // Least squares in the plane of both ways; a point of a fan has only one.
+            let (a, b, d) = (dc.length_squared() + 1e-6, dc.dot(dv), dv.length_squared() + 1e-6);
+            let (e, f) = (off.dot(dc), off.dot(dv));
+            let det = (a * d - b * b).max(1e-8 + 0.05 * a * d);
+            c = (c + ((e * d - f * b) / det).clamp(-0.8, 0.8)).clamp(0.0, last);
+            v = (v + ((f * a - e * b) / det).clamp(-0.8 * self.step, 0.8 * self.step))
+                .clamp(0.0, far);
+        }
+        (c, v)
+    }
+    /// Points of the way from a root at `from` (column, cm) to `to`, evenly spaced, into `out`. `sweep` 0 is
+    /// straight, 1 leaves the parting square and ends along the row.
+    pub(crate) fn way(
+        &self,
+        root: &Root,
+        from: (f32, f32),
+        to: (f32, f32),
+        sweep: f32,
+        count: usize,
+        out: &mut Vec<Vec3>,
+    ) {
+        const FINE: usize = 20;
+        let mut fine = [Vec3::ZERO; FINE + 1];
+        let corner = (to.0 + (from.0 - to.0) * sweep, to.1);
+        let aside = root.point - self.point(from.0, from.1);
+        for (k, p) in fine.iter_mut().enumerate() {
+            let s = k as f32 / FINE as f32;
+            let r = 1.0 - s;
+            let mix = |a: f32, b: f32, c: f32| r * r * a + 2.0 * r * s * b + s * s * c;
+            let c = mix(from.0, corner.0, to.0);
+            let v = mix(from.1, corner.1, to.1);
+            *p = self.point(c, v.min(self.limit_at(c).max(to.1)).min(from.1.max(to.1)));
+            *p += aside * (r * r);
+        }
+        fine[0] = root.point;
+        let mut lengths = [0.0f32; FINE + 1];
+        for k in 1..=FINE {
+            lengths[k] = lengths[k - 1] + fine[k].distance(fine[k - 1]);
+        }
+        let total = lengths[FINE];
+        let mut k = 0;
+        for i in 0..count {
+            let s = total * i as f32 / (count - 1) as f32;
+            while k + 1 < FINE && lengths[k + 1] < s {
+                k += 1;
+            }
+            let span = (lengths[k + 1] - lengths[k]).max(1e-9);
+            out.push(fine[k].lerp(fine[k + 1], ((s - lengths[k]) / span).clamp(0.0, 1.0)));
+        }
+    }
+}

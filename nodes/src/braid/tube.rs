@@ -1,0 +1,296 @@
+//! A braid as its hair sees it: for each strand the cross-sections at fine even steps, the stitches, and the brush beyond
+//! the tie. Worked out once for each braid, so that a hair's point is one look-up and a few multiplications.
+
+use super::braid_territory::JOINED;
+use crate::data::attributes as attr;
+use crate::data::curves::{Tuft, View};
+use crate::data::field::Sampler;
+use crate::maths::frame::{across, any_normal};
+use crate::maths::spline::Spline;
+use crate::maths::transcendental::sin_cos;
+use glam::{Vec2, Vec3};
+
+/// What is asked of the tubes. Lengths in cm.
+pub(super) struct Asked<'a> {
+    pub(super) per_stitch: f32,
+    /// Factor of the strands' radius.
+    pub(super) fill: &'a Sampler<'a>,
+    /// Radians a cm.
+    pub(super) twist: f32,
+    /// How much thicker the strands are in a root knot, and how long it is.
+    pub(super) knot: (f32, f32),
+}
+
+/// Steps of the table between two points of a hair: linear between them they are good to a fiftieth of a hair's width.
+pub(super) const FINE: f32 = 4.0;
+/// The most steps of one strand's table.
+const MOST: f32 = 8192.0;
+
+/// A cross-section.
+#[derive(Clone, Copy)]
+pub(super) struct Section {
+    pub(super) centre: Vec3,
+    /// Half axes: to the braid's right, and away from its back.
+    pub(super) x: Vec3,
+    pub(super) y: Vec3,
+    pub(super) along: f32,
+    /// Share of the braid's hair that has joined.
+    pub(super) joined: f32,
+}
+
+impl Section {
+    #[inline]
+    fn between(a: &Self, b: &Self, t: f32) -> Self {
+        Self {
+            centre: a.centre + (b.centre - a.centre) * t,
+            x: a.x + (b.x - a.x) * t,
+            y: a.y + (b.y - a.y) * t,
+            along: a.along + (b.along - a.along) * t,
+            joined: a.joined + (b.joined - a.joined) * t,
+        }
+    }
+}
+
+/// A strand of the braid.
+pub(super) struct Tube {
+    pub(super) id: u64,
+    pub(super) strand: i32,
+    at: Vec<Section>,
+    /// Step number at the tie.
+    pub(super) tie: f32,
+}
+
+impl Tube {
+    /// The cross-section at a step number; clamped to the strand.
+    #[inline]
+    pub(super) fn section(&self, t: f32) -> Section {
+        let t = t.clamp(0.0, (self.at.len() - 1) as f32);
+        let k = (t as usize).min(self.at.len() - 2);
+        Section::between(&self.at[k], &self.at[k + 1], t - k as f32)
+    }
+    /// Unit direction of the strand at a step number.
+    pub(super) fn tangent(&self, t: f32) -> Vec3 {
+        let k = (t.max(0.0) as usize).min(self.at.len() - 2);
+        (self.at[k + 1].centre - self.at[k].centre).normalize_or(Vec3::Y)
+    }
+    /// The step number at a fraction along the braid's source.
+    pub(super) fn step_at(&self, along: f32) -> f32 {
+        let after = self.at.partition_point(|s| s.along <= along);
+        let k = after.clamp(1, self.at.len() - 1) - 1;
+        let span = self.at[k + 1].along - self.at[k].along;
+        let t = if span > 0.0 { (along - self.at[k].along) / span } else { 0.0 };
+        k as f32 + t.clamp(0.0, 1.0)
+    }
+    /// How far the place `q` of the cross-section is moved by one step, cm.
+    #[inline]
+    pub(super) fn pace(&self, t: f32, q: Vec2) -> f32 {
+        let k = (t.max(0.0) as usize).min(self.at.len() - 2);
+        place(&self.at[k + 1], q).distance(place(&self.at[k], q))
+    }
+    pub(super) fn last(&self) -> f32 {
+        (self.at.len() - 1) as f32
+    }
+}
+
+/// A place where hair is picked up.
+#[derive(Clone, Copy)]
+pub(super) struct Stitch {
+    pub(super) along: f32,
+    pub(super) side: i32,
+    pub(super) strand: i32,
+    pub(super) number: i32,
+}
+
+/// A cross-section beyond the tie.
+#[derive(Clone, Copy)]
+pub(super) struct Bristles {
+    pub(super) centre: Vec3,
+    /// Unit.
+    pub(super) x: Vec3,
+    pub(super) y: Vec3,
+    /// Its size as a fraction of that in the tie.
+    pub(super) size: f32,
+}
+
+/// A braid ready to be filled.
+pub(super) struct Braid {
+    pub(super) id: u64,
+    pub(super) tubes: Vec<Tube>,
+    pub(super) stitches: Vec<Stitch>,
+    /// One a step from the tie on; empty where the braid has no tuft.
+    pub(super) brush: Vec<Bristles>,
+    /// cm.
+    pub(super) step: f32,
+    /// Steps of a strand for one stitch.
+    pub(super) per_stitch: f32,
+}
+
+impl Braid {
+    /// The braid of these strands (one tuft); none where they are no curves.
+    pub(super) fn new(strands: &Tuft, stitches: Vec<Stitch>, asked: &Asked) -> Option<Self> {
+        let splines: Vec<Spline> = (0..strands.len())
+            .map(|i| Spline::new(strands.curve(i)).ok())
+            .collect::<Option<_>>()?;
+        let first = splines.first()?;
+        // Where the tie is: half a stitch behind the last one.
+        let most = stitches.iter().fold(0.0f32, |most, s| most.max(s.along));
+        let count = (stitches.len() / 2).max(1) as f32;
+        let tie_along =
+            if stitches.is_empty() { 1.0 } else { (most * (1.0 + 0.35 / count)).min(1.0) };
+        let along = strands.view(attr::ALONG);
+        let reached = |i: usize| {
+            let range = strands.range(i);
+            let cv = range.clone().take_while(|k| along.at(i, *k) <= tie_along).count();
+            splines[i].u_of_cv(cv.saturating_sub(1).min(range.len() - 1)) * splines[i].length()
+        };
+        let braided = reached(0).max(1e-3 * first.length());
+        let spacing = if stitches.is_empty() {
+            2.0 * first.length() / first.span_count() as f32
+        } else {
+            braided / (count * asked.per_stitch)
+        };
+        let step = (spacing / FINE).max(first.length() / MOST);
+        let tubes: Vec<Tube> = splines
+            .iter()
+            .enumerate()
+            .map(|(i, spline)| Self::tube(strands, i, spline, step, tie_along, asked))
+            .collect();
+        let mut braid = Self {
+            id: strands.view(attr::BRAID).at(0, 0),
+            tubes,
+            stitches,
+            brush: vec![],
+            step,
+            per_stitch: braided / (count * step),
+        };
+        braid.brush = braid.bristles();
+        Some(braid)
+    }
+
+    fn tube(strands: &Tuft, i: usize, spline: &Spline, step: f32, tie: f32, asked: &Asked) -> Tube {
+        let range = strands.range(i);
+        let (radius, normal) = (strands.view(attr::RADIUS), strands.view(attr::NORMAL));
+        let along = strands.view(attr::ALONG);
+        let joined: View<f32> = strands.view_named(JOINED).unwrap_or(View::Shared(1.0));
+        let steps = (spline.length() / step).floor().max(2.0) as usize;
+        let mut at = Vec::with_capacity(steps + 1);
+        for k in 0..=steps {
+            let s = (k as f32 * step).min(spline.length());
+            let place = spline.locate_length(s);
+            let (a, b) = (range.start + place.span, range.start + place.span + 1);
+            let mix = |view: &View<f32>| {
+                let (a, b) = (view.at(i, a), view.at(i, b));
+                a + (b - a) * place.t
+            };
+            let tangent = spline.tangent(place);
+            let up = normal.at(i, a).lerp(normal.at(i, b), place.t);
+            let y = across(up, tangent).unwrap_or_else(|| any_normal(tangent));
+            let x = tangent.cross(y);
+            let along = mix(&along);
+            let thick = mix(&radius) * asked.fill.at(i, a, along);
+            let thick = thick * (1.0 + asked.knot.0 * bump(s / asked.knot.1.max(1e-4)));
+            let (sin, cos) = sin_cos(asked.twist * s);
+            at.push(Section {
+                centre: spline.point(place),
+                x: (x * cos + y * sin) * thick,
+                y: (y * cos - x * sin) * thick,
+                along,
+                joined: mix(&joined).clamp(0.0, 1.0),
+            });
+        }
+        let tube = Tube {
+            id: strands.id(i),
+            strand: strands.view(attr::STRAND).at(i, range.start),
+            at,
+            tie: 0.0,
+        };
+        let tie = if tie >= 1.0 { tube.last() } else { tube.step_at(tie) };
+        Tube { tie, ..tube }
+    }
+
+    fn bristles(&self) -> Vec<Bristles> {
+        let left = self.tubes.iter().map(|t| t.last() - t.tie).fold(f32::MAX, f32::min);
+        if left < 6.0 {
+            return vec![];
+        }
+        let n = self.tubes.len() as f32;
+        let centre =
+            |k: f32| self.tubes.iter().map(|t| t.section(t.tie + k).centre).sum::<Vec3>() / n;
+        let spread = |k: f32| {
+            let c = centre(k);
+            self.tubes.iter().map(|t| t.section(t.tie + k).centre.distance(c)).sum::<f32>() / n
+        };
+        let whole = spread(0.0).max(1e-4);
+        let mut y = self.tubes[0].section(self.tubes[0].tie).y;
+        (0..=left as usize)
+            .map(|k| {
+                let k = k as f32;
+                let tangent = (centre(k + 1.0) - centre((k - 1.0).max(0.0))).normalize_or(Vec3::Y);
+                y = across(y, tangent).unwrap_or_else(|| any_normal(tangent));
+                Bristles { centre: centre(k), x: tangent.cross(y), y, size: spread(k) / whole }
+            })
+            .collect()
+    }
+    /// The bristles so many steps beyond the tie; straight on past their end.
+    #[inline]
+    pub(super) fn bristle(&self, beyond: f32) -> Bristles {
+        let last = self.brush.len() - 1;
+        let t = beyond.clamp(0.0, last as f32);
+        let k = (t as usize).min(last - 1);
+        let (a, b, f) = (&self.brush[k], &self.brush[k + 1], t - k as f32);
+        Bristles {
+            centre: a.centre.lerp(b.centre, f),
+            x: a.x.lerp(b.x, f),
+            y: a.y.lerp(b.y, f),
+            size: a.size + (b.size - a.size) * f,
+        }
+    }
+    /// The stitch nearest to a place on a side.
+    pub(super) fn stitch(&self, along: f32, side: i32) -> Option<&Stitch> {
+        let far = |s: &&Stitch| (s.along - along).abs();
+        let on_side = self.stitches.iter().filter(|s| s.side == side || side == 0);
+        on_side.min_by(|a, b| far(a).total_cmp(&far(b)).then(a.number.cmp(&b.number)))
+    }
+    pub(super) fn tube_of(&self, strand: i32) -> Option<usize> {
+        self.tubes.iter().position(|tube| tube.strand == strand)
+    }
+    /// The strand for hair that comes to the root of the braid from `p`: those from one side go into the strand of that
+    /// side.
+    pub(super) fn first_strand(&self, p: Vec3) -> usize {
+        let n = self.tubes.len();
+        let start = self.tubes.iter().map(|t| t.at[0].centre).sum::<Vec3>() / n as f32;
+        let right = self
+            .tubes
+            .iter()
+            .map(|t| t.at[0].x.normalize_or_zero())
+            .sum::<Vec3>()
+            .normalize_or(Vec3::X);
+        let off = (p - start).normalize_or_zero().dot(right).clamp(-1.0, 1.0);
+        let part = 0.5 + crate::maths::transcendental::asin(off) / std::f32::consts::PI;
+        let rank = ((part * n as f32) as usize).min(n - 1);
+        // Strands from left to right where they have left the root.
+        let mut order: Vec<usize> = (0..n).collect();
+        let x = |i: &usize| {
+            let s = &self.tubes[*i].at[0];
+            (s.centre - start).dot(right)
+        };
+        order.sort_by(|a, b| x(a).total_cmp(&x(b)).then(a.cmp(b)));
+        order[rank]
+    }
+}
+
+/// A place in a cross-section.
+#[inline]
+pub(super) fn place(section: &Section, q: Vec2) -> Vec3 {
+    section.centre + section.x * q.x + section.y * q.y
+}
+
+/// A bulge: 1 at a half, 0 from 1 on and at 0.
+fn bump(x: f32) -> f32 {
+    if x >= 1.0 {
+        0.0
+    } else {
+        let y = 4.0 * x * (1.0 - x);
+        y * y * (3.0 - 2.0 * y)
+    }
+}

@@ -1,0 +1,425 @@
+//! Baby hair: the short fine hair along the hairline, as it grows or laid.
+//!
+//! Each hair is walked over the skin from its root in a direction that turns on the way: freely, down along the hairline, or in
+//! waves. Guarantees: roots lie on the scalp, within the band and off every parting; no hair crosses a parting (it ends before);
+//! points keep off the skin; more hairs only add. Not promised: that the scalp's own hair leaves room for it; thin that at the
+//! edge with a mask.
+
+use super::hairline::{Hairline, hairlines};
+use crate::data::attributes::{
+    Domain, GROUP, ID, ROOT_BARY, ROOT_TRIANGLE, SCALP_NORMAL, SECTION, WIDTH,
+};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::scalp::{Root, Scalp};
+use crate::define::{FieldInput, NodeError, choice, node};
+use crate::eval::{EvalCx, Piece};
+use crate::maths::frame::{across, any_normal, smallest_rotation};
+use crate::maths::hash::{Dice, KeyBuilder, curve_id};
+use crate::maths::low_discrepancy::r2;
+use crate::maths::spline::Spline;
+use crate::maths::transcendental::sin_cos;
+use crate::scalp::lay::bind;
+use glam::Vec3;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+node! {
+    /// Short fine hair along the hairline: edges as they grow, laid, or in swoops.
+    ///
+    /// Natural edges stand softly off the skin; laid ones are combed flat along the hairline; swooped ones lie in S-waves, a lock
+    /// at a time. On a parted scalp they keep to the sections.
+    "baby_hair", version 1, label "Baby hair", words "edges baby hair hairline laid swoop swooped slick fuzz wisp fringe border fine short", thins;
+    inputs {
+        /// The head.
+        scalp: Arc<Scalp>;
+        /// How the hair lies.
+        style: Style = Style::Natural, words("laid swoop edges");
+        /// Hairs on each centimetre of the hairline.
+        per_cm: f32 = 30.0, hard(0.0, 2000.0), soft(2.0, 150.0), unit(PerCm), words("density count amount");
+        /// How many of the hairs are kept, from none to all; usually a painted mask or a ramp round the head.
+        mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area where front nape temples");
+        /// Width of the band behind the hairline in which they are rooted.
+        band: f32 = 0.7, hard(0.0, 10.0), soft(0.1, 2.0), unit(Length), words("depth zone");
+        /// How far ahead of the hairline the first of them are rooted, as far as hair grows there at all.
+        ahead: f32 = 0.12, hard(0.0, 5.0), soft(0.0, 0.5), unit(Length), words("soft edge start");
+        /// Length of the hairs.
+        length: f32 = 1.6, hard(0.05, 30.0), soft(0.5, 3.0), unit(Length);
+        /// How much shorter a hair may be, drawn for each: 0 none, 1 down to nothing. The foremost are the shortest.
+        length_variation: f32 = 0.55, hard(0.0, 0.95), unit(Ratio), words("random vary");
+        /// Which way they lie: 0 straight out over the face, 90 along the hairline away from the middle, -90 towards it.
+        direction: f32 = 35.0, hard(-180.0, 180.0), soft(-90.0, 90.0), unit(Angle), handle(Handle::Angle), words("comb flow sweep");
+        /// How far the tips stand off the skin.
+        lift: f32 = 0.12, hard(0.0, 10.0), soft(0.0, 1.0), unit(Length), words("height off");
+        /// How much hairs differ in direction, lift and bend.
+        unevenness: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("random messy natural");
+        /// How far swoops turn to each side.
+        wave: f32 = 65.0, hard(0.0, 180.0), soft(0.0, 120.0), unit(Angle), words("swoop amplitude s-wave finger wave");
+        /// Length of a whole wave of a swoop.
+        wave_length: f32 = 2.2, hard(0.1, 30.0), soft(0.5, 6.0), unit(Length), words("period");
+        /// Width of a lock along the hairline.
+        lock: f32 = 0.8, hard(0.05, 30.0), soft(0.2, 3.0), unit(Length), words("clump width group");
+        /// How much the hairs of a lock draw together towards its tip.
+        gather: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("clump tightness");
+        /// Points on each hair, root and tip included.
+        points: i64 = 12, hard(4.0, 255.0), soft(6.0, 32.0), unit(Count), words("cvs segments resolution");
+        /// Diameter at the root: baby hair is finer than other hair.
+        width_root: f32 = 0.004, hard(0.0001, 1.0), soft(0.001, 0.01), unit(Length), words("thickness diameter");
+        /// Diameter at the tip.
+        width_tip: f32 = 0.0012, hard(0.0001, 1.0), soft(0.0003, 0.01), unit(Length), words("thickness diameter taper");
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
+        /// Whether lengths grow with the size of the head; the number of hairs then stays. Widths never do.
+        scale_with_head: bool = true, words("head units");
+    }
+    outputs {
+        /// The hairs, with their lock as group.
+        curves: Curves;
+    }
+}
+
+choice! {
+    /// How the hair lies.
+    Style {
+        /// As it grows: each a little its own way.
+        Natural = "natural",
+        /// Combed flat along the hairline.
+        Laid = "laid",
+        /// Laid in S-waves, a lock at a time.
+        Swooped = "swooped",
+    }
+}
+
+/// Hairs in one piece of work.
+const BATCH: usize = 1024;
+/// The least height over the skin, cm on a head of average size: a hair's own thickness.
+const CLEAR: f32 = 0.006;
+/// Steps in which a hair is walked.
+const STEPS: usize = 28;
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = &*inputs.scalp;
+    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
+    let Some(hairline) = hairlines(scalp).into_iter().next() else {
+        cx.warn("the scalp has no hairline: hair grows nowhere or everywhere");
+        return Ok(Outputs { curves: Curves::default() });
+    };
+    cx.check()?;
+    let count = (inputs.per_cm / unit * hairline.line.length()).round() as usize;
+    let count = cx.thinned(count.min(2_000_000));
+    let maker = Maker {
+        inputs: &inputs,
+        scalp,
+        unit,
+        hairline,
+        spot: [cx.dice(inputs.seed, "place").unit(0, 0), cx.dice(inputs.seed, "place").unit(0, 1)],
+        dice: cx.dice(inputs.seed, "hair"),
+        locks: cx.dice(inputs.seed, "lock"),
+        keep: cx.dice(inputs.seed, "mask"),
+    };
+    let key = |i: usize| {
+        KeyBuilder::new("edge").int(i as u64).int(((i + 1) * BATCH).min(count) as u64).finish()
+    };
+    let [curves] = cx.each_item(count.div_ceil(BATCH), key, |i, piece| {
+        Ok([maker.hairs(i * BATCH..((i + 1) * BATCH).min(count), piece)?])
+    })?;
+    Ok(Outputs { curves })
+}
+
+struct Maker<'a> {
+    inputs: &'a Inputs,
+    scalp: &'a Scalp,
+    unit: f32,
+    hairline: Hairline,
+    spot: [f32; 2],
+    dice: Dice,
+    locks: Dice,
+    keep: Dice,
+}
+
+/// Where a hair begins: its root, the way out over the face and the way along the hairline from the middle of the head.
+struct Start {
+    root: Root,
+    out: Vec3,
+    along: Vec3,
+    /// 0 at the hairline, 1 at the back of the band.
+    depth: f32,
+}
+
+impl Maker<'_> {
+    /// The start at a part of the hairline and a depth (cm) behind it.
+    fn start(&self, part: f32, depth: f32) -> Option<Start> {
+        let frame = self.scalp.frame();
+        let (edge, tangent) = self.hairline.at(part);
+        let at_edge = self.scalp.closest_root(edge)?;
+        let inward = tangent.cross(at_edge.normal).normalize_or_zero();
+        let root = self.scalp.closest_root(edge + inward * depth)?;
+        let p = frame.head_from_vector(root.point - frame.origin) / frame.radius;
+        let front = p.z.abs().min(1.0);
+        let away =
+            frame.right * (p.x.signum() * front) - frame.up * (1.0 - front) - frame.forward * 0.2;
+        let along = if tangent.dot(away) < 0.0 { -tangent } else { tangent };
+        let out = across(-inward, root.normal).unwrap_or_else(|| any_normal(root.normal));
+        let along = across(along, root.normal).unwrap_or(out);
+        let depth = (depth / (self.inputs.band * self.unit).max(1e-3)).clamp(0.0, 1.0);
+        Some(Start { root, out, along, depth })
+    }
+
+    fn hairs(&self, range: std::ops::Range<usize>, piece: &mut Piece) -> Result<Tuft, NodeError> {
+        let inputs = self.inputs;
+        let (band, ahead) = (inputs.band * self.unit, inputs.ahead * self.unit);
+        let mut starts = vec![];
+        for i in range {
+            piece.tick()?;
+            let [part, b] = r2(i as u32, self.spot);
+            let Some(start) = self.start(part, b * (band + ahead) - ahead) else { continue };
+            let (root, id) = (&start.root, curve_id(0, inputs.seed as u64, i as u64));
+            let grows = self.scalp.mask_at(self.scalp.region(), root.triangle, root.bary);
+            // Where the region fades, so do they.
+            let chance = (2.0 * grows).min(1.0);
+            if self.dice.unit(id, 9) < chance && self.scalp.free(root.point) {
+                starts.push((id, part, start));
+            }
+        }
+        let mut b = TuftBuilder::even(starts.iter().map(|(.., s)| s.root.point).collect(), 1);
+        if starts.is_empty() {
+            return Ok(b.build());
+        }
+        let triangles = starts.iter().map(|(.., s)| s.root.triangle as i32).collect();
+        b.set(ROOT_TRIANGLE, Domain::Curve, triangles);
+        b.set(ROOT_BARY, Domain::Curve, starts.iter().map(|(.., s)| s.root.bary).collect());
+        let bound = b.build();
+        let mask = inputs.mask.on(&bound, Some(self.scalp))?;
+
+        let n = inputs.points as usize;
+        let locks = (self.hairline.line.length() / (inputs.lock * self.unit)).ceil().max(1.0);
+        let mut middles: BTreeMap<u64, Option<Vec<Vec3>>> = BTreeMap::new();
+        let (mut ids, mut groups, mut roots, mut points) = (vec![], vec![], vec![], vec![]);
+        for (slot, (id, part, start)) in starts.iter().enumerate() {
+            piece.tick()?;
+            if self.keep.unit(*id, 0) >= mask.at(slot, slot, 0.0) {
+                continue;
+            }
+            // Locks differ in width, so that their borders are no fence.
+            let lock = {
+                let at = part * locks;
+                let border = 0.35 * self.locks.signed(at.floor() as u64, 7);
+                (at + border).floor().max(0.0) as u64
+            };
+            let gathered = inputs.style != Style::Natural && inputs.gather > 0.0;
+            let middle = match gathered {
+                true => middles
+                    .entry(lock)
+                    .or_insert_with(|| {
+                        let part = (lock as f32 + 0.5) / locks;
+                        let start = self.start(part, 0.5 * band)?;
+                        self.walked(&start, lock, None, inputs.length * self.unit)
+                    })
+                    .as_deref(),
+                false => None,
+            };
+            let short = inputs.length_variation * self.dice.unit(*id, 0);
+            let length = inputs.length * self.unit * (1.0 - short) * (0.65 + 0.35 * start.depth);
+            let Some(walk) = self.walked(start, lock, Some(*id), length) else { continue };
+            if self.laid_out(start, &walk, middle, *id, n, &mut points) {
+                ids.push(*id);
+                groups.push(lock as i32);
+                roots.push(start.root);
+            }
+        }
+        let mut tuft = TuftBuilder::even(points, n);
+        if tuft.is_empty() {
+            return Ok(tuft.build());
+        }
+        let count = tuft.len();
+        tuft.set(ID, Domain::Curve, ids);
+        if inputs.style != Style::Natural {
+            tuft.set(GROUP, Domain::Curve, groups);
+        }
+        tuft.set(SCALP_NORMAL, Domain::Curve, roots.iter().map(|r| r.normal).collect());
+        if let Some(sections) = self.scalp.sections() {
+            let id = |root: &Root| sections.id_at(root.point).unwrap_or_default();
+            tuft.set(SECTION, Domain::Curve, roots.iter().map(id).collect());
+        }
+        bind(&mut tuft, &roots);
+        let width = |k: usize| {
+            let u = k as f32 / (n - 1) as f32;
+            inputs.width_root + (inputs.width_tip - inputs.width_root) * u
+        };
+        let widths: Vec<f32> = (0..n).map(width).collect();
+        tuft.set(WIDTH, Domain::Point, widths.repeat(count));
+        Ok(tuft.build())
+    }
+
+    /// A way over the skin: [`STEPS`] even steps, fewer where a parting is in the way. `id` is that of a hair, none for the middle of
+    /// a lock.
+    fn walked(&self, start: &Start, lock: u64, id: Option<u64>, length: f32) -> Option<Vec<Vec3>> {
+        let inputs = self.inputs;
+        let stray =
+            |index: u64| id.map_or(0.0, |id| self.dice.signed(id, index)) * inputs.unevenness;
+        let of_lock = |index: u64| self.locks.signed(lock, index) * inputs.unevenness;
+        let asked = inputs.direction.to_radians();
+        let (wave, wave_length) = (inputs.wave.to_radians(), inputs.wave_length * self.unit);
+        let flat = std::f32::consts::FRAC_PI_2 * if asked < 0.0 { -1.0 } else { 1.0 };
+        let (phase, bend) = (0.12 * of_lock(0), stray(2));
+        // The angle from straight out, at a part of the way.
+        let angle = |s: f32| match inputs.style {
+            Style::Natural => asked + 0.9 * stray(1) + 1.2 * bend * s,
+            Style::Laid => {
+                let t = (2.2 * s).min(1.0);
+                let turned = asked + (flat - asked) * (t * t * (3.0 - 2.0 * t));
+                turned + 0.12 * stray(1) + 0.15 * of_lock(1) * s
+            }
+            Style::Swooped => {
+                let (_, cos) = sin_cos(std::f32::consts::TAU * (s * length / wave_length + phase));
+                flat * (0.55 + 0.1 * of_lock(1)) - flat.signum() * wave * cos + 0.06 * stray(1)
+            }
+        };
+        let surface = self.scalp.surface();
+        let turn = |v: Vec3, axis: Vec3, by: f32| {
+            let (sin, cos) = sin_cos(by);
+            v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
+        };
+        let (sin, cos) = sin_cos(angle(0.0));
+        let mut way = (start.out * cos + start.along * sin).try_normalize()?;
+        // Turning from out to along is left- or right-hand about the normal.
+        let hand = start.out.cross(start.along).dot(start.root.normal).signum();
+        let (mut p, mut normal, mut near) =
+            (start.root.point, start.root.normal, start.root.triangle);
+        let mut line = vec![p];
+        let step = length / STEPS as f32;
+        for k in 1..=STEPS {
+            let s = k as f32 / STEPS as f32;
+            let hit = surface.closest_from(p + way * step, near)?;
+            if self.scalp.sections().is_some_and(|cut| cut.crosses(p, hit.point)) {
+                break;
+            }
+            let below = surface.smooth_normal(hit.triangle, hit.bary);
+            way = smallest_rotation(normal, below) * way;
+            way = across(way, below).unwrap_or(way);
+            way = turn(way, below, hand * (angle(s) - angle(s - 1.0 / STEPS as f32)));
+            (p, normal, near) = (hit.point, below, hit.triangle);
+            line.push(p);
+        }
+        // What is left of a hair that grows into a parting at once is no hair.
+        (line.len() > STEPS / 4).then_some(line)
+    }
+
+    /// Puts a hair over its way, drawn to the middle of its lock; false when it has no length.
+    fn laid_out(
+        &self,
+        start: &Start,
+        walk: &[Vec3],
+        middle: Option<&[Vec3]>,
+        id: u64,
+        n: usize,
+        points: &mut Vec<Vec3>,
+    ) -> bool {
+        let inputs = self.inputs;
+        let lift =
+            inputs.lift * self.unit * (1.0 + 0.8 * inputs.unevenness * self.dice.signed(id, 3));
+        let clear = CLEAR * self.unit;
+        let surface = self.scalp.surface();
+        let mut near = start.root.triangle;
+        let mut line = Vec::with_capacity(walk.len());
+        for (k, p) in walk.iter().enumerate() {
+            let s = k as f32 / (walk.len() - 1) as f32;
+            let mut p = *p;
+            if let Some(middle) = middle {
+                // The lock's middle keeps its length: a shorter hair ends beside its earlier part.
+                let part = s * (walk.len() - 1) as f32 / STEPS as f32;
+                let at = (part * (middle.len() - 1) as f32) as usize;
+                let beside = walk[0] - middle[0];
+                let share = inputs.gather * s * (2.0 - s);
+                let to = middle[at.min(middle.len() - 1)] + beside * (1.0 - 0.85 * share);
+                p = p.lerp(to, share);
+            }
+            let Some(hit) = surface.closest_from(p, near) else { return false };
+            near = hit.triangle;
+            let normal = surface.smooth_normal(hit.triangle, hit.bary);
+            let height = (clear * (6.0 * s).min(1.0)).max(lift * s * s.sqrt());
+            line.push(if k == 0 { hit.point } else { hit.point + normal * height });
+        }
+        line[0] = start.root.point;
+        if let Some(cut) = self.scalp.sections() {
+            // What was drawn over a parting is cut before it.
+            let over = line.windows(2).position(|w| cut.crosses(w[0], w[1]));
+            if let Some(k) = over {
+                line.truncate(k + 1);
+            }
+        }
+        if line.len() <= STEPS / 4 {
+            return false;
+        }
+        let Ok(spline) = Spline::new(&line) else { return false };
+        let from = points.len();
+        spline.resample(n, |p| points.push(p));
+        points[from] = start.root.point;
+        let skin = self.scalp.skin();
+        for p in &mut points[from + 1..] {
+            *p = skin.lift(*p, 0.5 * clear).0;
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::define::Value;
+    use crate::testing::{curves_of, run};
+
+    fn head() -> Arc<Scalp> {
+        static HEAD: std::sync::OnceLock<Arc<Scalp>> = std::sync::OnceLock::new();
+        let make = || match run(crate::by_id("head").unwrap(), &[]).0.remove(0) {
+            Value::Scalp(scalp) => scalp,
+            other => panic!("a {}", other.type_name()),
+        };
+        HEAD.get_or_init(make).clone()
+    }
+
+    #[test]
+    fn edges_are_rooted_at_the_hairline_stay_off_the_skin_and_cross_no_parting() {
+        let parted = [("scalp", head().into()), ("pattern", "straight_back".into())];
+        let (out, _) = run(crate::by_id("partings").unwrap(), &parted);
+        let Value::Scalp(scalp) = &out[0] else { panic!() };
+        let skin = scalp.skin();
+        let sections = scalp.sections().unwrap();
+        let hairline = hairlines(scalp);
+        assert!((60.0..110.0).contains(&hairline[0].line.length()));
+        for style in ["natural", "laid", "swooped"] {
+            let set = [
+                ("scalp", scalp.clone().into()),
+                ("style", style.into()),
+                ("per_cm", Value::Float(12.0)),
+            ];
+            let (out, said) = run(&NODE, &set);
+            let hairs = curves_of(&out[0]);
+            assert!(hairs.curve_count() > 500, "{style}: {} {said:?}", hairs.curve_count());
+            for (tuft, i) in hairs.each() {
+                let points = tuft.curve(i);
+                let far = |p: &Vec3| p.distance(points[0]);
+                let edge = hairline[0].line.points.iter().map(far).fold(f32::MAX, f32::min);
+                assert!(edge < 0.95, "{style}: {edge}");
+                assert!(scalp.surface().closest(points[0]).unwrap().distance < 1e-3);
+                assert!(sections.at(points[0]).unwrap().free);
+                assert!(points[1..].iter().all(|p| skin.distance(*p) > 0.0), "{style}");
+                assert!(points.windows(2).all(|w| !sections.crosses(w[0], w[1])), "{style}");
+                let length = Spline::new(points).unwrap().length();
+                assert!((0.1..1.8).contains(&length), "{style}: {length}");
+            }
+        }
+    }
+
+    #[test]
+    fn more_hairs_only_add() {
+        let ids = |per_cm: f32| {
+            let set = [("scalp", head().into()), ("per_cm", Value::Float(per_cm))];
+            let (out, _) = run(&NODE, &set);
+            let all = curves_of(&out[0]);
+            all.each().map(|(t, i)| (t.id(i), t.curve(i).to_vec())).collect::<BTreeMap<_, _>>()
+        };
+        let (few, many) = (ids(3.0), ids(6.0));
+        assert!(few.len() < many.len());
+        assert!(few.iter().all(|(id, points)| many[id] == *points));
+    }
+}

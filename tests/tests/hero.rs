@@ -1,0 +1,189 @@
+//! The hero grooms, each evaluated to a file and judged by `coif measure` on that file alone.
+//!
+//! [`HEROES`] says what must be found in each. Every shipped hero is judged by what all of them promise, whether it has a line
+//! there or not; a line whose groom is not shipped is told. On the real heads a tenth of the hair stands for all.
+
+use coif_graphs::grooms;
+use coif_tests::{Folder, HEADS, eval, run, shared};
+use serde_json::Value as Json;
+
+/// What a groom's file must show, beside what all must.
+enum Ask {
+    /// At least so many braids of so many strands, all crossing this way.
+    Braids { at_least: u64, strands: u64, crossing: &'static str },
+    /// Hair joins at the stitches of braids, none fails to.
+    Joins,
+    /// At least so many partings, and no hair crosses or is rooted in one.
+    Partings(u64),
+    /// Hair in at least so many sections.
+    Sections(u64),
+    /// So many puffs with a clean outline.
+    Puffs(u64),
+    /// Curls as wide, as steep and as much shrunk as was asked.
+    Curls,
+    /// A law that all of them keep, but that is no law of files in general.
+    Law(&'static str),
+}
+
+const HEROES: &[(&str, &[Ask])] = &[
+    (
+        "cornrows_gathered",
+        &[Ask::Braids { at_least: 8, strands: 3, crossing: "under" }, Ask::Joins, Ask::Curls],
+    ),
+    (
+        "cornrows_puffs",
+        &[
+            Ask::Braids { at_least: 4, strands: 3, crossing: "under" },
+            Ask::Partings(4),
+            Ask::Puffs(2),
+            Ask::Curls,
+        ],
+    ),
+    (
+        "box_braids",
+        &[
+            Ask::Braids { at_least: 60, strands: 3, crossing: "over" },
+            Ask::Partings(60),
+            Ask::Sections(60),
+        ],
+    ),
+    ("afro_4c", &[Ask::Curls]),
+    ("finger_coils", &[Ask::Curls]),
+    ("waves_2b", &[Ask::Curls]),
+    ("ponytail", &[]),
+    ("french_braid", &[Ask::Braids { at_least: 1, strands: 3, crossing: "over" }, Ask::Joins]),
+];
+
+/// What every hero keeps.
+const LAWS: &[&str] = &[
+    "every curve has two points and a length",
+    "both readings of every curve agree to 0.001 cm",
+    "ids do not repeat",
+    "strands of a braid do not overlap",
+    "braids are woven all along as they begin",
+    "a strand has at most 255 points",
+    "all hair has at most 16 million points",
+    "no hair crosses a parting",
+    "no hair is rooted in a parting",
+    "roots lie on the scalp to 0.001 cm",
+    "nothing is deeper under the skin than allowed",
+];
+/// Of these a tenth of the hair tells enough.
+const OF_ANY_HAIR: &[&str] = &[
+    "every curve has two points and a length",
+    "ids do not repeat",
+    "a strand has at most 255 points",
+    "no hair crosses a parting",
+    "no hair is rooted in a parting",
+    "roots lie on the scalp to 0.001 cm",
+    "nothing is deeper under the skin than allowed",
+];
+/// Strands of a hero.
+const STRANDS: std::ops::RangeInclusive<u64> = 60_000..=150_000;
+
+/// Evaluates a hero and gives the report and what was measured on each prim that renderers draw.
+fn measured(name: &str, head: Option<&str>, more: &[&str]) -> (Json, Vec<Json>) {
+    let folder = Folder::new(&format!("hero-{name}-{}", head.is_some()));
+    let out = folder.path("groom.usdc").display().to_string();
+    let on = head.map_or(vec![], |head| vec!["--scalp", head]);
+    let report = eval(name, &[&["--out", &out], &on[..], more].concat());
+    let ran = run(["measure", &out, "--json", "--scalp", head.unwrap_or("builtin")]);
+    assert_eq!(ran.code, 0, "{name}: {}", ran.err);
+    let all: Vec<Json> = serde_json::from_str(&ran.out).unwrap();
+    (report, all.into_iter().filter(|prim| prim["purpose"] != "guide").collect())
+}
+
+#[track_caller]
+fn check_laws(name: &str, prims: &[Json], laws: &[&str]) {
+    for prim in prims {
+        for law in laws {
+            assert_ne!(prim["laws"][law], false, "{name}: {law} is broken\n{prim:#}");
+        }
+    }
+}
+
+/// What all prims have under a name, where they have it.
+fn found<'j>(prims: &'j [Json], name: &'j str) -> impl Iterator<Item = &'j Json> {
+    prims.iter().map(move |prim| &prim[name]).filter(|found| !found.is_null())
+}
+
+#[track_caller]
+fn check_ask(name: &str, prims: &[Json], ask: &Ask) {
+    let sum = |of: &str, key: &str| found(prims, of).filter_map(|f| f[key].as_u64()).sum::<u64>();
+    match ask {
+        Ask::Braids { at_least, strands, crossing } => {
+            let mut braids = 0;
+            for kind in found(prims, "braids").flat_map(|b| b["kinds"].as_array().unwrap()) {
+                assert_eq!(kind["strands"], *strands, "{name}: {kind}");
+                assert_eq!(kind["crossing"], *crossing, "{name}: {kind}");
+                braids += kind["braids"].as_u64().unwrap();
+            }
+            assert!(braids >= *at_least, "{name}: {braids} braids");
+        }
+        Ask::Joins => {
+            let joined: Vec<&Json> =
+                found(prims, "braids").map(|b| &b["joined"]).filter(|j| !j.is_null()).collect();
+            assert!(!joined.is_empty(), "{name}: no hair tells where it joins");
+            for joined in joined {
+                assert_eq!(joined["unjoined"], 0, "{name}: {joined}");
+            }
+        }
+        Ask::Partings(at_least) => {
+            let most = found(prims, "partings").filter_map(|p| p["partings"].as_u64()).max();
+            assert!(most.unwrap_or(0) >= *at_least, "{name}: {most:?} partings");
+            assert_eq!(sum("partings", "crossing") + sum("partings", "rooted_in"), 0, "{name}");
+        }
+        Ask::Sections(at_least) => {
+            let most = found(prims, "sections").filter_map(|s| s["sections"].as_u64()).max();
+            assert!(most.unwrap_or(0) >= *at_least, "{name}: {most:?} sections with hair");
+        }
+        Ask::Puffs(count) => {
+            assert_eq!(sum("puffs", "puffs"), *count, "{name}");
+            check_laws(name, prims, &["outlines of puffs are clean"]);
+        }
+        Ask::Curls => {
+            assert!(sum("curls", "measured") > 100, "{name}: no curls are measured");
+            check_laws(
+                name,
+                prims,
+                &[
+                    "curl diameters are as asked to 5 %",
+                    "curl pitches are as asked to 5 %",
+                    "shrinkage is as told to 5 %",
+                ],
+            );
+        }
+        Ask::Law(law) => check_laws(name, prims, &[law]),
+    }
+}
+
+#[test]
+fn heroes_show_what_their_style_shows() {
+    for (name, _) in HEROES.iter().filter(|(name, _)| !grooms::HEROES.contains(name)) {
+        println!("not judged: {name} is not shipped as a hero");
+    }
+    for name in grooms::HEROES {
+        let (_, prims) = measured(name, None, &[]);
+        let strands = |prim: &Json| prim["curves"].as_u64().unwrap();
+        let all: u64 = prims.iter().map(strands).sum();
+        assert!(STRANDS.contains(&all), "{name}: {all} strands");
+        check_laws(name, &prims, LAWS);
+        let asks = HEROES.iter().find(|(known, _)| known == name).map_or(&[][..], |(_, a)| a);
+        asks.iter().for_each(|ask| check_ask(name, &prims, ask));
+    }
+}
+
+#[test]
+fn heroes_sit_on_real_heads() {
+    for (head, path) in HEADS {
+        let Some(path) = shared(&format!("heroes_sit_on_real_heads:{head}"), path) else {
+            continue;
+        };
+        let path = path.display().to_string();
+        for name in grooms::HEROES {
+            let (report, prims) = measured(name, Some(&path), &["--quality", "preview"]);
+            check_laws(&format!("{name} on {head}"), &prims, OF_ANY_HAIR);
+            println!("{name} on {head}: {}", report["warnings"]);
+        }
+    }
+}
