@@ -4,6 +4,8 @@ use crate::define::NodeDef;
 
 mod cluster_to_strands;
 mod interpolate;
+#[cfg(test)]
+mod laws;
 mod plan;
 mod sections;
 mod separation;

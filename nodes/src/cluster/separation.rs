@@ -165,7 +165,7 @@ fn apart(
     }
     // What is nearer to a point than the room of both lies in a cell beside the point's own.
     grid.size = 2.0 * widest + 0.5 * longest;
-    if !(grid.size > 0.0) || !grid.size.is_finite() {
+    if grid.size <= 0.0 || !grid.size.is_finite() {
         return Ok(tuft.clone());
     }
     let place = |link: Link| (grid.cell(0.5 * (link.from + link.to)), link);

@@ -3,7 +3,7 @@
 //! A bundle runs along a course, a centre line with frames. Every hair keeps its place across the course, in radii of the
 //! bundle; locks draw their hairs together towards their tips and move a little by themselves.
 //!
-//! Guarantees: hair keeps its root and its way to the tie, to a tenth of a millimetre or so where it bends, and all it has;
+//! Guarantees: hair keeps its root and its way to the tie, to less than a millimetre where it bends, and all it has;
 //! points are even from root to tip; no point under the skin; nothing depends on how many
 //! hairs there are.
 

@@ -4,6 +4,10 @@ mod bun;
 mod bundle;
 mod dome;
 mod gather;
+#[cfg(test)]
+mod gather_laws;
+#[cfg(test)]
+mod laws;
 mod outline;
 mod sphere_puff;
 mod tail;

@@ -1,0 +1,246 @@
+//! Laws of sphere puffs (methods.md 5), on a ball.
+
+use super::sphere_puff::{DIPS, NODE};
+use crate::data::attributes::{Domain, ID};
+use crate::data::attributes::{
+    FIBRE, PARENT, PUFF, PUFF_CENTRE, PUFF_RADIUS, ROOT_BARY, ROOT_TRIANGLE, SCALP_NORMAL,
+};
+use crate::data::curves::{Curves, TuftBuilder};
+use crate::data::scalp::tests::ball;
+use crate::data::scalp::{Root, Scalp};
+use crate::define::Value;
+use crate::eval::{Log, PlainHost, Quality};
+use crate::maths::frame::{across, any_normal};
+use crate::maths::spline::Spline;
+use crate::maths::transcendental::{acos, atan2, cos};
+use crate::testing::{curves_of, run, run_on};
+use glam::{Vec2, Vec3};
+use std::collections::BTreeSet;
+use std::f32::consts::{PI, TAU};
+
+fn puff(set: &[(&str, Value)]) -> (Curves, Curves, Vec<String>) {
+    let (out, said) = run(&NODE, &[&[("scalp", ball().into())], set].concat());
+    (curves_of(&out[0]).clone(), curves_of(&out[1]).clone(), said)
+}
+
+/// The ball's place for a puff, its normal there, and the sphere's centre for a radius of 6.
+fn middle(scalp: &Scalp) -> (Root, Vec3) {
+    let root = super::picked(scalp, Vec3::new(0.0, 8.0, -4.0)).unwrap();
+    (root, root.point + root.normal * 6.0)
+}
+
+#[test]
+fn guides_end_on_the_sphere_leave_along_the_normal_and_stay_outside() {
+    let scalp = ball();
+    let skin = scalp.skin();
+    let (_, centre) = middle(&scalp);
+    let (mut off, mut leaving, mut deepest, mut uneven) = (0.0f32, 1.0f32, 0.0f32, 1.0f32);
+    for (tightness, bulge, tie) in [(0.5, 0.5, 1.0), (0.9, 0.0, 2.0), (0.0, 1.0, 0.5)] {
+        let (guides, _, said) = puff(&[
+            ("tightness", Value::Float(tightness)),
+            ("bulge", Value::Float(bulge)),
+            ("tie_height", Value::Float(tie)),
+            ("count", Value::Int(0)),
+        ]);
+        assert_eq!(guides.curve_count(), 96);
+        assert!(said.is_empty(), "{said:?}");
+        for (tuft, i) in guides.each() {
+            let points = tuft.curve(i);
+            let spline = Spline::new(points).unwrap();
+            off = off.max((points[points.len() - 1].distance(centre) / 6.0 - 1.0).abs());
+            let normal = tuft.view(SCALP_NORMAL).at(i, 0);
+            leaving = leaving.min(spline.tangent_at(0.0).dot(normal));
+            for k in 0..=200 {
+                deepest = deepest.min(skin.distance(spline.at(k as f32 / 200.0)));
+            }
+            for pair in
+                points.windows(2).map(|w| w[0].distance(w[1])).collect::<Vec<_>>().windows(2)
+            {
+                uneven = uneven.max(pair[0].max(pair[1]) / pair[0].min(pair[1]));
+            }
+        }
+    }
+    assert!(off < 1e-4 && leaving > 0.99 && deepest > -1e-3, "{off} {leaving} {deepest}");
+    // Where a tight tie bends hair within two CVs, even spacing gives way to the direction at the root.
+    assert!(uneven <= 1.6, "{uneven}");
+}
+
+#[test]
+fn guides_keep_their_order() {
+    let scalp = ball();
+    let (root, _) = middle(&scalp);
+    let (guides, _, _) = puff(&[("count", Value::Int(0))]);
+    let tuft = &guides.tufts()[0];
+    let (up, right) = (root.normal, any_normal(root.normal));
+    let ahead = up.cross(right);
+    let across = |row: usize, column: usize| -> Vec<Vec3> {
+        let points = tuft.curve(row * 16 + column).iter().map(|p| *p - root.point);
+        points.map(|p| Vec3::new(p.dot(right), p.dot(ahead), p.dot(up))).collect()
+    };
+    for row in 0..6 {
+        for column in 0..16 {
+            // One column on, always the same way round.
+            for (a, b) in across(row, column).iter().zip(across(row, (column + 1) % 16)) {
+                let step = atan2(b.y, b.x) - atan2(a.y, a.x);
+                let step = step - TAU * (step / TAU).round();
+                assert!((step.abs() - TAU / 16.0).abs() < 0.15, "{row} {column}: {step}");
+            }
+        }
+    }
+    // Rows of a column lie in one half plane and do not cross there.
+    for (row, other) in (0..5).flat_map(|row| (row + 1..6).map(move |other| (row, other))) {
+        for column in 0..16 {
+            let flat = |row| -> Vec<Vec2> {
+                let points = across(row, column).into_iter();
+                points.map(|p| Vec2::new(p.truncate().length(), p.z)).collect()
+            };
+            let side = |a: Vec2, b: Vec2, p: Vec2| (b - a).perp_dot(p - a) > 0.0;
+            for a in flat(row).windows(2) {
+                for b in flat(other).windows(2) {
+                    let crossed = side(a[0], a[1], b[0]) != side(a[0], a[1], b[1])
+                        && side(b[0], b[1], a[0]) != side(b[0], b[1], a[1]);
+                    assert!(!crossed, "rows {row} and {other} of column {column} cross");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_fill_covers_the_sphere() {
+    let scalp = ball();
+    let (root, centre) = middle(&scalp);
+    let (_, hair, _) = puff(&[("count", Value::Int(22_000))]);
+    let curled = run(
+        crate::by_id("shape_list_curl").unwrap(),
+        &[("curves", hair.clone().into()), ("preset", "4a".into())],
+    );
+    for (what, hair) in [("straight", &hair), ("4a", curves_of(&curled.0[0]))] {
+        // Rings of 5 degrees cut into cells of one area, as near as whole numbers allow.
+        let cells = |ring: usize| {
+            let area = cos(ring as f32 * PI / 36.0) - cos((ring + 1) as f32 * PI / 36.0);
+            (area * TAU / (PI / 36.0 * PI / 36.0)).round().max(1.0) as usize
+        };
+        let mut held = BTreeSet::new();
+        for (tuft, i) in hair.each() {
+            let far = |p: &&Vec3| p.distance(centre);
+            // Roots at the edge of the disc lie outside the sphere: the half that ends on it counts.
+            let points = tuft.curve(i).iter().skip(tuft.curve(i).len() / 2);
+            let outermost = points.max_by(|a, b| far(a).total_cmp(&far(b))).unwrap();
+            if (outermost.distance(centre) / 6.0 - 1.0).abs() <= 0.03 {
+                let d = (outermost - centre).normalize();
+                let ring = (acos(d.dot(root.normal)) * 36.0 / PI) as usize;
+                let right = any_normal(root.normal);
+                let azimuth = atan2(d.dot(right), d.dot(root.normal.cross(right))) / TAU;
+                let cell = (azimuth.rem_euclid(1.0) * cells(ring) as f32) as usize;
+                held.insert((ring, cell));
+            }
+        }
+        // Rings whose far border lies 5 degrees or more inside 140 degrees.
+        let asked: usize = (0..27).map(cells).sum();
+        let held = held.iter().filter(|(ring, _)| *ring < 27).count();
+        assert!(held as f32 >= 0.95 * asked as f32, "{what}: {held} of {asked}");
+    }
+}
+
+#[test]
+fn more_hair_only_adds_hair_and_preview_makes_the_first_of_it() {
+    let ids = |hair: &Curves| hair.each().map(|(tuft, i)| tuft.id(i)).collect::<Vec<_>>();
+    let point = |hair: &Curves, n: usize| {
+        let (tuft, i) = hair.each().nth(n).unwrap();
+        tuft.curve(i).to_vec()
+    };
+    let (_, few, _) = puff(&[("count", Value::Int(300))]);
+    let (_, many, _) = puff(&[("count", Value::Int(2500))]);
+    assert_eq!(ids(&few), ids(&many)[..300]);
+    assert_eq!(ids(&many).into_iter().collect::<BTreeSet<_>>().len(), 2500);
+    assert_eq!(point(&few, 250), point(&many, 250));
+    let set = [("scalp", ball().into()), ("count", Value::Int(2500))];
+    let out = run_on(&NODE, &set, &PlainHost, &Log::default(), Quality::Preview).unwrap();
+    assert_eq!(ids(curves_of(&out[1])), ids(&many)[..250]);
+}
+
+#[test]
+fn each_placement_has_its_puff_and_hair_is_bound_and_outside() {
+    let mut b = TuftBuilder::new();
+    b.push_curve(&[Vec3::new(-5.0, 7.5, 0.0), Vec3::new(-9.0, 12.0, 0.0)]);
+    b.push_curve(&[Vec3::new(5.0, 7.5, 0.0), Vec3::new(9.0, 12.0, 0.0)]);
+    b.push_curve(&[Vec3::NAN]);
+    b.set(ID, Domain::Curve, vec![7, 8, 9]);
+    let placements = Curves::new(vec![b.build().into()]);
+    let (guides, hair, said) =
+        puff(&[("placements", placements.into()), ("count", Value::Int(500))]);
+    assert_eq!((guides.curve_count(), hair.curve_count()), (192, 1000));
+    assert_eq!(said, ["a placement without a root was left out (curve 0000000000000009)"]);
+    let scalp = ball();
+    let skin = scalp.skin();
+    let parents: BTreeSet<u64> = guides.each().map(|(tuft, i)| tuft.id(i)).collect();
+    for (tuft, i) in hair.each() {
+        let points = tuft.curve(i);
+        let triangle = tuft.view(ROOT_TRIANGLE).at(i, 0) as u32;
+        let root = scalp.root(triangle, tuft.view(ROOT_BARY).at(i, 0));
+        assert!(root.point.distance(points[0]) < 1e-3);
+        assert!(parents.contains(&tuft.view(PARENT).at(i, 0)));
+        assert!(points.iter().all(|p| skin.distance(*p) > -1e-3));
+        let length = Spline::new(points).unwrap().length();
+        assert!((tuft.view(FIBRE).at(i, 0) * 0.25 / length - 1.0).abs() < 0.02);
+    }
+}
+
+#[test]
+fn any_outline_is_met_and_soft_edges_and_neighbours_are_as_asked() {
+    let scalp = ball();
+    let (_, centre) = middle(&scalp);
+    let tips = |hair: &Curves| {
+        hair.each().map(|(tuft, i)| *tuft.curve(i).last().unwrap()).collect::<Vec<_>>()
+    };
+    let clean = [("depth_to", Value::Float(0.0)), ("count", Value::Int(400))];
+    let egg = [("shape", "ellipsoid".into()), ("stretch", Vec3::new(1.2, 0.9, 1.0).into())];
+    let (guides, hair, _) = puff(&[&clean[..], &egg].concat());
+    let tuft = &guides.tufts()[0];
+    assert_eq!(tuft.view(PUFF_RADIUS).at(0, 0), 0.0);
+    let (root, _) = middle(&scalp);
+    let ahead = across(Vec3::Z, root.normal).unwrap();
+    let right = ahead.cross(root.normal);
+    for tip in tips(&guides).into_iter().chain(tips(&hair)) {
+        let d = (tip - centre) / 6.0;
+        let local = Vec3::new(d.dot(right) / 1.2, d.dot(root.normal) / 0.9, d.dot(ahead));
+        assert!((local.length() - 1.0).abs() < 1e-3, "{}", local.length());
+    }
+    let soft = [("edge_softness", Value::Float(1.0))];
+    let (_, hair, _) = puff(&[&clean[..], &soft].concat());
+    let off: Vec<f32> = tips(&hair).iter().map(|tip| tip.distance(centre) - 6.0).collect();
+    assert!(off.iter().all(|off| off.abs() <= 1.001) && off.iter().any(|off| off.abs() > 0.6));
+    assert!(off.iter().filter(|off| off.abs() < 0.2).count() > off.len() / 2);
+}
+
+#[test]
+fn puffs_that_meet_are_flat_between_and_grow_out_of_ties() {
+    let tied = run(
+        crate::by_id("gather").unwrap(),
+        &[
+            ("scalp", ball().into()),
+            ("position", Vec3::new(3.0, 8.0, 0.0).into()),
+            ("mirror", true.into()),
+            ("density", Value::Float(1.0)),
+        ],
+    );
+    let ties = curves_of(&tied.0[1]).clone();
+    let set =
+        [("ties", ties.clone().into()), ("count", Value::Int(300)), ("flatten", Value::Float(1.0))];
+    let (guides, hair, _) = puff(&set);
+    assert_eq!((guides.curve_count(), hair.curve_count()), (192, 600));
+    let ids: BTreeSet<u64> = ties.each().map(|(tuft, i)| tuft.id(i)).collect();
+    for (tuft, i) in hair.each() {
+        assert!(ids.contains(&tuft.view(PUFF).at(i, 0)));
+        let (centre, tip) = (tuft.view(PUFF_CENTRE).at(i, 0), *tuft.curve(i).last().unwrap());
+        assert!(tip.x * centre.x.signum() > -1e-3, "{tip} {centre}");
+        assert!(tip.distance(centre) <= 6.0 * 1.0001);
+    }
+}
+
+#[test]
+fn a_sphere_in_the_head_is_said() {
+    let (_, _, said) = puff(&[("offset", Value::Float(0.0)), ("count", Value::Int(20))]);
+    assert!(said.iter().any(|text| text.starts_with(DIPS)), "{said:?}");
+}
