@@ -235,7 +235,8 @@ impl Filler<'_> {
     ) -> Result<[Tuft; 2], NodeError> {
         let fed = tuft.view(FED);
         let along = tuft.view(ALONG);
-        let order: View<f32> = tuft.view_named(ORDER).unwrap_or(View::Shared(1.0));
+        // Hair that nobody counted, such as that of boxes, fills its strand evenly.
+        let order: Option<View<f32>> = tuft.view_named(ORDER);
         let fibre = tuft.view(FIBRE);
         let side = tuft.view(SIDE);
         let mut made = [Made::default(), Made::default()];
@@ -258,7 +259,9 @@ impl Filler<'_> {
             let wish = Wish {
                 id,
                 fed: is_fed,
-                order: order.at(i, first).clamp(1e-4, 1.0),
+                order: order
+                    .map_or_else(|| self.dice.unit(id, 3), |order| order.at(i, first))
+                    .clamp(1e-4, 1.0),
                 length: fibre.at(i, first),
             };
             self.hair(braid, way, &entry, &wish, &mut points, &mut alongs, &mut even);
