@@ -10,6 +10,8 @@ pub const ALL: &[(&str, &str)] = &[
     ("coils_4a", include_str!("../grooms/coils_4a.ron")),
     ("zigzag_4b", include_str!("../grooms/zigzag_4b.ron")),
     ("afro_4c", include_str!("../grooms/afro_4c.ron")),
+    ("finger_coils", include_str!("../grooms/finger_coils.ron")),
+    ("waves_2b", include_str!("../grooms/waves_2b.ron")),
     ("puffs", include_str!("../grooms/puffs.ron")),
     ("ponytail", include_str!("../grooms/ponytail.ron")),
     ("cornrows_puffs", include_str!("../grooms/cornrows_puffs.ron")),

@@ -384,3 +384,98 @@ fn points_are_even_and_as_many_as_the_tolerance_asks_for_and_no_more_than_allowe
     }
     assert!(even * 100 >= all * 95, "{even} of {all}");
 }
+
+/// Diameter and pitch of a curl along Y, cm, from its points alone: turns by the angle about the line from end to end, the
+/// axis by the mean over one turn, the diameter by the distance from it in the root of the mean square.
+fn measured(points: &[Vec3]) -> (f32, f32) {
+    let spline = Spline::new(points).unwrap();
+    // The part at full size.
+    let n = 1200;
+    let at = |k: usize| spline.at(0.2 + 0.75 * k as f32 / n as f32);
+    let samples: Vec<Vec3> = (0..=n).map(at).collect();
+    let middle = samples.iter().sum::<Vec3>() / samples.len() as f32;
+    let angle = |p: &Vec3| crate::maths::transcendental::atan2(p.z - middle.z, p.x - middle.x);
+    let mut turned = 0.0f32;
+    for pair in samples.windows(2) {
+        let step = (angle(&pair[1]) - angle(&pair[0])) / std::f32::consts::TAU;
+        turned += step - step.round();
+    }
+    let turns = turned.abs();
+    let reach = ((n as f32 / turns) * 0.5).round() as usize;
+    let (mut sum, mut count) = (0.0f32, 0);
+    for k in reach..=n - reach {
+        let around = &samples[k - reach..=k + reach];
+        let axis = around.iter().sum::<Vec3>() / around.len() as f32;
+        let off = samples[k] - axis;
+        sum += off.x * off.x + off.z * off.z;
+        count += 1;
+    }
+    (2.0 * (sum / count as f32).sqrt(), (samples[n].y - samples[0].y).abs() / turns)
+}
+
+#[test]
+fn evaluated_hairs_measure_what_was_asked_of_them() {
+    use crate::data::attributes::{CURL_DIAMETER, CURL_PITCH, FIBRE, SHRINKAGE};
+    let mut found: Vec<(String, f32, f32)> = vec![];
+    let mut check = |preset: &str, length: usize, wave: bool| {
+        let mut b = TuftBuilder::new();
+        for _ in 0..40 {
+            b.push_curve(&(0..=length).map(|k| Vec3::Y * k as f32).collect::<Vec<_>>());
+        }
+        b.set(ID, Domain::Curve, (1..=40).collect::<Vec<u64>>());
+        // Each its own clump; no turn against the others, which turn counting cannot see.
+        let source = Curves::new(vec![b.build().into()]);
+        let set = [
+            ("curves", source.into()),
+            ("preset", preset.into()),
+            ("switchbacks", Value::Float(0.0)),
+        ];
+        let (out, _) = run(&NODE, &set);
+        let tuft = curves_of(&out[0]).tufts()[0].clone();
+        let (mut wide, mut far, mut asked_wide, mut asked_far) = (0.0, 0.0, 0.0, 0.0);
+        for i in 0..tuft.len() {
+            let points = tuft.curve(i);
+            let (d, p) = if wave { waved(points) } else { measured(points) };
+            (wide, far) = (wide + d, far + p);
+            asked_wide += tuft.view(CURL_DIAMETER).at(i, 0);
+            asked_far += tuft.view(CURL_PITCH).at(i, 0);
+            let fibre = Spline::new(points).unwrap().length();
+            let span = points[0].distance(points[points.len() - 1]);
+            assert!((tuft.view(FIBRE).at(i, 0) / fibre - 1.0).abs() < 0.005, "{preset}");
+            let shrunk = tuft.view(SHRINKAGE).at(i, 0);
+            assert!((shrunk - (1.0 - span / fibre)).abs() < 0.05, "{preset}: {shrunk}");
+        }
+        found.push((preset.to_owned(), wide / asked_wide, far / asked_far));
+    };
+    for preset in ["2a", "2b", "2c"] {
+        check(preset, 60, true);
+    }
+    for (preset, length) in [("3a", 40), ("3b", 30), ("3c", 16), ("4a", 12)] {
+        check(preset, length, false);
+    }
+    let close = |x: &f32| (x - 1.0).abs() < 0.05;
+    assert!(found.iter().all(|(_, wide, far)| close(wide) && close(far)), "{found:?}");
+}
+
+/// Height over the square root of 2 and period of a flat wave along Y, cm: by the direction it swings in most and how often it
+/// crosses its middle.
+fn waved(points: &[Vec3]) -> (f32, f32) {
+    let spline = Spline::new(points).unwrap();
+    let n = 2000;
+    let at = |k: usize| spline.at(0.15 + 0.8 * k as f32 / n as f32);
+    let samples: Vec<Vec3> = (0..=n).map(at).collect();
+    let (xx, zz, xz) = samples.iter().fold((0.0f32, 0.0f32, 0.0f32), |(a, b, c), p| {
+        (a + p.x * p.x, b + p.z * p.z, c + p.x * p.z)
+    });
+    let way = Vec2::from_angle(0.5 * crate::maths::transcendental::atan2(2.0 * xz, xx - zz));
+    let swing: Vec<f32> = samples.iter().map(|p| way.dot(Vec2::new(p.x, p.z))).collect();
+    let crossings: Vec<f32> = (1..=n)
+        .filter(|k| (swing[k - 1] < 0.0) != (swing[*k] < 0.0))
+        .map(|k| samples[k].y)
+        .collect();
+    let period =
+        2.0 * (crossings[crossings.len() - 1] - crossings[0]).abs() / (crossings.len() - 1) as f32;
+    // Some turns are rounder than others: what they swing the other way counts too.
+    let rms = ((xx + zz) / samples.len() as f32).sqrt();
+    (2.0 * rms, period)
+}
