@@ -49,6 +49,9 @@ node! {
         /// How far hair fills its strand: 1 the tube that just touches its neighbours; more presses strands into one
         /// another, which closes the windows between them. Varies along the strand.
         fill: FieldInput = 1.3, hard(0.1, 3.0), soft(0.7, 1.5), unit(Ratio), words("fullness volume radius thickness");
+        /// How much broader than high strands are: soft hair gives way, so that the braid is closed and its stitches are
+        /// leaves instead of beads. 0 is round.
+        broad: f32 = 0.25, hard(-0.5, 2.0), soft(0.0, 0.8), unit(Ratio), words("flat wide leaf shape");
         /// How much the hair of one stitch is gathered there: 0 joins evenly all along the braid, 1 all at one place.
         bundling: f32 = 0.6, hard(0.0, 1.0), unit(Ratio), words("clump gather stitch grouping");
         /// Over how many stitches a hair works its way from the edge of the strand to its place in it.
@@ -64,9 +67,9 @@ node! {
         /// Length of the root knot.
         knot_length: f32 = 0.8, hard(0.01, 20.0), soft(0.2, 2.0), unit(Length);
         /// How much shorter than the longest hairs are in the tuft. It makes a tip that thins out; 0 is cut straight.
-        tip_variation: f32 = 0.75, hard(0.0, 1.0), unit(Ratio), words("length random layers taper");
+        tip_variation: f32 = 0.8, hard(0.0, 1.0), unit(Ratio), words("length random layers taper");
         /// How the tuft narrows to its tip: 0 as wide as the strands say, 1 to a point.
-        tip_taper: f32 = 0.6, hard(0.0, 1.0), unit(Ratio), words("point brush");
+        tip_taper: f32 = 0.8, hard(0.0, 1.0), unit(Ratio), words("point brush");
         /// How much hairs differ in direction in the tuft.
         tip_frizz: f32 = 0.15, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("noise messy");
         /// Share of hairs that leave the braid somewhere and stand off.
@@ -153,6 +156,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             let asked = Asked {
                 per_stitch: inputs.points_per_stitch,
                 fill: &fill[n],
+                broad: inputs.broad,
                 twist: inputs.twist.to_radians(),
                 knot,
             };
@@ -351,7 +355,7 @@ impl Filler<'_> {
         let brush = braid.brush.len() as f32;
         let until = if brush > 0.0 {
             let u = self.dice.unit(wish.id, 3);
-            tube.tie + (brush - 1.0) * (1.0 - self.inputs.tip_variation * u * u.sqrt())
+            tube.tie + (brush - 1.0) * (1.0 - self.inputs.tip_variation * u)
         } else {
             tube.last()
                 - 0.5 * braid.per_stitch * self.inputs.tip_variation * self.dice.unit(wish.id, 3)

@@ -182,7 +182,7 @@ impl Map {
         let steps = (reach / step).ceil().max(2.0) as usize;
         let stations = ((lane.row.length() / 0.4).ceil() as usize).clamp(2, MOST_STATIONS);
         let columns = stations + 2 * FAN;
-        let (mut points, mut limit) = (vec![], vec![]);
+        let (mut points, mut limit, mut found) = (vec![], vec![], vec![]);
         for c in 0..columns {
             let u = Self::fraction(c as f32, columns);
             let (along, normal) = lane.way(u);
@@ -200,6 +200,10 @@ impl Map {
             p = start.map_or(p, |root| root.point);
             for k in 0..=steps {
                 points.push(p);
+                // Beyond the place where columns of a bent row meet, a column runs on over ground of others.
+                let (_, far, at) = lane.row.nearest(p);
+                let astray = (at - u).abs() * lane.row.length() > (0.4 * far).max(1.5);
+                found.push(if astray && k > 0 { Vec3::NAN } else { p });
                 if inner && k > 0 {
                     inner = inside(p);
                     last = if inner { k as f32 * step } else { last };
@@ -211,7 +215,7 @@ impl Map {
             }
             limit.push(last + 0.5 * step);
         }
-        let tree = Nearest::new(points.iter().copied());
+        let tree = Nearest::new(found);
         Self { points, columns, steps, step, tree, limit }
     }
     /// The column that starts at a fraction of the row.

@@ -15,6 +15,8 @@ pub(super) struct Asked<'a> {
     pub(super) per_stitch: f32,
     /// Factor of the strands' radius.
     pub(super) fill: &'a Sampler<'a>,
+    /// How much wider than high the strands are.
+    pub(super) broad: f32,
     /// Radians a cm.
     pub(super) twist: f32,
     /// How much thicker the strands are in a root knot, and how long it is.
@@ -190,10 +192,13 @@ impl Braid {
             let thick = mix(&radius) * asked.fill.at(i, a, along);
             let thick = thick * (1.0 + asked.knot.0 * bump(s / asked.knot.1.max(1e-4)));
             let (sin, cos) = sin_cos(asked.twist * s);
+            // Broad in the braid, whatever its own twist: soft strands give way to each other.
+            let (x, y) =
+                (x * (thick * (1.0 + asked.broad)), y * (thick * (1.0 - 0.3 * asked.broad)));
             at.push(Section {
                 centre: spline.point(place),
-                x: (x * cos + y * sin) * thick,
-                y: (y * cos - x * sin) * thick,
+                x: x * cos + y * sin,
+                y: y * cos - x * sin,
                 along,
                 joined: mix(&joined).clamp(0.0, 1.0),
             });
