@@ -4,6 +4,8 @@
 pub const ALL: &[(&str, &str)] = &[
     ("start", include_str!("../grooms/start.ron")),
     ("cornrows", include_str!("../grooms/cornrows.ron")),
+    ("cornrows_gathered", include_str!("../grooms/cornrows_gathered.ron")),
+    ("french_braid", include_str!("../grooms/french_braid.ron")),
     ("braids", include_str!("../grooms/braids.ron")),
     ("curls", include_str!("../grooms/curls.ron")),
     ("curls_3b", include_str!("../grooms/curls_3b.ron")),

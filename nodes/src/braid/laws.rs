@@ -18,9 +18,9 @@ use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-type Set = Vec<(&'static str, Value)>;
+pub(super) type Set = Vec<(&'static str, Value)>;
 
-fn curves(all: &[&[Vec3]]) -> Curves {
+pub(super) fn curves(all: &[&[Vec3]]) -> Curves {
     let tufts = all.iter().enumerate().map(|(i, points)| {
         let mut b = TuftBuilder::new();
         b.push_curve(points);
@@ -31,12 +31,12 @@ fn curves(all: &[&[Vec3]]) -> Curves {
 }
 
 /// A straight source of `length` cm hanging down.
-fn straight(length: f32) -> Vec<Vec3> {
+pub(super) fn straight(length: f32) -> Vec<Vec3> {
     vec![Vec3::ZERO, Vec3::Y * -0.5 * length, Vec3::Y * -length]
 }
 
 /// A helix about Y.
-fn helix(radius: f32, rise: f32, turns: f32) -> Vec<Vec3> {
+pub(super) fn helix(radius: f32, rise: f32, turns: f32) -> Vec<Vec3> {
     let n = (24.0 * turns) as usize;
     (0..=n)
         .map(|k| {
@@ -57,7 +57,7 @@ fn over_the_ball() -> Vec<Vec3> {
 }
 
 /// No gather, no tie: the weave and nothing else.
-fn bare() -> Set {
+pub(super) fn bare() -> Set {
     vec![
         ("root_gather", 0.0f32.into()),
         ("tie", 1.0f32.into()),
@@ -66,7 +66,7 @@ fn bare() -> Set {
     ]
 }
 
-fn braid(source: &[Vec3], sets: &[Set]) -> (Curves, Curves, Vec<String>) {
+pub(super) fn braid(source: &[Vec3], sets: &[Set]) -> (Curves, Curves, Vec<String>) {
     let set: Set =
         std::iter::once(("source", curves(&[source]).into())).chain(sets.concat()).collect();
     // A later value replaces an earlier one.
@@ -80,14 +80,14 @@ fn braid(source: &[Vec3], sets: &[Set]) -> (Curves, Curves, Vec<String>) {
 }
 
 /// A strand as its CVs say.
-struct Strand {
+pub(super) struct Strand {
     spline: Spline,
     along: Vec<f32>,
     radius: Vec<f32>,
 }
 
 impl Strand {
-    fn all(strands: &Curves) -> Vec<Self> {
+    pub(super) fn all(strands: &Curves) -> Vec<Self> {
         let strand = |(tuft, i): (&Tuft, usize)| {
             let column = |declared| {
                 let view = tuft.view(declared);
@@ -179,7 +179,7 @@ fn signs(word: &[(usize, bool)], strands: usize, stitches: f64, what: &str) -> V
     signs
 }
 
-fn path_signs(weave: &Weave) -> Vec<bool> {
+pub(super) fn path_signs(weave: &Weave) -> Vec<bool> {
     let n = weave.strands as usize;
     let at = |k: usize| -> Vec<Vec2> {
         (0..n as u32).map(|i| weave.at(i, 0.0013 + k as f64 / (97.0 * n as f64)).into()).collect()
@@ -189,7 +189,7 @@ fn path_signs(weave: &Weave) -> Vec<bool> {
 
 /// Crossing signs of a braid over the fractions `over` of its source.
 #[track_caller]
-fn braid_signs(
+pub(super) fn braid_signs(
     strands: &[Strand],
     source: &Spline,
     frames: &dyn Fn(&[f32]) -> Vec<Frame>,
@@ -217,7 +217,7 @@ fn braid_signs(
 
 /// The largest (r_i(u) + r_j(v)) / |p_i(u) - p_j(v)| of different strands, and how large a part of the strands'
 /// samples has a neighbour that it touches to 8 %.
-fn overlap(strands: &[Strand]) -> (f32, f32) {
+pub(super) fn overlap(strands: &[Strand]) -> (f32, f32) {
     let all: Vec<Vec<(Vec3, f32, f32)>> = strands.iter().map(|s| s.samples(4)).collect();
     let (mut worst, mut touching, mut count) = (0.0f32, 0, 0);
     for (i, own) in all.iter().enumerate() {
@@ -240,7 +240,7 @@ fn overlap(strands: &[Strand]) -> (f32, f32) {
 }
 
 /// The largest ratio of neighbouring distances between CVs.
-fn unevenness(strands: &Curves) -> f32 {
+pub(super) fn unevenness(strands: &Curves) -> f32 {
     let mut worst = 1.0f32;
     for (tuft, i) in strands.each() {
         for w in tuft.curve(i).windows(3) {
@@ -251,7 +251,7 @@ fn unevenness(strands: &Curves) -> f32 {
     worst
 }
 
-fn carried(source: &[Vec3]) -> impl Fn(&[f32]) -> Vec<Frame> + use<> {
+pub(super) fn carried(source: &[Vec3]) -> impl Fn(&[f32]) -> Vec<Frame> + use<> {
     let spline = Spline::new(source).unwrap();
     move |us| frames(&spline, us, None, |_, _, _| None)
 }
@@ -267,11 +267,11 @@ fn on_ball(source: &[Vec3]) -> impl Fn(&[f32]) -> Vec<Frame> + use<> {
     }
 }
 
-fn set<V: Into<Value>>(name: &'static str, value: V) -> Set {
+pub(super) fn set<V: Into<Value>>(name: &'static str, value: V) -> Set {
     vec![(name, value.into())]
 }
 
-fn counted(stitches: f32) -> Set {
+pub(super) fn counted(stitches: f32) -> Set {
     vec![("stitches_by", "count".into()), ("stitches", stitches.into())]
 }
 
@@ -658,7 +658,7 @@ fn a_source_under_or_off_the_skin_still_gives_a_braid_outside() {
 }
 
 /// The built-in head, and lps_head where it is.
-fn heads() -> Vec<Arc<Scalp>> {
+pub(super) fn heads() -> Vec<Arc<Scalp>> {
     let made = |set: &[(&str, Value)]| match &run(crate::by_id("head").unwrap(), set).0[0] {
         Value::Scalp(scalp) => scalp.clone(),
         other => panic!("a {}", other.type_name()),

@@ -2,9 +2,13 @@
 
 use crate::define::NodeDef;
 
+#[cfg(test)]
+mod any_source;
 mod braid_hair;
 mod braid_territory;
 mod ground;
+#[cfg(test)]
+mod hair_laws;
 #[cfg(test)]
 mod laws;
 mod lay;

@@ -1,0 +1,300 @@
+//! Laws of braid territory and braid hair, read from what the nodes give, on a ball and on the built-in head.
+
+use super::ground::{Ground, Lane};
+use super::laws::heads;
+use super::{braid_hair, braid_territory, lissajous_braid};
+use crate::data::attributes as attr;
+use crate::data::attributes::Domain;
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::field::Field;
+use crate::data::scalp::{Scalp, tests::shared_ball};
+use crate::define::Value;
+use crate::maths::spline::Spline;
+use crate::maths::transcendental::sin_cos_turns;
+use crate::testing::{curves_of, run};
+use glam::Vec3;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+type Set = Vec<(&'static str, Value)>;
+
+/// Rows from front to back beside each other, `apart` degrees about the axis through the ears.
+fn rows(scalp: &Scalp, count: usize) -> Curves {
+    let row = |r: usize| {
+        let tilt = (r as f32 - 0.5 * (count - 1) as f32) * 0.045;
+        let point = |k: usize| {
+            let (s, c) = sin_cos_turns(0.1 + 0.28 * k as f32 / 29.0);
+            let (x, up) = sin_cos_turns(tilt);
+            let way = Vec3::new(x, s * up, c * up);
+            Some(scalp.surface().ray(scalp.frame().origin + way * 20.0, -way, 40.0)?.point)
+        };
+        let mut b = TuftBuilder::new();
+        b.push_curve(&(0..30).filter_map(point).collect::<Vec<_>>());
+        b.set(attr::ID, Domain::Curve, vec![50 + r as u64]);
+        Arc::new(b.build())
+    };
+    Curves::new((0..count).map(row).collect())
+}
+
+struct Made {
+    roots: Curves,
+    source: Curves,
+    strands: Curves,
+    stitches: Curves,
+    hair: Curves,
+    extension: Curves,
+}
+
+fn made(scalp: &Arc<Scalp>, rows: &Curves, territory: Set, hair: Set) -> Made {
+    let mut set: Set = vec![("source", rows.clone().into()), ("scalp", scalp.clone().into())];
+    set.extend(territory);
+    let (out, _) = run(&braid_territory::NODE, &set);
+    let (roots, source) = (curves_of(&out[0]).clone(), curves_of(&out[1]).clone());
+    let width = Field::Product(vec![Field::Attribute("girth".into()), Field::Constant(1.2)]);
+    let (out, _) = run(
+        &lissajous_braid::NODE,
+        &[
+            ("source", source.clone().into()),
+            ("scalp", scalp.clone().into()),
+            ("width", Value::Field(Arc::new(width))),
+        ],
+    );
+    let (strands, stitches) = (curves_of(&out[0]).clone(), curves_of(&out[1]).clone());
+    let mut set: Set = vec![
+        ("roots", roots.clone().into()),
+        ("strands", strands.clone().into()),
+        ("stitches", stitches.clone().into()),
+        ("scalp", scalp.clone().into()),
+        ("flyaways", 0.0f32.into()),
+        ("fill", 1.0f32.into()),
+        ("broad", 0.0f32.into()),
+    ];
+    set.extend(hair);
+    let (out, _) = run(&braid_hair::NODE, &set);
+    let (hair, extension) = (curves_of(&out[0]).clone(), curves_of(&out[1]).clone());
+    Made { roots, source, strands, stitches, hair, extension }
+}
+
+fn ground(scalp: &Scalp, rows: &Curves) -> Ground {
+    let lane = |(tuft, i): (&Tuft, usize)| {
+        Lane::new(tuft.id(i), &Spline::new(tuft.curve(i)).unwrap(), scalp, 0.9)
+    };
+    Ground::new(rows.each().filter_map(lane).collect(), scalp)
+}
+
+/// Points by id.
+fn by_id(curves: &Curves) -> BTreeMap<u64, Vec<Vec3>> {
+    let all: BTreeMap<_, _> = curves.each().map(|(t, i)| (t.id(i), t.curve(i).to_vec())).collect();
+    assert_eq!(all.len(), curves.curve_count(), "ids are unique");
+    all
+}
+
+#[test]
+fn every_root_joins_once_at_its_stitch_and_stays_in_its_strand() {
+    let all = heads().into_iter().chain([shared_ball()]);
+    for (scalp, what) in all.zip(["bust", "scan or ball", "ball"]) {
+        let rows = rows(&scalp, 5);
+        let m =
+            made(&scalp, &rows, vec![("density", 12.0f32.into())], vec![("frizz", 0.0f32.into())]);
+        assert!(m.hair.curve_count() > 1500, "{what}: {}", m.hair.curve_count());
+        assert_eq!(m.hair.curve_count(), m.roots.curve_count(), "{what}");
+        let (ground, skin) = (ground(&scalp, &rows), scalp.skin());
+        let unit = scalp.frame().unit();
+        let mut tubes: BTreeMap<u64, (Vec<(Vec3, f32)>, u64)> = BTreeMap::new();
+        for (tuft, i) in m.strands.each() {
+            let spline = Spline::new(tuft.curve(i)).unwrap();
+            let radius = tuft.view(attr::RADIUS);
+            let first = tuft.range(i).start;
+            let at = |k: usize| {
+                let u = k as f32 / 1500.0;
+                let place = spline.locate(u);
+                let (a, b) = (first + place.span, first + place.span + 1);
+                let r = radius.at(i, a) + (radius.at(i, b) - radius.at(i, a)) * place.t;
+                (spline.point(place), r)
+            };
+            let parent = tuft.view(attr::PARENT).at(i, first);
+            tubes.insert(tuft.id(i), ((0..=1500).map(at).collect(), parent));
+        }
+        let (mut deepest, mut crossed, mut uneven, mut out, mut rooted) =
+            (0.0f32, 0, 0, 0.0f32, 0.0f32);
+        let mut points = 0;
+        for (n, (tuft, i)) in m.hair.each().enumerate() {
+            let first = tuft.range(i).start;
+            let curve = tuft.curve(i);
+            assert!(curve.len() <= 255 && curve.iter().all(|p| p.is_finite()), "{what}");
+            let triangle = tuft.view(attr::ROOT_TRIANGLE).at(i, first);
+            let root = scalp.root(triangle as u32, tuft.view(attr::ROOT_BARY).at(i, first));
+            rooted = rooted.max(root.point.distance(curve[0]));
+            let own = ground.owner(curve[0], |_| true).unwrap();
+            assert!(own.ahead >= 0.15 * unit - 1e-4, "{what}: rooted in a parting");
+            let (tube, row) = &tubes[&tuft.view(attr::PARENT).at(i, first)];
+            assert_eq!(ground.lanes[own.lane as usize].id, *row, "{what}");
+            assert!(tuft.view(attr::STITCH).at(i, first) >= 0);
+            if n % 7 != 0 {
+                continue;
+            }
+            let along = tuft.view(attr::ALONG);
+            let joins = tuft.range(i).position(|k| along.at(i, k) > 0.0).unwrap_or(0);
+            for (k, p) in curve.iter().enumerate() {
+                points += 1;
+                let d = skin.distance(*p);
+                deepest = deepest.min(d);
+                if k < joins {
+                    let here = ground.owner(*p, |_| true).unwrap();
+                    crossed += usize::from(here.lane != own.lane);
+                } else {
+                    let off = tube.iter().map(|(c, r)| p.distance(*c) / r.max(0.03));
+                    let last = along.at(i, first + k) > 0.86;
+                    // Behind the tie it is a brush.
+                    out = out.max(if last { 0.0 } else { off.fold(f32::MAX, f32::min) });
+                }
+                if k > 1 && k + 1 < curve.len() {
+                    let (a, b) = (p.distance(curve[k - 1]), p.distance(curve[k + 1]));
+                    uneven += usize::from(a.max(b) > 1.2 * a.min(b));
+                }
+            }
+        }
+        println!(
+            "{what}: deepest {deepest}, crossed {crossed}, out {out}, uneven {uneven} of {points}"
+        );
+        assert!(rooted < 1e-3, "{what}: {rooted}");
+        assert!(deepest > -1e-3, "{what}: {deepest}");
+        assert_eq!(crossed, 0, "{what}: hairs cross a parting");
+        assert!(out < 1.25, "{what}: {out}");
+        assert!(uneven * 250 < points, "{what}: {uneven} of {points}");
+        stitches_are_the_nearest(&m);
+    }
+}
+
+/// Every hair that joins at a stitch joins at the nearest one on its side.
+fn stitches_are_the_nearest(m: &Made) {
+    let mut stitches: BTreeMap<u64, Vec<(f32, i32)>> = BTreeMap::new();
+    for (tuft, i) in m.stitches.each() {
+        let range = tuft.range(i);
+        let at = |k| (tuft.view(attr::ALONG).at(i, k), tuft.view(attr::SIDE).at(i, k));
+        let row = tuft.view(attr::PARENT).at(i, range.start);
+        stitches.insert(row, range.map(at).collect());
+    }
+    let mut wish: BTreeMap<u64, f32> = BTreeMap::new();
+    for (tuft, i) in m.roots.each() {
+        let root = tuft.view(attr::ROOT_BARY).at(i, tuft.range(i).start);
+        let key = u64::from(root.x.to_bits()) << 32 | u64::from(root.y.to_bits());
+        wish.insert(key, tuft.view(attr::ALONG).at(i, tuft.range(i).start));
+    }
+    let strand_row: BTreeMap<u64, u64> = m
+        .strands
+        .each()
+        .map(|(t, i)| (t.id(i), t.view(attr::PARENT).at(i, t.range(i).start)))
+        .collect();
+    let mut seen = 0;
+    for (tuft, i) in m.hair.each() {
+        let first = tuft.range(i).start;
+        let root = tuft.view(attr::ROOT_BARY).at(i, first);
+        let along = wish[&(u64::from(root.x.to_bits()) << 32 | u64::from(root.y.to_bits()))];
+        if along <= 0.0 {
+            continue;
+        }
+        let all = &stitches[&strand_row[&tuft.view(attr::PARENT).at(i, first)]];
+        let (at, side) = all[tuft.view(attr::STITCH).at(i, first) as usize];
+        assert_eq!(side, tuft.view(attr::SIDE).at(i, first));
+        let off = |a: f32| (a - along).abs();
+        assert!(all.iter().filter(|s| s.1 == side).all(|s| off(s.0) >= off(at) - 1e-6));
+        seen += 1;
+    }
+    assert!(seen > 1000, "{seen}");
+}
+
+#[test]
+fn a_braid_is_as_thick_as_the_hair_that_has_joined() {
+    let scalp = shared_ball();
+    let rows = rows(&scalp, 3);
+    for feed in [0.0f32, 800.0] {
+        let set =
+            vec![("density", 60.0f32.into()), ("feed", feed.into()), ("feed_from", 3.0f32.into())];
+        let m = made(&scalp, &rows, set, vec![]);
+        assert_eq!(m.extension.curve_count(), 3 * feed as usize);
+        for (tuft, i) in m.source.each() {
+            let mut joins = vec![];
+            for (roots, k) in m.roots.each() {
+                let first = roots.range(k).start;
+                if roots.view(attr::PARENT).at(k, first) == tuft.id(i) {
+                    let (along, fed): (f32, i32) =
+                        (roots.view(attr::ALONG).at(k, first), roots.view(attr::FED).at(k, first));
+                    let length = Spline::new(tuft.curve(i)).unwrap().length();
+                    assert!(fed == 0 || along * length > 2.99, "fed too early: {along}");
+                    joins.push(along);
+                }
+            }
+            let girth = tuft.view_named::<f32>("girth").unwrap();
+            let joined = tuft.view_named::<f32>("joined").unwrap();
+            let n = tuft.range(i).len();
+            for k in (5..n).step_by(7) {
+                let u = k as f32 / (n - 1) as f32;
+                let share = joins.iter().filter(|a| **a <= u).count() as f32 / joins.len() as f32;
+                let at = tuft.range(i).start + k;
+                assert!(
+                    (joined.at(i, at) - share).abs() < 0.04,
+                    "{u}: {share} {}",
+                    joined.at(i, at)
+                );
+                assert!(
+                    (girth.at(i, at) - share.sqrt()).abs() < 0.06,
+                    "{u}: {share} {}",
+                    girth.at(i, at)
+                );
+            }
+        }
+        for (tuft, i) in m.extension.each() {
+            assert_eq!(tuft.view(attr::FED).at(i, tuft.range(i).start), 1);
+            assert!(tuft.view(attr::BRAID).at(i, tuft.range(i).start) != 0);
+        }
+    }
+}
+
+#[test]
+fn hair_that_ends_makes_the_braid_thinner() {
+    let scalp = shared_ball();
+    let set =
+        vec![("density", 30.0f32.into()), ("length", 12.0f32.into()), ("tail", 25.0f32.into())];
+    let m = made(&scalp, &rows(&scalp, 1), set, vec![]);
+    let girth = m.source.tufts()[0].view_named::<f32>("girth").unwrap();
+    let n = m.source.tufts()[0].points().len();
+    assert!(girth.at(0, n / 3) > 0.6 && girth.at(0, n - 1) < 0.15);
+    for (tuft, i) in m.hair.each() {
+        let length = Spline::new(tuft.curve(i)).unwrap().length();
+        assert!(length < 12.0 * 1.12 && length > 6.0, "{length}");
+    }
+}
+
+#[test]
+fn more_density_only_adds_hairs() {
+    let scalp = shared_ball();
+    let rows = rows(&scalp, 3);
+    let hair =
+        |density: f32| by_id(&made(&scalp, &rows, vec![("density", density.into())], vec![]).hair);
+    let (few, many) = (hair(10.0), hair(25.0));
+    assert!(few.len() > 1000 && many.len() > 2 * few.len());
+    assert!(few.iter().all(|(id, points)| many.get(id) == Some(points)));
+}
+
+#[test]
+fn one_row_takes_all_and_a_tail_keeps_off_the_skin() {
+    let scalp = heads().remove(0);
+    let tail = vec![("density", 12.0f32.into()), ("tail", 30.0f32.into())];
+    let m = made(&scalp, &rows(&scalp, 1), tail, vec![]);
+    // Every root of the region is taken.
+    let area: f32 = (0..scalp.surface().triangles.len() as u32)
+        .map(|t| {
+            let region = scalp.mask_at(scalp.region(), t, glam::Vec2::splat(1.0 / 3.0));
+            0.5 * scalp.surface().area_vector(t).length() * region
+        })
+        .sum();
+    let count = m.hair.curve_count() as f32;
+    assert!((count / (12.0 * area) - 1.0).abs() < 0.05, "{count} {area}");
+    let row = &m.source.tufts()[0];
+    let skin = scalp.skin();
+    let hanging = row.points().len() * 3 / 5;
+    assert!(row.points()[hanging..].iter().all(|p| skin.distance(*p) > 0.3));
+    let last = row.points()[row.points().len() - 1];
+    assert!(last.y < -20.0 && skin.distance(last) > 0.5, "{last}");
+}
