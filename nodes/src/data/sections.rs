@@ -68,6 +68,7 @@ pub struct Sections {
     half_width: f32,
     list: Vec<Section>,
     partings: Vec<Parting>,
+    given: Vec<(String, Vec3)>,
     pieces: Vec<Piece>,
     /// Where each cell's pieces start in `listed`: those in the cell and in the cells around it.
     starts: Vec<u32>,
@@ -81,7 +82,7 @@ pub struct Sections {
 /// In no section; no piece.
 pub const NONE: u32 = u32::MAX;
 /// What is smaller is no section, cm2.
-const LEAST: f32 = 0.04;
+const LEAST: f32 = 0.12;
 /// A line bounds a section that it runs beside for so many cm: less is a corner.
 const CONTACT: f32 = 0.3;
 /// A distance where there are no partings, cm.
@@ -113,6 +114,7 @@ impl Sections {
             half_width: 0.5 * width,
             list: vec![],
             partings,
+            given: names.to_vec(),
             pieces,
             starts,
             listed,
@@ -145,6 +147,10 @@ impl Sections {
     /// The lines.
     pub fn partings(&self) -> &[Parting] {
         &self.partings
+    }
+    /// The names that were given, each with its point.
+    pub fn given(&self) -> &[(String, Vec3)] {
+        &self.given
     }
     /// Half of a parting's width, cm: no hair is rooted nearer to a line.
     pub fn half_width(&self) -> f32 {
@@ -202,12 +208,10 @@ impl Sections {
                 best = best.min(square_to(piece.ends, p));
             }
         };
-        let listed = self.near_cell(own);
-        listed.iter().for_each(|i| see(*i));
-        if listed.is_empty() {
-            see(self.nearest[own]);
-            around(own).for_each(|cell| see(self.nearest[cell]));
-        }
+        // The list knows all pieces within a cell's width, the cells' own pieces those beyond.
+        self.near_cell(own).iter().for_each(|i| see(*i));
+        see(self.nearest[own]);
+        around(own).for_each(|cell| see(self.nearest[cell]));
         best.sqrt()
     }
 

@@ -113,16 +113,9 @@ pub(crate) fn end(chart: &Chart, points: &mut Vec<Vec2>, others: &[&[Vec2]], joi
     let Some(tip) = points.last().copied() else { return End::Loose };
     let per_cm = CELL / chart.stretch(tip, Vec2::new(CELL, 0.0)).max(1e-6);
     let reach = join * per_cm;
-    let near: Vec<&[Vec2]> = near(others, tip, 2.0 * reach);
+    let near: Vec<&[Vec2]> = near(others, tip, 2.0 * reach, 0.0);
     // A line that ends on this one does not end this one.
-    let tips: Vec<Vec2> = others
-        .iter()
-        .flat_map(|line| [line.first(), line.last()])
-        .flatten()
-        .filter(|q| q.distance(tip) < 2.0 * reach)
-        .copied()
-        .collect();
-    let stem = |q: Vec2| tips.iter().any(|tip| tip.distance(q) < 3.0 * OVER * per_cm);
+    let through: Vec<&[Vec2]> = self::near(others, tip, 2.0 * reach, 3.0 * OVER * per_cm);
     let all: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
     let (mut walked, mut last) = (0.0, None);
     for k in (1..points.len()).rev() {
@@ -131,7 +124,7 @@ pub(crate) fn end(chart: &Chart, points: &mut Vec<Vec2>, others: &[&[Vec2]], joi
         }
         let (a, b) = (points[k - 1], points[k]);
         // From the end inwards the farthest crossing is the one where the line should have stopped.
-        if let Some(t) = first_crossing(a, b, &near).filter(|t| !stem(a.lerp(b, *t))) {
+        if let Some(t) = first_crossing(a, b, &through) {
             last = Some((k, t));
         }
         walked += a.distance(b);
@@ -174,12 +167,21 @@ pub(crate) fn end(chart: &Chart, points: &mut Vec<Vec2>, others: &[&[Vec2]], joi
 /// How far a line that meets another goes beyond it, cm.
 const OVER: f32 = 0.02;
 
-fn near<'a>(others: &[&'a [Vec2]], p: Vec2, reach: f32) -> Vec<&'a [Vec2]> {
+/// The pieces of lines near a point, without those that end within `tip` of their line's end.
+fn near<'a>(others: &[&'a [Vec2]], p: Vec2, reach: f32, tip: f32) -> Vec<&'a [Vec2]> {
     let close = |w: &[Vec2]| {
         let (lo, hi) = (w[0].min(w[1]) - reach, w[0].max(w[1]) + reach);
         p.cmpge(lo).all() && p.cmple(hi).all()
     };
-    others.iter().flat_map(|line| line.windows(2).filter(|w| close(w))).collect()
+    let of = |line: &'a [Vec2]| {
+        let ends = [line.first().copied(), line.last().copied()];
+        let at_end = move |w: &[Vec2]| {
+            let near = |q: &Vec2| w[0].distance(*q).min(w[1].distance(*q)) <= tip;
+            tip > 0.0 && ends.iter().flatten().any(near)
+        };
+        line.windows(2).filter(move |w| close(w) && !at_end(w))
+    };
+    others.iter().flat_map(|line| of(line)).collect()
 }
 
 /// How far from `a` to `b` the first of the pieces is crossed, 0 to 1.

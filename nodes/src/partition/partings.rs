@@ -142,7 +142,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let points = flat.iter().filter_map(|q| Some(chart.root(scalp, *q)?.point)).collect();
         partings.push(Parting { id: line.id, points });
     }
-    let names = names(cx, &inputs.names, scalp);
+    // Names given by a node before stay where they were put, unless this one names that section anew.
+    let mut names = names(cx, &inputs.names, scalp);
+    names.extend(scalp.sections().map_or(&[][..], Sections::given).iter().cloned());
     let (sections, said) = Sections::new(scalp, partings, inputs.width * unit, &names);
     for text in said {
         cx.warn(text);
@@ -171,8 +173,13 @@ fn part(inputs: &Inputs, chart: &Chart) -> Result<Vec<bool>, NodeError> {
     }
     // Fields read roots: those of all cells where hair grows, as curves of one point.
     let cells: Vec<usize> = (0..CELLS * CELLS).filter(|c| spots[*c].grows > 0.0).collect();
-    let skin = scalp.skin();
-    let hits: Vec<_> = cells.iter().filter_map(|c| skin.closest(spots[*c].point)).collect();
+    let mut near = 0;
+    let hit = |c: &usize| {
+        let hit = scalp.surface().closest_from(spots[*c].point, near)?;
+        near = hit.triangle;
+        Some(hit)
+    };
+    let hits: Vec<_> = cells.iter().filter_map(hit).collect();
     let mut b = TuftBuilder::even(hits.iter().map(|h| h.point).collect(), 1);
     b.set(ROOT_TRIANGLE, Domain::Curve, hits.iter().map(|h| h.triangle as i32).collect());
     b.set(ROOT_BARY, Domain::Curve, hits.iter().map(|h| h.bary).collect());

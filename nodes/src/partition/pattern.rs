@@ -247,7 +247,7 @@ impl Family<'_> {
         }
     }
 
-    /// Draws a row between two levels with its middle level, and its cuts.
+    /// Draws what is between two levels: the middle of the row there, or its cuts.
     fn row(
         &self,
         wish: &Wish,
@@ -257,11 +257,27 @@ impl Family<'_> {
     ) {
         let mut runs = self.runs(mid);
         runs.sort_by(|a, b| self.length(&b.0).total_cmp(&self.length(&a.0)));
-        let Some((run, closed)) = runs.into_iter().next() else { return };
         if wish.cut == Cut::Whole {
-            out.middles.push(run.into_iter().map(|r| r.0).collect());
+            let longest = runs.into_iter().next();
+            out.middles.extend(longest.map(|(run, _)| run.into_iter().map(|r| r.0).collect()));
             return;
         }
+        // An ear may stand in a row's way: what lies on its two sides is cut by itself.
+        for (piece, (run, closed)) in (0..).zip(runs) {
+            let number = (number, of, piece);
+            self.cuts(wish, number, [low, high], (&run, closed), out);
+        }
+    }
+
+    /// Cuts a row along one run of its middle level into boxes or triangles.
+    fn cuts(
+        &self,
+        wish: &Wish,
+        (number, of, piece): (usize, usize, u64),
+        [low, high]: [f32; 2],
+        (run, closed): (&[(Vec2, f32)], bool),
+        out: &mut Drawn,
+    ) {
         let lengths = lengths(self.chart, run.iter().map(|r| r.0));
         let length = lengths.last().copied().unwrap_or(0.0);
         let along = |s: f32| {
@@ -280,7 +296,7 @@ impl Family<'_> {
             n = n.max(3);
         }
         let shift = if closed && wish.brick && odd == 1 { 0.5 } else { 0.0 };
-        let number = curve_id(curve_id(wish.tag, 3, number as u64), of as u64, 0);
+        let number = curve_id(curve_id(wish.tag, 3, number as u64), of as u64, piece);
         // Cuts reach over their row's edges; what is over is taken off where they meet the row's line.
         let over = 0.25 * (high - low);
         let mut cut = |i: usize, from: (f32, f32), to: (f32, f32)| {
