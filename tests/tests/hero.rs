@@ -21,8 +21,6 @@ enum Ask {
     Puffs(u64),
     /// Curls as wide, as steep and as much shrunk as was asked.
     Curls,
-    /// A law that all of them keep, but that is no law of files in general.
-    Law(&'static str),
 }
 
 const HEROES: &[(&str, &[Ask])] = &[
@@ -153,7 +151,6 @@ fn check_ask(name: &str, prims: &[Json], ask: &Ask) {
                 ],
             );
         }
-        Ask::Law(law) => check_laws(name, prims, &[law]),
     }
 }
 

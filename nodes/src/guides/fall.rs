@@ -261,7 +261,7 @@ impl Fall<'_> {
         let mut at = at.to_vec();
         for _ in 0..80 {
             let mut sharp = false;
-            for k in 2..at.len().saturating_sub(1) {
+            for k in 1..at.len().saturating_sub(1) {
                 let (a, b) = (at[k] - at[k - 1], at[k + 1] - at[k]);
                 if a.dot(b) < 0.97 * (a.length_squared() * b.length_squared()).sqrt() {
                     sharp = true;
