@@ -342,6 +342,9 @@ pub fn conform(curves: &Curves, skin: Option<Skin>, for_each: crate::eval::ForEa
 
 /// How many times as many segments a resampled curve is given, tried in turn until both readings agree.
 const FINER: [f32; 7] = [1.0, 1.25, 1.5, 2.0, 3.0, 5.0, 8.0];
+/// The most points that resampling gives a curve: what game engines take. Where that is not enough, the difference that is
+/// left is told.
+pub const MOST_POINTS: usize = 255;
 
 fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32, usize) {
     let mut worst = 0.0f32;
@@ -386,6 +389,9 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
         resampled += 1;
         for finer in FINER {
             let last = ((old.len() - 1) as f32 * finer) as usize;
+            if last >= MOST_POINTS && finer > 1.0 {
+                break;
+            }
             points.clear();
             spline.resample(last + 1, |p| points.push(p));
             points[0] = old[0];
