@@ -5,23 +5,33 @@ pub const ALL: &[(&str, &str)] = &[
     ("start", include_str!("../grooms/start.ron")),
     ("cornrows", include_str!("../grooms/cornrows.ron")),
     ("cornrows_gathered", include_str!("../grooms/cornrows_gathered.ron")),
+    ("cornrows_puffs", include_str!("../grooms/cornrows_puffs.ron")),
+    ("box_braids", include_str!("../grooms/box_braids.ron")),
     ("french_braid", include_str!("../grooms/french_braid.ron")),
     ("braids", include_str!("../grooms/braids.ron")),
     ("curls", include_str!("../grooms/curls.ron")),
+    ("waves_2b", include_str!("../grooms/waves_2b.ron")),
     ("curls_3b", include_str!("../grooms/curls_3b.ron")),
+    ("finger_coils", include_str!("../grooms/finger_coils.ron")),
     ("coils_4a", include_str!("../grooms/coils_4a.ron")),
     ("zigzag_4b", include_str!("../grooms/zigzag_4b.ron")),
     ("afro_4c", include_str!("../grooms/afro_4c.ron")),
-    ("finger_coils", include_str!("../grooms/finger_coils.ron")),
-    ("waves_2b", include_str!("../grooms/waves_2b.ron")),
     ("puffs", include_str!("../grooms/puffs.ron")),
     ("ponytail", include_str!("../grooms/ponytail.ron")),
-    ("cornrows_puffs", include_str!("../grooms/cornrows_puffs.ron")),
     ("clusters", include_str!("../grooms/clusters.ron")),
 ];
 
 /// The grooms that are as full as a film's hero: 60,000 strands and more, a few seconds to evaluate.
-pub const HEROES: &[&str] = &["afro_4c"];
+pub const HEROES: &[&str] = &[
+    "cornrows_gathered",
+    "cornrows_puffs",
+    "box_braids",
+    "afro_4c",
+    "finger_coils",
+    "waves_2b",
+    "ponytail",
+    "french_braid",
+];
 
 /// The groom of that name, with or without `.ron`.
 pub fn by_name(name: &str) -> Option<&'static str> {

@@ -82,7 +82,7 @@ fn one(dice: Dice, id: u64) -> (Kind, f32) {
     let stitches = stitches.round();
     // Closer than this strands wind up on each other; much longer, the source bends within a stitch.
     let pitch = spline.length() / (stitches * width);
-    let follows = follows && (0.6..6.0).contains(&pitch);
+    let follows = follows && (0.6..4.0).contains(&pitch);
     let what = format!("{kind:?} {id}: {n} strands, {stitches} stitches, {width} cm");
     let sets: Vec<Set> = vec![
         bare(),

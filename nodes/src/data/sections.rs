@@ -81,8 +81,9 @@ pub struct Sections {
 
 /// In no section; no piece.
 pub const NONE: u32 = u32::MAX;
-/// What is smaller is no section, cm2.
+/// What is smaller is no section, cm2; nor is what has so small a share of the middle section's area.
 const LEAST: f32 = 0.12;
+const SPECK: f32 = 0.02;
 /// A line bounds a section that it runs beside for so many cm: less is a corner.
 const CONTACT: f32 = 0.3;
 /// A distance where there are no partings, cm.
@@ -245,7 +246,8 @@ impl Sections {
     fn flood(&mut self, scalp: &Scalp) -> usize {
         let spots = scalp.chart().spots();
         let grows: Vec<bool> = spots.iter().map(|s| s.grows > 0.0).collect();
-        let (mut found, mut slivers) = (0, 0);
+        // Area of each piece, and whether a parting bounds it.
+        let mut found: Vec<(f32, bool)> = vec![];
         let mut members = vec![];
         // Row by row from the forehead, so that numbers run from front to back.
         let rows = (0..CELLS).rev().flat_map(|y| (0..CELLS).map(move |x| y * CELLS + x));
@@ -255,32 +257,45 @@ impl Sections {
             }
             members.clear();
             members.push(seed);
-            self.labels[seed] = found;
+            let label = found.len() as u32;
+            self.labels[seed] = label;
             let (mut next, mut area, mut parted) = (0, 0.0, false);
             while let Some(cell) = members.get(next).copied() {
                 next += 1;
                 area += spots[cell].area * spots[cell].grows;
                 for other in around(cell).take(4) {
-                    if grows[other] && self.labels[other] != found {
+                    if grows[other] && self.labels[other] != label {
                         let open = self.open(cell, other);
                         parted |= !open && spots[cell].grows >= 0.5;
                         if open && self.labels[other] == NONE {
-                            self.labels[other] = found;
+                            self.labels[other] = label;
                             members.push(other);
                         }
                     }
                 }
             }
-            if area < LEAST {
-                // Specks at the ragged edge of a region are nothing to tell.
-                slivers += usize::from(parted);
-                // Not looked at again, and cleared below.
-                members.iter().for_each(|cell| self.labels[*cell] = NONE - 1);
-            } else {
-                found += 1;
-            }
+            found.push((area, parted));
         }
-        self.labels.iter_mut().filter(|l| **l == NONE - 1).for_each(|l| *l = NONE);
+        let mut areas: Vec<f32> =
+            found.iter().map(|(area, _)| *area).filter(|a| *a >= LEAST).collect();
+        areas.sort_by(f32::total_cmp);
+        let least = areas.get(areas.len() / 2).map_or(LEAST, |middle| LEAST.max(SPECK * middle));
+        let (mut number, mut slivers) = (0, 0);
+        let kept: Vec<u32> = found
+            .into_iter()
+            .map(|(area, parted)| {
+                if area < least {
+                    // Specks at the ragged edge of a region are nothing to tell.
+                    slivers += usize::from(parted);
+                    return NONE;
+                }
+                number += 1;
+                number - 1
+            })
+            .collect();
+        for label in self.labels.iter_mut().filter(|label| **label != NONE) {
+            *label = kept[*label as usize];
+        }
         slivers
     }
 
