@@ -52,7 +52,33 @@ const LAWS: &[&str] = &[
     DEPTH,
 ];
 /// What heroes do not keep yet, law by law. A law that has come to hold is taken off this list: the test says so.
-const NOT_YET: &[(&str, &[&str])] = &[];
+const NOT_YET: &[(&str, &[&str])] = &[
+    ("cornrows_gathered", &[READINGS, WOVEN, OUTLINES]),
+    ("cornrows_puffs", &[READINGS, WOVEN, OUTLINES, DEPTH]),
+    ("box_braids", &[READINGS, WOVEN, CROSSING]),
+    ("afro_4c", &[READINGS, DIAMETERS, PITCHES, SHRINKAGE]),
+    ("finger_coils", &[READINGS]),
+    ("waves_2b", &[READINGS, DIAMETERS, PITCHES, SHRINKAGE]),
+    ("ponytail", &[READINGS]),
+    ("french_braid", &[READINGS, WOVEN]),
+];
+/// What some do not keep yet on some of the real heads.
+const NOT_YET_ELSEWHERE: &[(&str, &[&str])] = &[
+    ("cornrows_puffs", &[DEPTH]),
+    ("box_braids", &[CROSSING, ROOTED]),
+    ("finger_coils", &[DEPTH]),
+    ("ponytail", &[DEPTH]),
+];
+
+const READINGS: &str = "both readings of every curve agree to 0.001 cm";
+const WOVEN: &str = "braids are woven all along as they begin";
+const OUTLINES: &str = "outlines of puffs are clean";
+const DEPTH: &str = "nothing is deeper under the skin than allowed";
+const CROSSING: &str = "no hair crosses a parting";
+const ROOTED: &str = "no hair is rooted in a parting";
+const DIAMETERS: &str = "curl diameters are as asked to 5 %";
+const PITCHES: &str = "curl pitches are as asked to 5 %";
+const SHRINKAGE: &str = "shrinkage is as told to 5 %";
 
 /// Of these a tenth of the hair tells enough.
 const OF_ANY_HAIR: &[&str] = &[

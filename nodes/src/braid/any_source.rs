@@ -74,7 +74,7 @@ fn one(dice: Dice, id: u64) -> (Kind, f32) {
     // As many as 200, evenly over the orders of magnitude; no closer than a braid of this width can be made.
     let most = (spline.length() / (0.45 * width)).clamp(1.0, 200.0);
     let share = dice.unit(id, 8);
-    let stitches = if follows && id % 3 != 0 {
+    let stitches = if follows && !id.is_multiple_of(3) {
         1.0 + share * share * (most - 1.0)
     } else {
         1.0 + 199.0 * share * share * share
@@ -90,7 +90,7 @@ fn one(dice: Dice, id: u64) -> (Kind, f32) {
         set("strands", n),
         set("width", width),
         set("cvs_per_stitch", 8i64),
-        set("crossing", if id % 2 == 0 { "under" } else { "over" }),
+        set("crossing", if id.is_multiple_of(2) { "under" } else { "over" }),
     ];
     let (strands, stitch, _) = braid(&points, &sets);
     assert_eq!(strands.curve_count(), n as usize, "{what}");
@@ -136,7 +136,7 @@ fn one(dice: Dice, id: u64) -> (Kind, f32) {
     if follows {
         let strands = Strand::all(&strands);
         let m = default_frequency(n as u32);
-        let want = path_signs(&Weave::new(n as u32, m, id % 2 == 0, false));
+        let want = path_signs(&Weave::new(n as u32, m, id.is_multiple_of(2), false));
         let got =
             braid_signs(&strands, &spline, &carried(&points), (0.0, 1.0), stitches.into(), &what);
         // With one stitch a pair may not have met yet.

@@ -528,11 +528,8 @@ fn rest_on(skin: &Skin, points: &mut [Vec3], near: &[bool], depth: f32, spline: 
             break;
         }
         let last = points.len() - 1;
-        for k in 1..last {
-            points[k] = spline.at(k as f32 / last as f32);
-        }
-        for p in &mut points[1..last] {
-            *p = skin.push_out(*p, depth).0;
+        for (k, p) in points.iter_mut().enumerate().take(last).skip(1) {
+            *p = skin.push_out(spline.at(k as f32 / last as f32), depth).0;
         }
     }
 }

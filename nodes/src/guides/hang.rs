@@ -294,7 +294,7 @@ mod tests {
     #[test]
     fn lengths_are_exact_points_even_and_outside_the_head() {
         let same = number("length_variation", 0.0);
-        check_laws(60, &[same.clone()], 35.0);
+        check_laws(60, std::slice::from_ref(&same), 35.0);
         check_laws(20, &[same.clone(), number("length", 0.1), ("points", Value::Int(4))], 0.1);
         check_laws(20, &[same.clone(), number("length", 200.0), number("hold", 50.0)], 200.0);
         check_laws(20, &[same.clone(), number("lie", 90.0), number("stiffness", 20.0)], 35.0);

@@ -361,7 +361,7 @@ impl Maker<'_> {
             let line = match known.get(&number) {
                 Some(line) => Some(line.to_vec()),
                 None => middles::line(self.chart, sections, number, cells)
-                    .map(|line| self.from_the_hairline(sections, line)),
+                    .map(|line| self.run_from_the_hairline(sections, line)),
             };
             let Some(line) = line.filter(|line| line.len() >= 2) else { continue };
             let roots = self.on_scalp(&line);
@@ -410,7 +410,7 @@ impl Maker<'_> {
     }
 
     /// The line turned so that it starts at the hairline, or where both ends do (or none), in front.
-    fn from_the_hairline(&self, sections: &Sections, mut line: Vec<Vec2>) -> Vec<Vec2> {
+    fn run_from_the_hairline(&self, sections: &Sections, mut line: Vec<Vec2>) -> Vec<Vec2> {
         let end = |q: Vec2| {
             let cell = cell_of(q).unwrap_or(0);
             let p = self.chart.spots()[cell].point;

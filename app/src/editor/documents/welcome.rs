@@ -15,13 +15,20 @@ use std::collections::BTreeMap;
 const PICTURES: &[(&str, &[u8])] = &[
     ("start", include_bytes!("thumbnails/start.png")),
     ("cornrows", include_bytes!("thumbnails/cornrows.png")),
+    ("cornrows_gathered", include_bytes!("thumbnails/cornrows_gathered.png")),
+    ("cornrows_puffs", include_bytes!("thumbnails/cornrows_puffs.png")),
+    ("box_braids", include_bytes!("thumbnails/box_braids.png")),
+    ("french_braid", include_bytes!("thumbnails/french_braid.png")),
     ("braids", include_bytes!("thumbnails/braids.png")),
     ("curls", include_bytes!("thumbnails/curls.png")),
+    ("waves_2b", include_bytes!("thumbnails/waves_2b.png")),
     ("curls_3b", include_bytes!("thumbnails/curls_3b.png")),
+    ("finger_coils", include_bytes!("thumbnails/finger_coils.png")),
     ("coils_4a", include_bytes!("thumbnails/coils_4a.png")),
     ("zigzag_4b", include_bytes!("thumbnails/zigzag_4b.png")),
     ("afro_4c", include_bytes!("thumbnails/afro_4c.png")),
     ("puffs", include_bytes!("thumbnails/puffs.png")),
+    ("ponytail", include_bytes!("thumbnails/ponytail.png")),
     ("clusters", include_bytes!("thumbnails/clusters.png")),
 ];
 
