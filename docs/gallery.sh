@@ -2,7 +2,7 @@
 # Draws the gallery of the hero grooms: four sides and four close-ups of each.
 #
 #   docs/gallery.sh FOLDER [GROOM...]      full pictures (1920 x 1080, 64 samples) into FOLDER
-#   docs/gallery.sh --small [GROOM...]     the small ones of docs/gallery.md (480 x 270) into docs/pictures/gallery/
+#   docs/gallery.sh --small [GROOM...]     the small ones (480 x 270) into docs/pictures/gallery/
 #
 # SAMPLES and SIZE replace the number of samples and the size. Close-ups are views saved in each groom.
 set -euo pipefail
