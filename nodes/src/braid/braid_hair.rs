@@ -35,8 +35,8 @@ node! {
     /// Wire the hairs of the Braid territory, and strands and stitches of the Lissajous braid that is laid along the
     /// territory's rows. Colour and width can be changed downstream; extension hair comes out by itself for a colour of
     /// its own.
-    "braid_hair", version 1, label "Braid hair",
-        words "fill strands generate hair braid plait french dutch cornrow canerow knotless feed in extension tuft tail pick up";
+    "braid_hair", version 1, label "Hair through braids",
+        words "strands generate hair plait french dutch cornrow canerow knotless knotted extension tuft tail pick up";
     inputs {
         /// The hairs from their roots to the braid, from the Braid territory.
         roots: Curves, words("territory hairs");

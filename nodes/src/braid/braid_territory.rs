@@ -36,8 +36,8 @@ node! {
     /// parting. The hairs go to Braid hair, which leads them on into the strands. The rows come out again with the
     /// attribute girth, how thick the braid is for the hair that it has there: wire them to the Lissajous braid and
     /// multiply its width by that attribute, and it grows as hair is picked up.
-    "braid_territory", version 1, label "Braid territory",
-        words "pick up section french dutch cornrow canerow feed in knotless extension add gather roots comb parting row", thins;
+    "braid_territory", version 1, label "Territory of braids",
+        words "pick up section french dutch cornrow canerow feed in extension add gather roots comb parting row", thins;
     inputs {
         /// The rows, root first: the curves that braids are to be laid along. Rows may go on beyond the scalp.
         source: Curves, words("rows braids guides");

@@ -32,7 +32,7 @@ node! {
     /// a scalp wired the braid lies on it as a cornrow, raised by half its height, and its stitches face
     /// outward. Give the stitches to the edge partition to draw the surrounding hair into the braid.
     "lissajous_braid", version 1, label "Lissajous braid",
-    words "braid plait cornrow canerow knots dutch french english fishtail rope twist two strand box braids knotless feed in fulani ghana goddess pigtail dookie hair curves";
+    words "braid plait cornrow canerow knots dutch french english fishtail rope twist two strand box braids fulani ghana goddess pigtail dookie hair curves";
     inputs {
         /// Curves to braid along, root first; one braid each.
         source: Curves, words("guide spine path");

@@ -30,7 +30,7 @@ node! {
     /// of which the first point counts) and braid or fill what comes out. The clearance is half as thick as what will lie
     /// along the curve, so that this, not the curve, rests on the skin and on its neighbours.
     "hang", version 1, label "Hang",
-        words "gravity fall drape simulate simulation dynamics collide collision rest shoulders free hanging box braids locs twists long hair droop dangle";
+        words "gravity fall drape simulate simulation dynamics collide collision rest shoulders free hanging locs twists long hair droop dangle";
     inputs {
         /// Curves whose first points are the roots.
         roots: Curves, words("source guides");

@@ -33,7 +33,7 @@ node! {
     /// Wire the scalp that comes out to the nodes that grow hair: none of it is rooted on a parting, and none is led by hair of
     /// another section. Braid along the rows, put puffs and free braids on the middles. A second Partings node cuts the
     /// sections of the first, in all of them or where a mask says; every section is a mask by its name.
-    "partings", version 1, label "Partings", words "part parting section sections grid line cornrow canerow rows boxes box braids triangles zigzag zig-zag halo brick pattern comb rat tail scalp divide split";
+    "partings", version 1, label "Partings", words "part parting section sections grid line cornrow canerow rows boxes triangles zigzag zig-zag halo brick pattern comb rat tail scalp divide split";
     inputs {
         /// The head, or a head that has partings already.
         scalp: Arc<Scalp>;

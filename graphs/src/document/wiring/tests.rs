@@ -289,7 +289,7 @@ fn a_dropped_wire_finds_the_kinds_that_it_fits_and_they_can_be_wired() {
         let kinds = kinds_giving(&document, &socket(to));
         kinds.iter().map(|(def, out)| format!("{}.{}", def.id, out.name)).collect::<Vec<_>>()
     };
-    assert_eq!(names("rows.scalp"), ["head.scalp"]);
+    assert_eq!(names("rows.scalp"), ["head.scalp", "partings.scalp"]);
     assert!(names("hair.curves").contains(&"lissajous_braid.curves".to_owned()));
     assert_eq!(kinds_taking(&document, &socket("new.out")).len(), 0);
 }
