@@ -144,11 +144,17 @@ fn a_slider_that_is_dragged_runs_only_what_hangs_from_it_and_is_one_step() {
     ui.state_mut().apply(Event::Select(Select::Nodes(vec![node("fill")])));
     settle(&mut ui);
     let before = ui.state().state.document.clone();
-    let field = ui
-        .query_all_by_label("Frizz")
-        .map(|node| node.rect())
-        .max_by(|a, b| a.right().total_cmp(&b.right()));
-    let rect = field.expect("the inspector shows frizz");
+    let field = |ui: &Ui| {
+        let fields = ui.query_all_by_label("Frizz");
+        fields.max_by(|a, b| a.rect().right().total_cmp(&b.rect().right())).map(|node| {
+            node.scroll_to_me();
+            node.rect()
+        })
+    };
+    // It may lie below what the inspector has room for.
+    field(&ui).expect("the inspector has frizz");
+    ui.run_steps(8);
+    let rect = field(&ui).expect("the inspector shows frizz");
     let from = Pos2::new(rect.left() + 12.0, rect.center().y);
     ui.event(Input::PointerMoved(from));
     ui.step();
