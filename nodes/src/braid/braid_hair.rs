@@ -36,7 +36,7 @@ node! {
     /// territory's rows. Colour and width can be changed downstream; extension hair comes out by itself for a colour of
     /// its own.
     "braid_hair", version 1, label "Hair through braids",
-        words "strands generate hair plait french dutch cornrow canerow knotless knotted extension tuft tail pick up";
+        words "strands plait french dutch cornrow canerow knotless knotted extension tuft tail pick up";
     inputs {
         /// The hairs from their roots to the braid, from the Braid territory.
         roots: Curves, words("territory hairs");

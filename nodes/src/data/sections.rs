@@ -81,9 +81,10 @@ pub struct Sections {
 
 /// In no section; no piece.
 pub const NONE: u32 = u32::MAX;
-/// What is smaller is no section, cm2; nor is what has so small a share of the middle section's area.
+/// What is smaller is no section, cm2: the box of a micro braid is twice that.
 const LEAST: f32 = 0.12;
-const SPECK: f32 = 0.02;
+/// Nor is a speck beside an ear, as small as this and of so small a share of the middle section's area.
+const SPECK: (f32, f32) = (0.3, 0.06);
 /// A line bounds a section that it runs beside for so many cm: less is a corner.
 const CONTACT: f32 = 0.3;
 /// A distance where there are no partings, cm.
@@ -279,7 +280,8 @@ impl Sections {
         let mut areas: Vec<f32> =
             found.iter().map(|(area, _)| *area).filter(|a| *a >= LEAST).collect();
         areas.sort_by(f32::total_cmp);
-        let least = areas.get(areas.len() / 2).map_or(LEAST, |middle| LEAST.max(SPECK * middle));
+        let speck = |middle: &f32| LEAST.max(SPECK.0.min(SPECK.1 * middle));
+        let least = areas.get(areas.len() / 2).map_or(LEAST, speck);
         let (mut number, mut slivers) = (0, 0);
         let kept: Vec<u32> = found
             .into_iter()
