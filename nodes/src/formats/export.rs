@@ -18,7 +18,7 @@ use crate::data::attributes::{
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::Skin;
-use crate::maths::spline::Spline;
+use crate::maths::spline::{Place, Spline};
 use crate::shape::resample::between;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
@@ -315,8 +315,6 @@ pub struct Conformed {
 
 /// The largest distance between the two readings of a curve that is let pass, cm (methods.md 0).
 pub const AGREE: f32 = 1e-3;
-/// Curves whose neighbouring CVs are spaced within this ratio are the makers' business and never touched.
-const EVEN: f32 = 1.2;
 
 /// Resamples the curves whose uneven CVs would be read as another curve elsewhere. Points that this adds stay as far
 /// out of `skin` as their curve allows; those that were there are not moved.
@@ -341,10 +339,14 @@ pub fn conform(curves: &Curves, skin: Option<Skin>, for_each: crate::eval::ForEa
 }
 
 /// How many times as many segments a resampled curve is given, tried in turn until both readings agree.
-const FINER: [f32; 7] = [1.0, 1.25, 1.5, 2.0, 3.0, 5.0, 8.0];
+const FINER: [f32; 3] = [1.0, 1.25, 1.6];
 /// The most points that resampling gives a curve: what game engines take. Where that is not enough, the difference that is
 /// left is told.
 pub const MOST_POINTS: usize = 255;
+/// Rounds in which chords are made alike.
+const ROUNDS: usize = 6;
+/// Chords within this ratio are alike.
+const ALIKE: f32 = 1.01;
 
 fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32, usize) {
     let mut worst = 0.0f32;
@@ -357,7 +359,7 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
             continue;
         }
         let difference = readings_differ(points);
-        if difference > AGREE && !is_even(points) {
+        if difference > AGREE {
             *change = true;
         } else {
             worst = worst.max(difference);
@@ -368,7 +370,7 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
     }
     let allowed = tuft.view(a::ALLOW_DEPTH);
     let mut out = TuftBuilder::new();
-    let (mut kept, mut places, mut points) = (vec![], vec![], vec![]);
+    let (mut kept, mut places, mut points, mut stops) = (vec![], vec![], vec![], vec![]);
     let (mut spline, mut resampled) = (Spline::default(), 0);
     for (i, change) in change.into_iter().enumerate() {
         let old = tuft.curve(i);
@@ -392,29 +394,21 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
             if last >= MOST_POINTS && finer > 1.0 {
                 break;
             }
-            points.clear();
-            spline.resample(last + 1, |p| points.push(p));
+            alike_chords(&spline, last, &mut stops, &mut points);
             points[0] = old[0];
             points[last] = old[old.len() - 1];
-            let mut cursor = 0;
-            for (k, p) in points.iter_mut().enumerate().take(last).skip(1) {
-                let Some(skin) = skin else { break };
-                let s = k as f32 / last as f32 * spline.length();
-                let place = spline.locate_rising(&mut cursor, s);
-                let near = first as usize + place.span + usize::from(place.t > 0.5);
-                *p = skin.push_out(*p, allowed.at(i, near)).0;
+            if let Some(skin) = skin {
+                let inner = points.iter_mut().zip(&stops).take(last).skip(1);
+                for (p, (_, place)) in inner {
+                    let near = first as usize + place.span + usize::from(place.t > 0.5);
+                    *p = skin.push_out(*p, allowed.at(i, near)).0;
+                }
             }
             if readings_differ(&points) <= AGREE {
                 break;
             }
         }
-        let last = points.len() - 1;
-        let mut cursor = 0;
-        places.extend((0..=last).map(|k| {
-            let s = k as f32 / last as f32 * spline.length();
-            let place = spline.locate_rising(&mut cursor, s);
-            (first + place.span as u32, place.t)
-        }));
+        places.extend(stops.iter().map(|(_, place)| (first + place.span as u32, place.t)));
         worst = worst.max(readings_differ(&points));
         out.push_curve(&points);
     }
@@ -428,11 +422,42 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
     (Arc::new(out.build()), resampled, worst, left_out)
 }
 
-fn is_even(points: &[Vec3]) -> bool {
-    points.windows(3).all(|w| {
-        let (a, b) = (w[0].distance_squared(w[1]), w[1].distance_squared(w[2]));
-        a <= b * (EVEN * EVEN) && b <= a * (EVEN * EVEN)
-    })
+/// `last` + 1 points of the spline whose chords are all alike, and where they lie on it (arc length and place). Through
+/// such points both readings are one curve, however sharply it bends; points at even arc length have shorter
+/// chords where it bends.
+fn alike_chords(
+    spline: &Spline,
+    last: usize,
+    stops: &mut Vec<(f32, Place)>,
+    points: &mut Vec<Vec3>,
+) {
+    let mut wanted: Vec<f32> =
+        (0..=last).map(|k| k as f32 / last as f32 * spline.length()).collect();
+    for round in 0..=ROUNDS {
+        let mut cursor = 0;
+        stops.clear();
+        stops.extend(wanted.iter().map(|s| (*s, spline.locate_rising(&mut cursor, *s))));
+        points.clear();
+        points.extend(stops.iter().map(|(_, place)| spline.point(*place)));
+        let chords = || points.windows(2).map(|w| w[0].distance(w[1]));
+        let (least, most) = chords().fold((f32::MAX, 0.0f32), |(a, b), c| (a.min(c), b.max(c)));
+        if round == ROUNDS || most <= ALIKE * least {
+            break;
+        }
+        // What arc length has come where the chords have come to their even share.
+        let total: f32 = chords().sum();
+        let (mut k, mut come) = (0, 0.0);
+        for (n, stop) in wanted.iter_mut().enumerate().take(last).skip(1) {
+            let share = total * n as f32 / last as f32;
+            while k + 1 < last && come + points[k].distance(points[k + 1]) < share {
+                come += points[k].distance(points[k + 1]);
+                k += 1;
+            }
+            let chord = points[k].distance(points[k + 1]);
+            let part = if chord > 0.0 { ((share - come) / chord).clamp(0.0, 1.0) } else { 0.0 };
+            *stop = stops[k].0 + (stops[k + 1].0 - stops[k].0) * part;
+        }
+    }
 }
 
 /// The largest distance, cm, between the uniform and the centripetal Catmull-Rom spline through the points: the two have the
