@@ -105,16 +105,16 @@ fn measured(name: &str, head: Option<&str>, more: &[&str]) -> (Json, Vec<Json>) 
     (report, all.into_iter().filter(|prim| prim["purpose"] != "guide").collect())
 }
 
-/// Whether every prim keeps each law, but for those that the groom does not keep yet.
-#[track_caller]
-fn check_laws(name: &str, prims: &[Json], laws: &[&str]) {
+/// Tells of the laws that a prim does not keep, but for those that the groom does not keep yet.
+fn check_laws(name: &str, prims: &[Json], laws: &[&str], wrong: &mut Vec<String>) {
     let not_yet =
         NOT_YET.iter().find(|(known, _)| *known == name).map_or(&[][..], |(_, laws)| laws);
     for law in laws {
         let broken = prims.iter().find(|prim| prim["laws"][law] == false);
-        match broken {
-            Some(prim) => assert!(not_yet.contains(law), "{name}: {law} is broken\n{prim:#}"),
-            None => assert!(!not_yet.contains(law), "{name}: {law} holds; take it off the list"),
+        match (broken, not_yet.contains(law)) {
+            (Some(prim), false) => wrong.push(format!("{name}: {law} is broken\n{prim:#}")),
+            (None, true) => wrong.push(format!("{name}: {law} holds; take it off the list")),
+            _ => {}
         }
     }
 }
@@ -124,42 +124,47 @@ fn found<'j>(prims: &'j [Json], name: &'j str) -> impl Iterator<Item = &'j Json>
     prims.iter().map(move |prim| &prim[name]).filter(|found| !found.is_null())
 }
 
-#[track_caller]
-fn check_ask(name: &str, prims: &[Json], ask: &Ask) {
+/// Tells where a groom does not show what is asked of it.
+fn check_ask(name: &str, prims: &[Json], ask: &Ask, wrong: &mut Vec<String>) {
+    let mut must = |holds: bool, found: &dyn std::fmt::Display| {
+        if !holds {
+            wrong.push(format!("{name}: {found}"));
+        }
+    };
     let sum = |of: &str, key: &str| found(prims, of).filter_map(|f| f[key].as_u64()).sum::<u64>();
     match ask {
         Ask::Braids { at_least, strands, crossing } => {
             let mut braids = 0;
             for kind in found(prims, "braids").flat_map(|b| b["kinds"].as_array().unwrap()) {
-                assert_eq!(kind["strands"], *strands, "{name}: {kind}");
-                assert_eq!(kind["crossing"], *crossing, "{name}: {kind}");
+                must(kind["strands"] == *strands && kind["crossing"] == *crossing, kind);
                 braids += kind["braids"].as_u64().unwrap();
             }
-            assert!(braids >= *at_least, "{name}: {braids} braids");
+            must(braids >= *at_least, &format_args!("{braids} braids"));
         }
         Ask::Joins => {
             let joined: Vec<&Json> =
                 found(prims, "braids").map(|b| &b["joined"]).filter(|j| !j.is_null()).collect();
-            assert!(!joined.is_empty(), "{name}: no hair tells where it joins");
+            must(!joined.is_empty(), &"no hair tells where it joins");
             for joined in joined {
-                assert_eq!(joined["unjoined"], 0, "{name}: {joined}");
+                must(joined["unjoined"] == 0, joined);
             }
         }
         Ask::Partings(at_least) => {
             let most = found(prims, "partings").filter_map(|p| p["partings"].as_u64()).max();
-            assert!(most.unwrap_or(0) >= *at_least, "{name}: {most:?} partings");
+            must(most.unwrap_or(0) >= *at_least, &format_args!("{most:?} partings"));
         }
         Ask::Sections(at_least) => {
             let most = found(prims, "sections").filter_map(|s| s["sections"].as_u64()).max();
-            assert!(most.unwrap_or(0) >= *at_least, "{name}: {most:?} sections with hair");
+            must(most.unwrap_or(0) >= *at_least, &format_args!("{most:?} sections with hair"));
         }
         Ask::Puffs(count) => {
-            assert_eq!(sum("puffs", "puffs"), *count, "{name}");
-            check_laws(name, prims, &[OUTLINES]);
+            let puffs = sum("puffs", "puffs");
+            must(puffs == *count, &format_args!("{puffs} puffs"));
+            check_laws(name, prims, &[OUTLINES], wrong);
         }
         Ask::Curls => {
-            assert!(sum("curls", "measured") > 100, "{name}: no curls are measured");
-            check_laws(name, prims, &[DIAMETERS, PITCHES, SHRINKAGE]);
+            must(sum("curls", "measured") > 100, &"no curls are measured");
+            check_laws(name, prims, &[DIAMETERS, PITCHES, SHRINKAGE], wrong);
         }
     }
 }
@@ -169,19 +174,24 @@ fn heroes_show_what_their_style_shows() {
     for (name, _) in HEROES.iter().filter(|(name, _)| !grooms::HEROES.contains(name)) {
         println!("not judged: {name} is not shipped as a hero");
     }
+    let mut wrong = vec![];
     for name in grooms::HEROES {
         let (_, prims) = measured(name, None, &[]);
         let strands = |prim: &Json| prim["curves"].as_u64().unwrap();
         let all: u64 = prims.iter().map(strands).sum();
-        assert!(STRANDS.contains(&all), "{name}: {all} strands");
-        check_laws(name, &prims, LAWS);
+        if !STRANDS.contains(&all) {
+            wrong.push(format!("{name}: {all} strands"));
+        }
+        check_laws(name, &prims, LAWS, &mut wrong);
         let asks = HEROES.iter().find(|(known, _)| known == name).map_or(&[][..], |(_, a)| a);
-        asks.iter().for_each(|ask| check_ask(name, &prims, ask));
+        asks.iter().for_each(|ask| check_ask(name, &prims, ask, &mut wrong));
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
 fn heroes_sit_on_real_heads() {
+    let mut wrong = vec![];
     for (head, path) in HEADS {
         let Some(path) = shared(&format!("heroes_sit_on_real_heads:{head}"), path) else {
             continue;
@@ -193,10 +203,12 @@ fn heroes_sit_on_real_heads() {
             let not_yet = NOT_YET_ELSEWHERE.iter().find(|(known, _)| known == name);
             for law in OF_ANY_HAIR {
                 if let Some(prim) = prims.iter().find(|prim| prim["laws"][law] == false) {
-                    let known = not_yet.is_some_and(|(_, laws)| laws.contains(law));
-                    assert!(known, "{name} on {head}: {law} is broken\n{prim:#}");
+                    if !not_yet.is_some_and(|(_, laws)| laws.contains(law)) {
+                        wrong.push(format!("{name} on {head}: {law} is broken\n{prim:#}"));
+                    }
                 }
             }
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -316,8 +316,8 @@ pub struct Conformed {
 /// The largest distance between the two readings of a curve that is let pass, cm (methods.md 0).
 pub const AGREE: f32 = 1e-3;
 
-/// Resamples the curves whose uneven CVs would be read as another curve elsewhere. Points that this adds stay as far
-/// out of `skin` as their curve allows; those that were there are not moved.
+/// Resamples the curves whose uneven CVs would be read as another curve elsewhere: both ends stay, all other points are new
+/// ones of the same curve, as far out of `skin` as it allows.
 pub fn conform(curves: &Curves, skin: Option<Skin>, for_each: crate::eval::ForEach) -> Conformed {
     let cells: Vec<std::sync::OnceLock<(Arc<Tuft>, usize, f32, usize)>> =
         curves.tufts().iter().map(|_| std::sync::OnceLock::new()).collect();
@@ -344,7 +344,7 @@ const FINER: [f32; 3] = [1.0, 1.25, 1.6];
 /// left is told.
 pub const MOST_POINTS: usize = 255;
 /// Rounds in which chords are made alike.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 12;
 /// Chords within this ratio are alike.
 const ALIKE: f32 = 1.01;
 
@@ -394,16 +394,15 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
             if last >= MOST_POINTS && finer > 1.0 {
                 break;
             }
-            alike_chords(&spline, last, &mut stops, &mut points);
-            points[0] = old[0];
-            points[last] = old[old.len() - 1];
-            if let Some(skin) = skin {
-                let inner = points.iter_mut().zip(&stops).take(last).skip(1);
-                for (p, (_, place)) in inner {
+            alike_chords(&spline, last, &mut stops, &mut points, |k, place| match (k, skin) {
+                (0, _) => old[0],
+                (k, _) if k == last => old[old.len() - 1],
+                (_, None) => spline.point(place),
+                (_, Some(skin)) => {
                     let near = first as usize + place.span + usize::from(place.t > 0.5);
-                    *p = skin.push_out(*p, allowed.at(i, near)).0;
+                    skin.push_out(spline.point(place), allowed.at(i, near)).0
                 }
-            }
+            });
             if readings_differ(&points) <= AGREE {
                 break;
             }
@@ -424,28 +423,39 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
 
 /// `last` + 1 points of the spline whose chords are all alike, and where they lie on it (arc length and place). Through
 /// such points both readings are one curve, however sharply it bends; points at even arc length have shorter
-/// chords where it bends.
+/// chords where it bends. `point` gives the point of a place, which may have to keep clear of the skin.
 fn alike_chords(
     spline: &Spline,
     last: usize,
     stops: &mut Vec<(f32, Place)>,
     points: &mut Vec<Vec3>,
+    point: impl Fn(usize, Place) -> Vec3,
 ) {
-    let mut wanted: Vec<f32> =
-        (0..=last).map(|k| k as f32 / last as f32 * spline.length()).collect();
-    for round in 0..=ROUNDS {
+    // Places the points at these arc lengths; gives the longest chord over the shortest.
+    let sample = |wanted: &[f32], stops: &mut Vec<(f32, Place)>, points: &mut Vec<Vec3>| -> f32 {
         let mut cursor = 0;
         stops.clear();
         stops.extend(wanted.iter().map(|s| (*s, spline.locate_rising(&mut cursor, *s))));
         points.clear();
-        points.extend(stops.iter().map(|(_, place)| spline.point(*place)));
-        let chords = || points.windows(2).map(|w| w[0].distance(w[1]));
-        let (least, most) = chords().fold((f32::MAX, 0.0f32), |(a, b), c| (a.min(c), b.max(c)));
-        if round == ROUNDS || most <= ALIKE * least {
-            break;
+        points.extend(stops.iter().enumerate().map(|(k, (_, place))| point(k, *place)));
+        let chords = points.windows(2).map(|w| w[0].distance(w[1]));
+        let (least, most) = chords.fold((f32::MAX, 0.0f32), |(a, b), c| (a.min(c), b.max(c)));
+        most / least.max(1e-9)
+    };
+    let mut wanted: Vec<f32> =
+        (0..=last).map(|k| k as f32 / last as f32 * spline.length()).collect();
+    // Where the skin makes a curve leap, more points make no shorter chords: the best round counts.
+    let mut best = (f32::MAX, wanted.clone());
+    for _ in 0..ROUNDS {
+        let ratio = sample(&wanted, stops, points);
+        if ratio <= ALIKE {
+            return;
+        }
+        if ratio < best.0 {
+            best = (ratio, wanted.clone());
         }
         // What arc length has come where the chords have come to their even share.
-        let total: f32 = chords().sum();
+        let total: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
         let (mut k, mut come) = (0, 0.0);
         for (n, stop) in wanted.iter_mut().enumerate().take(last).skip(1) {
             let share = total * n as f32 / last as f32;
@@ -457,6 +467,9 @@ fn alike_chords(
             let part = if chord > 0.0 { ((share - come) / chord).clamp(0.0, 1.0) } else { 0.0 };
             *stop = stops[k].0 + (stops[k + 1].0 - stops[k].0) * part;
         }
+    }
+    if sample(&wanted, stops, points) > best.0 {
+        sample(&best.1, stops, points);
     }
 }
 
@@ -534,6 +547,27 @@ mod tests {
         );
         let again = conform(&after.curves, None, &in_order);
         assert!(Arc::ptr_eq(&again.curves.tufts()[0], tuft), "what agrees is not copied");
+    }
+
+    #[test]
+    fn hairpins_and_coarse_coils_are_read_alike_after_resampling() {
+        let hairpin: Vec<Vec3> = (0..40)
+            .map(|k| Vec3::new(4.0 - (k as f32 - 19.7).abs() * 0.2, 0.05 * k as f32, 0.0))
+            .collect();
+        let coil: Vec<Vec3> = (0..200)
+            .map(|k| {
+                let k = k as f32 + 0.35 * ((k % 3) as f32);
+                let (sin, cos) = crate::maths::transcendental::sin_cos_turns(k * 0.13);
+                Vec3::new(cos * 0.2, k * 0.02, sin * 0.2)
+            })
+            .collect();
+        for curve in [hairpin, coil] {
+            assert!(readings_differ(&curve) > 3.0 * AGREE, "{}", readings_differ(&curve));
+            let after = conform(&curves(&[&curve]), None, &in_order);
+            assert!(after.difference <= AGREE, "{}", after.difference);
+            let points = after.curves.tufts()[0].curve(0);
+            assert!(points.len() <= MOST_POINTS && points[0] == curve[0], "{}", points.len());
+        }
     }
 
     #[test]

@@ -254,7 +254,6 @@ impl Measured {
         laws.insert("every curve has two points and a length", self.no_curve == 0);
         let agree = self.reading_difference_cm <= AGREE;
         laws.insert("both readings of every curve agree to 0.001 cm", agree);
-        laws.insert("CVs are spaced within 1.2 : 1", self.spacing_ratio <= 1.2);
         if let Some(repeated) = self.repeated_ids {
             laws.insert("ids do not repeat", repeated == 0);
         }
