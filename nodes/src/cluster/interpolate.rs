@@ -244,21 +244,19 @@ impl Maker<'_> {
                 let turn = smallest_rotation(shape.normal, hair.normal) * *weight;
                 shape.add_to(&turn, &mut blended);
             }
+            let first = points.len();
             points.push(hair.point);
             points.extend((1..each).map(|k| {
                 let of = |axes: &[Vec<f32>; 3]| match cut {
                     1.0 => Vec3::from(axes.each_ref().map(|axis| axis[k])),
                     _ => cut_at(axes, k as f32 * cut),
                 };
-                let mut p = hair.point + of(&blended);
-                if clumps {
-                    p = p.lerp(guide_root + of(&shapes[0].axes), clump[k]);
-                }
-                match &self.skin {
-                    Some(skin) => skin.push_out(p, depths[k]).0,
-                    None => p,
-                }
+                let p = hair.point + of(&blended);
+                if clumps { p.lerp(guide_root + of(&shapes[0].axes), clump[k]) } else { p }
             }));
+            if let Some(skin) = &self.skin {
+                skin.clear(&mut points[first..], |k| Some(depths[k]));
+            }
         }
         let mut out = TuftBuilder::even(points, each);
         let id = |hair: &Hair| curve_id(0, self.inputs.seed as u64, u64::from(hair.index));

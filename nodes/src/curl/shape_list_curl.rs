@@ -504,33 +504,29 @@ fn rail_end(points: &[Vec3], more: f32) -> Vec3 {
     last + (last - before).normalize_or(Vec3::Y) * more
 }
 
-/// Pushes the points that may be near out of the skin; where any was moved, puts each chord's length right once, from the
-/// root on, pushes again, and spreads the points evenly again where the skin drew them apart.
+/// Sets the points that may be near clear of the skin; where any was moved, puts each chord's length right once, from the
+/// root on, clears again, and spreads the points evenly again where the skin drew them apart.
 fn rest_on(skin: &Skin, points: &mut [Vec3], near: &[bool], depth: f32, spline: &mut Spline) {
-    let mut chords: Option<Vec<f32>> = None;
-    for k in 1..points.len() {
-        if !near[k] {
-            continue;
-        }
-        let (out, moved) = skin.push_out(points[k], depth);
-        if moved {
-            chords.get_or_insert_with(|| points.windows(2).map(|w| w[0].distance(w[1])).collect());
-            points[k] = out;
-        }
+    let may_be = |k: usize| near[k].then_some(depth);
+    if !(1..points.len()).any(|k| near[k] && skin.push_out(points[k], depth).1) {
+        return;
     }
-    let Some(chords) = chords else { return };
+    let chords: Vec<f32> = points.windows(2).map(|w| w[0].distance(w[1])).collect();
+    skin.clear(points, may_be);
     for k in 1..points.len() {
         let along = (points[k] - points[k - 1]).normalize_or_zero();
-        points[k] = skin.push_out(points[k - 1] + along * chords[k - 1], depth).0;
+        points[k] = points[k - 1] + along * chords[k - 1];
     }
+    skin.clear(points, |_| Some(depth));
     for _ in 0..4 {
         if is_even(points) || spline.rebuild(points).is_err() {
             break;
         }
         let last = points.len() - 1;
         for (k, p) in points.iter_mut().enumerate().take(last).skip(1) {
-            *p = skin.push_out(spline.at(k as f32 / last as f32), depth).0;
+            *p = spline.at(k as f32 / last as f32);
         }
+        skin.clear(points, |_| Some(depth));
     }
 }
 

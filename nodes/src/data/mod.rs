@@ -4,6 +4,7 @@ pub mod attributes;
 pub mod chart;
 pub mod curves;
 pub mod field;
+mod lead;
 pub mod mesh;
 pub mod ramp;
 pub mod scalp;

@@ -317,7 +317,8 @@ pub struct Conformed {
 pub const AGREE: f32 = 1e-3;
 
 /// Resamples the curves whose uneven CVs would be read as another curve elsewhere: both ends stay, all other points are new
-/// ones of the same curve, as far out of `skin` as it allows.
+/// ones of the same curve, as far out of `skin` as it allows. A curve that passes through a thin part of the skin, such as an
+/// ear, between its CVs is led round it.
 pub fn conform(curves: &Curves, skin: Option<Skin>, for_each: crate::eval::ForEach) -> Conformed {
     let cells: Vec<std::sync::OnceLock<(Arc<Tuft>, usize, f32, usize)>> =
         curves.tufts().iter().map(|_| std::sync::OnceLock::new()).collect();
@@ -338,8 +339,10 @@ pub fn conform(curves: &Curves, skin: Option<Skin>, for_each: crate::eval::ForEa
     out
 }
 
-/// How many times as many segments a resampled curve is given, tried in turn until both readings agree.
-const FINER: [f32; 3] = [1.0, 1.25, 1.6];
+/// How many times as many segments a resampled curve is given, and whether it is first led round what the skin tears it at:
+/// tried in turn until both readings agree. More points do not mend a torn curve.
+const TRIES: [(f32, bool); 5] =
+    [(1.0, false), (1.25, false), (1.0, true), (1.25, true), (1.6, true)];
 /// The most points that resampling gives a curve: what game engines take. Where that is not enough, the difference that is
 /// left is told.
 pub const MOST_POINTS: usize = 255;
@@ -371,7 +374,7 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
     let allowed = tuft.view(a::ALLOW_DEPTH);
     let mut out = TuftBuilder::new();
     let (mut kept, mut places, mut points, mut stops) = (vec![], vec![], vec![], vec![]);
-    let (mut spline, mut resampled) = (Spline::default(), 0);
+    let (mut spline, mut led, mut resampled) = (Spline::default(), Spline::default(), 0);
     for (i, change) in change.into_iter().enumerate() {
         let old = tuft.curve(i);
         if old.len() < 2 {
@@ -389,20 +392,44 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
             continue;
         }
         resampled += 1;
-        for finer in FINER {
+        let depth = |place: Place| {
+            let near = first as usize + place.span + usize::from(place.t > 0.5);
+            allowed.at(i, near)
+        };
+        for (finer, lead) in TRIES {
             let last = ((old.len() - 1) as f32 * finer) as usize;
             if last >= MOST_POINTS && finer > 1.0 {
-                break;
+                continue;
             }
-            alike_chords(&spline, last, &mut stops, &mut points, |k, place| match (k, skin) {
-                (0, _) => old[0],
-                (k, _) if k == last => old[old.len() - 1],
-                (_, None) => spline.point(place),
-                (_, Some(skin)) => {
-                    let near = first as usize + place.span + usize::from(place.t > 0.5);
-                    skin.push_out(spline.point(place), allowed.at(i, near)).0
+            let ends = |k: usize| match k {
+                0 => Some(old[0]),
+                k if k == last => Some(old[old.len() - 1]),
+                _ => None,
+            };
+            let clear = |p: Vec3, place| skin.map_or(p, |skin| skin.push_out(p, depth(place)).0);
+            if let (true, Some(skin)) = (lead, skin) {
+                let plain = |_, place| spline.point(place);
+                alike_chords(&spline, last, &mut stops, &mut points, plain);
+                skin.clear(&mut points, |k| Some(depth(stops[k].1)));
+                if led.rebuild(&points).is_err() {
+                    break;
                 }
-            });
+                let (of, to) = (spline.length(), led.length());
+                // Its points are evenly spaced.
+                let place_of =
+                    |place: Place| spline.locate((place.span as f32 + place.t) / last as f32);
+                let led_to =
+                    |k, place| ends(k).unwrap_or_else(|| clear(led.point(place), place_of(place)));
+                alike_chords(&led, last, &mut stops, &mut points, led_to);
+                stops.iter_mut().for_each(|(s, place)| {
+                    *s *= of / to;
+                    *place = spline.locate_length(*s);
+                });
+            } else {
+                let pushed =
+                    |k, place| ends(k).unwrap_or_else(|| clear(spline.point(place), place));
+                alike_chords(&spline, last, &mut stops, &mut points, pushed);
+            }
             if readings_differ(&points) <= AGREE {
                 break;
             }

@@ -1,0 +1,206 @@
+//! Whole hairs set clear of the skin: pushed out point by point, and led over the edge of what is thin.
+//!
+//! Pushing each point to the nearest skin tears a hair that passes through an ear: one point leaves it in front, the
+//! next behind. Such a hair is led round the edge first, as it would hang in the world, and pushed then.
+//!
+//! Guarantees: the first point stays; every other ends where [`Skin::push_out`] lets it be; a hair that nothing tears comes
+//! out as if each of its points had been pushed alone. Not promised: that a way round every thin part is found. Four are
+//! tried, each at most [`FARTHEST`] cm long; the least torn
+//! counts.
+
+use super::scalp::Skin;
+use glam::Vec3;
+
+/// How far the edge of a thin part is looked for, cm: more than half an ear.
+const FARTHEST: f32 = 3.0;
+/// Step of that search, cm.
+const STEP: f32 = 0.1;
+/// How far beyond the edge a hair is led, cm.
+const CLEARANCE: f32 = 0.15;
+/// A hair begins to give way so many times as far from the edge, along itself, as it is led aside there.
+const SOFTLY: f32 = 3.0;
+/// Two neighbours are torn apart when they come to lie this many times as far from each other as before, and this far (cm).
+const TORN: (f32, f32) = (1.5, 0.1);
+/// So deep (cm) in the skin between two points a hair passes through a thin part, if its points lie nearer than that.
+const THROUGH: f32 = 0.08;
+const ATTEMPTS: usize = 4;
+
+impl Skin<'_> {
+    /// Sets a hair clear of the skin, all but its first point. `depth` says how deep (cm) each may lie; none where a point
+    /// is known to be clear. Tells whether any point was moved.
+    pub fn clear(&self, points: &mut [Vec3], depth: impl Fn(usize) -> Option<f32>) -> bool {
+        // Where points were, for those that were moved.
+        let mut was: Vec<(usize, Vec3)> = vec![];
+        self.push_all(points, &depth, &mut was);
+        if was.is_empty() {
+            return false;
+        }
+        // The least torn so far.
+        let (mut best, mut lost): (Option<(f32, Vec<Vec3>)>, bool) = (None, false);
+        for _ in 0..ATTEMPTS {
+            let Some((excess, torn)) = self.tear(points, &was) else { return true };
+            if best.as_ref().is_none_or(|(least, _)| excess < *least) {
+                best = Some((excess, points.to_vec()));
+            }
+            let (a, b) = (points[torn - 1], points[torn]);
+            for (k, p) in was.drain(..) {
+                points[k] = p;
+            }
+            let along = (points[torn] - points[torn - 1]).normalize_or_zero();
+            let through = (b - a).normalize_or_zero();
+            let Some(aside) = self.way_out((a + b) * 0.5, through, along) else {
+                lost = true;
+                break;
+            };
+            give_way(points, torn, aside);
+            // What was known of its points is so no more.
+            self.push_all(points, &|k| depth(k).or(Some(0.0)), &mut was);
+        }
+        let left = if lost { Some(f32::MAX) } else { self.tear(points, &was).map(|(e, _)| e) };
+        if let (Some((least, best)), Some(left)) = (best, left)
+            && left >= least
+        {
+            points.copy_from_slice(&best);
+        }
+        true
+    }
+
+    fn push_all(
+        &self,
+        points: &mut [Vec3],
+        depth: &impl Fn(usize) -> Option<f32>,
+        was: &mut Vec<(usize, Vec3)>,
+    ) {
+        for (k, p) in points.iter_mut().enumerate().skip(1) {
+            let Some(depth) = depth(k) else { continue };
+            let (out, moved) = self.push_out(*p, depth);
+            if moved {
+                was.push((k, *p));
+                *p = out;
+            }
+        }
+    }
+
+    /// How far beyond what is let pass a hair is torn where it is worst, and where: the later of the two points.
+    fn tear(&self, points: &[Vec3], was: &[(usize, Vec3)]) -> Option<(f32, usize)> {
+        let mut worst: Option<(f32, usize)> = None;
+        let before = |k: usize| match was.binary_search_by_key(&k, |(k, _)| *k) {
+            Ok(n) => was[n].1,
+            Err(_) => points[k],
+        };
+        let mut look = |k: usize| {
+            let (a, b) = (points[k - 1], points[k]);
+            let (now, then) = (b.distance(a), before(k).distance(before(k - 1)));
+            let mut excess = now - (TORN.0 * then).max(then + TORN.1);
+            if excess <= 0.0 && k > 1 {
+                let deep = -self.about((a + b) * 0.5);
+                let ends = (-self.about(a)).max(-self.about(b)).max(0.0);
+                excess = deep - ends - THROUGH;
+            }
+            if excess > worst.map_or(0.0, |(worst, _)| worst) {
+                worst = Some((excess, k));
+            }
+        };
+        for (k, _) in was {
+            look(*k);
+            if k + 1 < points.len() {
+                look(k + 1);
+            }
+        }
+        worst
+    }
+
+    /// The shortest way from `middle` out of a thin part, across a hair that runs `along` and whose points were torn apart
+    /// along `through`.
+    fn way_out(&self, middle: Vec3, through: Vec3, along: Vec3) -> Option<Vec3> {
+        let across = through.cross(along).normalize_or_zero();
+        if across == Vec3::ZERO {
+            return None;
+        }
+        let along = across.cross(through);
+        let ways =
+            [across, -across, across + along, across - along, along - across, -across - along];
+        let mut best: Option<(f32, Vec3)> = None;
+        for way in ways.map(|way| way.normalize_or_zero()) {
+            let mut far = STEP;
+            while far < best.map_or(FARTHEST, |(far, _)| far) {
+                if self.about(middle + way * far) > CLEARANCE {
+                    best = Some((far, way));
+                    break;
+                }
+                far += STEP;
+            }
+        }
+        best.map(|(far, way)| way * far)
+    }
+}
+
+/// Leads a hair aside at `torn`, softly before and after it; its root stays.
+fn give_way(points: &mut [Vec3], torn: usize, aside: Vec3) {
+    let reach = SOFTLY * aside.length();
+    let mut come = vec![0.0; points.len()];
+    for k in 1..points.len() {
+        come[k] = come[k - 1] + points[k].distance(points[k - 1]);
+    }
+    let at = 0.5 * (come[torn - 1] + come[torn]);
+    for (p, come) in points.iter_mut().zip(&come).skip(1) {
+        let x = (come - at) / if *come < at { reach.min(at) } else { reach };
+        let share = (1.0 - x * x).max(0.0);
+        *p += aside * (share * share);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::scalp::{HeadFrame, REGION, Scalp};
+    use crate::maths::closest::Surface;
+
+    fn bust() -> Scalp {
+        let mesh = crate::scalp::bust::adult();
+        let surface = Surface::new(mesh.points, mesh.triangles);
+        let everywhere = vec![1.0; surface.points.len()];
+        Scalp::new(surface, None, HeadFrame::IDENTITY, [(REGION.to_owned(), everywhere)].into())
+    }
+
+    /// Hairs that hang past the left ear of the built-in head, before and behind it and through it.
+    fn hairs() -> Vec<Vec<Vec3>> {
+        let mut out = vec![];
+        for x in 0..24 {
+            for z in 0..48 {
+                let (x, z) = (7.2 + 0.1 * x as f32, -4.0 + 0.1 * z as f32);
+                out.push((0..50).map(|k| Vec3::new(x, 2.0 - 0.25 * k as f32, z)).collect());
+            }
+        }
+        out
+    }
+
+    fn longest(points: &[Vec3]) -> f32 {
+        points.windows(2).map(|w| w[0].distance(w[1])).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn hair_hangs_over_ears_and_is_not_torn_by_them() {
+        let scalp = bust();
+        let skin = scalp.skin();
+        let (mut torn, mut still, mut through) = (0, 0, 0);
+        for hair in hairs().into_iter().filter(|hair| skin.distance(hair[0]) > 0.0) {
+            let alone: Vec<Vec3> = std::iter::once(hair[0])
+                .chain(hair[1..].iter().map(|p| skin.push_out(*p, 0.0).0))
+                .collect();
+            let mut led = hair.clone();
+            let moved = skin.clear(&mut led, |_| Some(0.0));
+            assert_eq!(led[0], hair[0]);
+            assert_eq!(moved, alone != hair);
+            for p in &led[1..] {
+                assert!(skin.distance(*p) > -1e-3, "{p} is {} deep", skin.distance(*p));
+            }
+            through += usize::from(moved);
+            torn += usize::from(longest(&alone) > 0.6);
+            still += usize::from(longest(&led) > 0.6);
+        }
+        println!("{through} pushed, {torn} torn, {still} still torn");
+        assert!(torn > 20, "{torn} of {through} are torn by pushing alone");
+        assert!(still * 10 <= torn, "{still} of {torn} are torn still");
+    }
+}
