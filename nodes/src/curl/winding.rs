@@ -16,6 +16,7 @@
 //! steps are follows from what is asked of the error and changes slowly along the hair.
 
 use super::section::{ENTRIES, Shape};
+use crate::data::attributes::CURL_MIDDLE;
 use crate::maths::hash::{Dice, mix};
 use crate::maths::rail::Rail;
 use crate::maths::transcendental::sin_cos_turns;
@@ -154,6 +155,23 @@ impl Pattern {
         at(0) + 0.4 * (a + (b - a) * (x * x * (3.0 - 2.0 * x)))
     }
 
+    /// Factors of every turn's size and pitch with which curls whose turns differ keep, in the mean, the size and the pitch
+    /// that are asked: turns that are skipped or differ in size change the root of the mean square, and turns that differ in
+    /// length or turn back on themselves go round less often.
+    fn even(&self) -> (f32, f32) {
+        let [size, frequency, ..] = self.ranges;
+        let square = (1.0 + size * size / 3.0) * (1.0 - self.skipped * (1.0 - SKIPPED * SKIPPED));
+        // The mean of 1 / (1 + f x) over x from -1 to 1.
+        let (mut longer, mut power) = (0.0, 1.0);
+        for k in 0..64 {
+            longer += power / (2 * k + 1) as f32;
+            power *= frequency * frequency;
+        }
+        // While the direction changes by a smoothstep, 5 parts of 8 of the angle are gone, to and fro.
+        let gone = 1.0 - 0.375 * self.blend * self.switchbacks;
+        (1.0 / square.sqrt().max(0.1), gone / longer)
+    }
+
     fn start(&self, key: u64) -> Start {
         // Symmetric in scale: as often twice as large as half.
         let factor = |x: f32| (1.0 + 0.34 * self.spread * x) / (1.0 - 0.34 * self.spread * x);
@@ -180,13 +198,15 @@ pub(crate) struct Sizes<D, P, A> {
 }
 
 impl<D: Fn(f32) -> f32, P: Fn(f32) -> f32, A: Fn(f32) -> f32> Sizes<D, P, A> {
-    /// What is asked of a curl that starts so: the diameter in the root of the mean square and the pitch by the number of
-    /// turns, where they change along the hair.
+    /// What is asked of a curl that starts so: the diameter in the root of the mean square over its middle and the pitch
+    /// by the number of turns, where they change along the hair.
     fn asked(&self, start: Start) -> Asked {
         let (mut square, mut turns) = (0.0, 0.0);
+        let [from, to] = CURL_MIDDLE;
         for k in 0..8 {
             let u = (k as f32 + 0.5) / 8.0;
-            let diameter = (self.diameter)(u) * (self.amount)(u);
+            let middle = from + (to - from) * u;
+            let diameter = (self.diameter)(middle) * (self.amount)(middle);
             square += diameter * diameter;
             turns += 1.0 / (self.pitch)(u).max(1e-6);
         }
@@ -316,6 +336,7 @@ impl Winder {
         let radius = 0.5 * self.asked.diameter;
         self.rise = pattern.rise * ((sizes.pitch)(0.0) * start.pitch).max(least_pitch);
         let spacing = Spacing::new(pattern, self.asked);
+        let even = pattern.even();
         let mut last = Laid { hand: start.hand, ..Laid::default() };
         let mut j = 0;
         loop {
@@ -343,8 +364,10 @@ impl Winder {
             }
             let u = (laid.s / length).min(1.0);
             let young = young(laid.s, pattern.sponge);
-            laid.size = 0.5 * (sizes.diameter)(u) * start.size * turn.size * young;
-            laid.pitch = ((sizes.pitch)(u) * start.pitch * turn.pitch * young).max(least_pitch);
+            let (size, pitch) =
+                (start.size * turn.size * even.0, start.pitch * turn.pitch * even.1);
+            laid.size = 0.5 * (sizes.diameter)(u) * size * young;
+            laid.pitch = ((sizes.pitch)(u) * pitch * young).max(least_pitch);
             if turn.back && j > 0 {
                 laid.hand = -last.hand;
             }
