@@ -108,7 +108,7 @@ const STEADY: f32 = 1.5;
 /// How far the length of a step may lie off what it should be.
 const LENIENT: f32 = 0.06;
 /// How close a curl comes to the length that is asked for, as a share.
-const CLOSE: f32 = 2.5e-3;
+const CLOSE: f32 = 2e-3;
 /// How many CVs share what is left over at the tip.
 const TAIL: usize = 10;
 /// Places along a curl between which its amount is taken as linear.
@@ -555,17 +555,17 @@ impl Winder {
             (mark, here) = (next, at);
         };
         self.span = self.s_at(end.turn as usize, end.x, pattern.blend);
-        self.finish(pattern, rail, (end, stop), wanted, &mut cursor, roll);
+        self.finish(pattern, rail, (end, stop), (wanted, most), &mut cursor, roll);
         Ok((end.turn, end.x) >= whole)
     }
 
-    /// Ends the walk at `end`: what is left over is shared by the last points.
+    /// Ends the walk at `end`: what is left over is shared by the last points. No more than `most` points there are.
     fn finish(
         &mut self,
         pattern: &Pattern,
         rail: &Rail,
         (end, stop): (Mark, Vec3),
-        wanted: f32,
+        (wanted, most): (f32, usize),
         cursor: &mut usize,
         roll: Option<&impl Fn((u32, f32)) -> f32>,
     ) {
@@ -577,9 +577,10 @@ impl Winder {
         let own = (n - 1 - base) as f32;
         // As many as there are, or one more.
         let mean = if base + 1 < n { chords(&self.points[base..]) / own } else { wanted };
-        let likely = (left / mean).round().clamp(1.0, own + 1.0) as usize;
+        let room = most.saturating_sub(base + 1).max(1);
+        let likely = ((left / mean).round().clamp(1.0, own + 1.0) as usize).min(room);
         let mut best = (f32::INFINITY, likely, left / likely as f32);
-        for steps in [likely, likely + 1, likely.max(2) - 1] {
+        for steps in [likely, (likely + 1).min(room), likely.max(2) - 1] {
             let (mut step, mut low, mut high) = (left / steps as f32, 0.88 * mean, 1.14 * mean);
             for _ in 0..9 {
                 let over = self.tail(pattern, rail, (base, end, stop), (steps, step), cursor, roll);
