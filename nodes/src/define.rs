@@ -617,6 +617,13 @@ pub(crate) fn read_choice<T: Copy>(
     }
 }
 
+/// How a choice's word is shown: as its explanation opens, where that names it (`5 mm coils (4a): small ...` for `4a`).
+pub fn choice_name(word: &str, explanation: &str) -> String {
+    let named = explanation.split_once(':').map(|(name, _)| name.trim());
+    let whole = named.filter(|name| name.ends_with(&format!("({word})")));
+    whole.map_or_else(|| word.replace('_', " "), str::to_owned)
+}
+
 /// Declares the words of a choice, each with its explanation.
 macro_rules! choice {
     ($(#[doc = $doc:literal])* $name:ident { $($(#[doc = $word_doc:literal])+ $variant:ident = $word:literal,)+ }) => {

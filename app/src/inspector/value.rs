@@ -14,7 +14,7 @@ use crate::editor::theme;
 use coif_nodes::data::field::Field;
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};
 use coif_nodes::data::strokes::Strokes;
-use coif_nodes::define::{Arity, InputDef, Type, Unit, Value};
+use coif_nodes::define::{Arity, InputDef, Type, Unit, Value, choice_name};
 use egui::{Checkbox, ComboBox, Ui};
 use glam::Vec3;
 
@@ -341,21 +341,20 @@ fn choice(
     width: f32,
 ) {
     let differ = target.differ(input);
-    let shown = if differ { "differ".to_owned() } else { word.replace('_', " ") };
+    let tip = words.iter().find(|(known, _)| *known == word).map_or("", |(_, tip)| tip);
+    let shown = if differ { "differ".to_owned() } else { choice_name(word, tip) };
     let combo = ComboBox::from_id_salt(("choice", input.name))
         .width(width)
         .selected_text(shown)
         .show_ui(ui, |ui| {
             for (known, tip) in words {
-                let chosen =
-                    ui.selectable_label(!differ && *known == word, known.replace('_', " "));
+                let chosen = ui.selectable_label(!differ && *known == word, choice_name(known, tip));
                 if chosen.on_hover_text(tip.trim()).clicked() {
                     target.set(input, *known, How::Once);
                 }
             }
         });
     set_name(ui, &combo.response, name);
-    let tip = words.iter().find(|(known, _)| *known == word).map_or("", |(_, tip)| tip);
     combo.response.on_hover_ui(|ui| {
         ui.label(tip.trim());
         super::row::tooltip(ui, target, input, name);

@@ -8,22 +8,22 @@
 //! with no passes or with no strength; no point ends under the skin. Not promised: that the distance is reached where there is
 //! no room, close to roots, or in the few passes asked for.
 
-use crate::data::attributes::{ALLOW_DEPTH, RADIUS};
+use crate::data::attributes::{ALLOW_DEPTH, RADIUS, WIDTH};
 use crate::data::curves::{Curves, Tuft};
-use crate::data::field::Field;
+use crate::data::field::{Field, Sampler};
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::hash::mix;
 use glam::{IVec3, Vec3};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 node! {
     /// Moves clusters or hairs apart until they keep a distance.
     ///
-    /// Roots and lengths stay. Clusters keep as far apart as their radii ask; set `radius` to half a distance in cm for single
-    /// hairs.
+    /// Roots and lengths stay. Clusters keep as far apart as their radii ask, hairs as far as they are thick; set `radius` to
+    /// half a distance in cm for more.
     "separation", version 1, label "Separation",
         words "separate collide collision hair-hair apart push repel spacing overlap relax intersect volume";
     inputs {
@@ -31,7 +31,7 @@ node! {
         curves: Curves;
         /// The head they stay out of.
         scalp: Option<Arc<Scalp>>;
-        /// Room around each curve: two curves keep the sum of theirs.
+        /// Room around each curve: two curves keep the sum of theirs. Hairs, which have no radius, take half their width.
         radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()),
             hard(0.0, 100.0), soft(0.01, 3.0), unit(Length), words("distance thickness gap");
         /// Factor of the room.
@@ -65,12 +65,25 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
+/// Room around the curves of a tuft, cm: single hairs have no radius, but half a width.
+fn room<'a>(inputs: &'a Inputs, tuft: &'a Tuft) -> Result<Sampler<'a>, NodeError> {
+    static HALF_A_WIDTH: LazyLock<Field> = LazyLock::new(|| {
+        Field::Product(vec![Field::Attribute(WIDTH.name.to_owned()), Field::Constant(0.5)])
+    });
+    let asks_radius =
+        matches!(&*inputs.radius.field, Field::Attribute(name) if name == RADIUS.name);
+    if asks_radius && tuft.attribute(RADIUS.name).is_none() {
+        return Ok(HALF_A_WIDTH.on(tuft, None, inputs.radius.range)?);
+    }
+    inputs.radius.on(tuft, inputs.scalp.as_deref())
+}
+
 fn pass(cx: &EvalCx, inputs: &Inputs, curves: &Curves) -> Result<Curves, NodeError> {
     let tufts = curves.tufts();
     let mut boxes = Vec::with_capacity(tufts.len());
     let mut widest = 0.0f32;
     for tuft in tufts {
-        let radius = inputs.radius.on(tuft, inputs.scalp.as_deref())?;
+        let radius = room(inputs, tuft)?;
         let mut most = 0.0f32;
         for i in 0..tuft.len() {
             let range = tuft.range(i);
@@ -97,6 +110,10 @@ fn pass(cx: &EvalCx, inputs: &Inputs, curves: &Curves) -> Result<Curves, NodeErr
     Ok(out)
 }
 
+/// The most links that are looked at from one point. Where more are near, there is no room for the distances asked for.
+const MOST_NEAR: usize = 4096;
+const CROWDED: &str = "more curves are near than can be kept apart, and only some of them were: lower the radius or the scale";
+
 /// A piece of a curve, from one point to the next, with the room at both.
 struct Link {
     curve: u64,
@@ -115,8 +132,10 @@ impl Grid {
     fn cell(&self, p: Vec3) -> IVec3 {
         (p / self.size).floor().as_ivec3()
     }
-    fn around(&self, p: Vec3, mut each: impl FnMut(&Link)) {
+    /// Says each link that may be near, the first [`MOST_NEAR`] of them; whether that was all.
+    fn around(&self, p: Vec3, mut each: impl FnMut(&Link)) -> bool {
         let middle = self.cell(p);
+        let mut seen = 0;
         for x in -1..=1 {
             for y in -1..=1 {
                 // Cells of one column lie one after the other.
@@ -128,10 +147,15 @@ impl Grid {
                     if key(*cell) > key(last) {
                         break;
                     }
+                    seen += 1;
+                    if seen > MOST_NEAR {
+                        return false;
+                    }
                     each(link);
                 }
             }
         }
+        true
     }
 }
 
@@ -148,7 +172,7 @@ fn apart(
     let mut longest = 0.0f32;
     let mut links = vec![];
     for other in around {
-        let radius = inputs.radius.on(other, scalp)?;
+        let radius = room(inputs, other)?;
         for i in 0..other.len() {
             let (range, points) = (other.range(i), other.curve(i));
             let last = range.len().max(2) - 1;
@@ -175,7 +199,7 @@ fn apart(
         key(a, l).cmp(&key(b, m)).then(l.from.length_squared().total_cmp(&m.from.length_squared()))
     });
     grid.links = placed;
-    let radius = inputs.radius.on(tuft, scalp)?;
+    let radius = room(inputs, tuft)?;
     let skin = scalp.map(|scalp| cx.skin(scalp));
     let depth = tuft.view(ALLOW_DEPTH);
     let mut moved_any = false;
@@ -185,7 +209,7 @@ fn apart(
         let (id, range) = (tuft.id(i), tuft.range(i));
         let last = range.len().max(2) - 1;
         let old = tuft.curve(i);
-        let mut moved = false;
+        let (mut moved, mut crowded) = (false, false);
         for k in 1..range.len() {
             let p = old[k];
             if !p.is_finite() {
@@ -194,7 +218,7 @@ fn apart(
             let u = k as f32 / last as f32;
             let room = radius.at(i, range.start + k, u) * inputs.scale;
             let (mut push, mut most) = (Vec3::ZERO, 0.0f32);
-            grid.around(p, |link| {
+            let all = grid.around(p, |link| {
                 if link.curve == id {
                     return;
                 }
@@ -220,12 +244,16 @@ fn apart(
                     most = most.max(lacks);
                 }
             });
+            crowded |= !all;
             if most > 1e-6 {
                 // Several neighbours may push one way: never farther than the nearest of them asks.
                 let strength = inputs.strength * inputs.along.at(u).clamp(0.0, 1.0);
                 points[range.start + k] = p + push.clamp_length_max(most) * strength;
                 moved = true;
             }
+        }
+        if crowded {
+            piece.trouble(id, CROWDED);
         }
         if !moved {
             continue;
@@ -314,6 +342,41 @@ mod tests {
             }
             assert!(b.points()[1..].iter().all(|p| skin.skin().distance(*p) > -1e-3));
         }
+    }
+
+    #[test]
+    fn hairs_keep_their_own_width_apart_and_a_crowd_is_told() {
+        let bare = |width: f32, n: u64| {
+            let tuft = |id: u64| {
+                let x = 0.004 * id as f32;
+                let points: Vec<Vec3> =
+                    (0..8).map(|k| Vec3::new(x, 10.0 + 0.5 * k as f32, 0.0)).collect();
+                let mut b = TuftBuilder::new();
+                b.push_curve(&points);
+                b.set(ID, Domain::Curve, vec![id + 1]);
+                b.set(WIDTH, Domain::Curve, vec![width]);
+                b.build().into()
+            };
+            Curves::new((0..n).map(tuft).collect())
+        };
+        // Half as far apart as they are thick: they part. Thinner than they are apart: they stay.
+        let passes = ("passes", Value::Int(30));
+        let (out, _) = run(&NODE, &[("curves", bare(0.008, 2).into()), passes.clone()]);
+        assert!(
+            (nearest(curves_of(&out[0])) - 0.008).abs() < 5e-4,
+            "{}",
+            nearest(curves_of(&out[0]))
+        );
+        let thin = bare(0.003, 2);
+        let (out, _) = run(&NODE, &[("curves", thin.clone().into()), passes]);
+        assert_eq!(curves_of(&out[0]).key(), thin.key());
+        let set = [
+            ("curves", bare(0.008, 700).into()),
+            ("radius", Field::Constant(5.0).into()),
+            ("passes", Value::Int(1)),
+        ];
+        let (_, said) = run(&NODE, &set);
+        assert!(said.iter().any(|text| text.starts_with(CROWDED)), "{said:?}");
     }
 
     #[test]

@@ -162,3 +162,38 @@ impl Preset {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Preset;
+    use crate::curl::shape_list_curl::NODE;
+    use crate::define::{Type, choice_name};
+
+    #[test]
+    fn presets_are_shown_by_their_own_sizes() {
+        let Type::Choice(words) = NODE.input("preset").unwrap().1.ty else { panic!() };
+        let all = [
+            Preset::Type2a,
+            Preset::Type2b,
+            Preset::Type2c,
+            Preset::Type3a,
+            Preset::Type3b,
+            Preset::Type3c,
+            Preset::Type4a,
+            Preset::Type4b,
+            Preset::Type4c,
+        ];
+        assert_eq!(words.len(), 1 + all.len());
+        assert_eq!(choice_name(words[0].0, words[0].1.trim()), "custom");
+        for ((word, tip), preset) in words[1..].iter().zip(all) {
+            let numbers = preset.numbers();
+            // A wave is told by its height, from crest to trough.
+            let wide = if word.starts_with('2') { 2f32.sqrt() } else { 1.0 } * numbers.diameter;
+            let name = choice_name(word, tip.trim());
+            let mm = |cm: f32| (cm * 100.0).round() / 10.0;
+            let sizes = [format!(" {} mm ", mm(wide)), format!(" {} mm ", mm(numbers.pitch))];
+            assert!(sizes.iter().all(|size| name.contains(size)), "{name}: {sizes:?}");
+            assert!(name.ends_with(&format!("({word})")), "{name}");
+        }
+    }
+}

@@ -122,23 +122,23 @@ choice! {
     Preset {
         /// A plain round coil: for curls whose every number you set.
         Custom = "custom",
-        /// Wavy, 12 mm high every 80 mm: long loose waves close to the head.
+        /// Waves 12 mm high every 80 mm (2a): long, loose, close to the head.
         Type2a = "2a",
-        /// Wavy, 14 mm high every 60 mm: S-waves from mid-length on.
+        /// Waves 14 mm high every 60 mm (2b): S-waves from mid-length on.
         Type2b = "2b",
-        /// Wavy, 16 mm high every 40 mm: deep S-waves that begin to coil.
+        /// Waves 16 mm high every 40 mm (2c): deep S-waves that begin to coil.
         Type2c = "2c",
-        /// Curly, 25 mm wide: loose ringlets as wide as a piece of chalk.
+        /// Curls 25 mm wide every 60 mm (3a): loose ringlets as wide as a piece of chalk.
         Type3a = "3a",
-        /// Curly, 15 mm wide: springy ringlets as wide as a marker.
+        /// Curls 15 mm wide every 30 mm (3b): springy ringlets as wide as a marker.
         Type3b = "3b",
-        /// Curly, 8 mm wide: tight corkscrews as wide as a pencil.
+        /// Curls 8 mm wide every 14 mm (3c): tight corkscrews as wide as a pencil.
         Type3c = "3c",
-        /// Coily, 5 mm wide: small defined coils as wide as a crochet needle.
+        /// Coils 5 mm wide every 7 mm (4a): small and defined, as wide as a crochet needle.
         Type4a = "4a",
-        /// Coily, 4 mm wide: zigzags with sharp bends and few full turns.
+        /// Zigzags 4 mm wide every 4.5 mm (4b): sharp bends and few full turns.
         Type4b = "4b",
-        /// Coily, 3 mm wide: dense small bends and coils that change direction often, hardly clumped.
+        /// Kinks and coils 3 mm wide every 2.5 mm (4c): dense, small, changing direction often, hardly clumped.
         Type4c = "4c",
     }
 }

@@ -16,6 +16,7 @@
 //! steps are follows from what is asked of the error and changes slowly along the hair.
 
 use super::section::{ENTRIES, Shape};
+use crate::data::attributes::CURL_MIDDLE;
 use crate::maths::hash::{Dice, mix};
 use crate::maths::rail::Rail;
 use crate::maths::transcendental::sin_cos_turns;
@@ -107,7 +108,7 @@ const STEADY: f32 = 1.5;
 /// How far the length of a step may lie off what it should be.
 const LENIENT: f32 = 0.06;
 /// How close a curl comes to the length that is asked for, as a share.
-const CLOSE: f32 = 2.5e-3;
+const CLOSE: f32 = 2e-3;
 /// How many CVs share what is left over at the tip.
 const TAIL: usize = 10;
 /// Places along a curl between which its amount is taken as linear.
@@ -154,6 +155,23 @@ impl Pattern {
         at(0) + 0.4 * (a + (b - a) * (x * x * (3.0 - 2.0 * x)))
     }
 
+    /// Factors of every turn's size and pitch with which curls whose turns differ keep, in the mean, the size and the pitch
+    /// that are asked: turns that are skipped or differ in size change the root of the mean square, and turns that differ in
+    /// length or turn back on themselves go round less often.
+    fn even(&self) -> (f32, f32) {
+        let [size, frequency, ..] = self.ranges;
+        let square = (1.0 + size * size / 3.0) * (1.0 - self.skipped * (1.0 - SKIPPED * SKIPPED));
+        // The mean of 1 / (1 + f x) over x from -1 to 1.
+        let (mut longer, mut power) = (0.0, 1.0);
+        for k in 0..64 {
+            longer += power / (2 * k + 1) as f32;
+            power *= frequency * frequency;
+        }
+        // While the direction changes by a smoothstep, 5 parts of 8 of the angle are gone, to and fro.
+        let gone = 1.0 - 0.375 * self.blend * self.switchbacks;
+        (1.0 / square.sqrt().max(0.1), gone / longer)
+    }
+
     fn start(&self, key: u64) -> Start {
         // Symmetric in scale: as often twice as large as half.
         let factor = |x: f32| (1.0 + 0.34 * self.spread * x) / (1.0 - 0.34 * self.spread * x);
@@ -180,13 +198,15 @@ pub(crate) struct Sizes<D, P, A> {
 }
 
 impl<D: Fn(f32) -> f32, P: Fn(f32) -> f32, A: Fn(f32) -> f32> Sizes<D, P, A> {
-    /// What is asked of a curl that starts so: the diameter in the root of the mean square and the pitch by the number of
-    /// turns, where they change along the hair.
+    /// What is asked of a curl that starts so: the diameter in the root of the mean square over its middle and the pitch
+    /// by the number of turns, where they change along the hair.
     fn asked(&self, start: Start) -> Asked {
         let (mut square, mut turns) = (0.0, 0.0);
+        let [from, to] = CURL_MIDDLE;
         for k in 0..8 {
             let u = (k as f32 + 0.5) / 8.0;
-            let diameter = (self.diameter)(u) * (self.amount)(u);
+            let middle = from + (to - from) * u;
+            let diameter = (self.diameter)(middle) * (self.amount)(middle);
             square += diameter * diameter;
             turns += 1.0 / (self.pitch)(u).max(1e-6);
         }
@@ -316,6 +336,7 @@ impl Winder {
         let radius = 0.5 * self.asked.diameter;
         self.rise = pattern.rise * ((sizes.pitch)(0.0) * start.pitch).max(least_pitch);
         let spacing = Spacing::new(pattern, self.asked);
+        let even = pattern.even();
         let mut last = Laid { hand: start.hand, ..Laid::default() };
         let mut j = 0;
         loop {
@@ -343,8 +364,10 @@ impl Winder {
             }
             let u = (laid.s / length).min(1.0);
             let young = young(laid.s, pattern.sponge);
-            laid.size = 0.5 * (sizes.diameter)(u) * start.size * turn.size * young;
-            laid.pitch = ((sizes.pitch)(u) * start.pitch * turn.pitch * young).max(least_pitch);
+            let (size, pitch) =
+                (start.size * turn.size * even.0, start.pitch * turn.pitch * even.1);
+            laid.size = 0.5 * (sizes.diameter)(u) * size * young;
+            laid.pitch = ((sizes.pitch)(u) * pitch * young).max(least_pitch);
             if turn.back && j > 0 {
                 laid.hand = -last.hand;
             }
@@ -532,17 +555,17 @@ impl Winder {
             (mark, here) = (next, at);
         };
         self.span = self.s_at(end.turn as usize, end.x, pattern.blend);
-        self.finish(pattern, rail, (end, stop), wanted, &mut cursor, roll);
+        self.finish(pattern, rail, (end, stop), (wanted, most), &mut cursor, roll);
         Ok((end.turn, end.x) >= whole)
     }
 
-    /// Ends the walk at `end`: what is left over is shared by the last points.
+    /// Ends the walk at `end`: what is left over is shared by the last points. No more than `most` points there are.
     fn finish(
         &mut self,
         pattern: &Pattern,
         rail: &Rail,
         (end, stop): (Mark, Vec3),
-        wanted: f32,
+        (wanted, most): (f32, usize),
         cursor: &mut usize,
         roll: Option<&impl Fn((u32, f32)) -> f32>,
     ) {
@@ -554,9 +577,10 @@ impl Winder {
         let own = (n - 1 - base) as f32;
         // As many as there are, or one more.
         let mean = if base + 1 < n { chords(&self.points[base..]) / own } else { wanted };
-        let likely = (left / mean).round().clamp(1.0, own + 1.0) as usize;
+        let room = most.saturating_sub(base + 1).max(1);
+        let likely = ((left / mean).round().clamp(1.0, own + 1.0) as usize).min(room);
         let mut best = (f32::INFINITY, likely, left / likely as f32);
-        for steps in [likely, likely + 1, likely.max(2) - 1] {
+        for steps in [likely, (likely + 1).min(room), likely.max(2) - 1] {
             let (mut step, mut low, mut high) = (left / steps as f32, 0.88 * mean, 1.14 * mean);
             for _ in 0..9 {
                 let over = self.tail(pattern, rail, (base, end, stop), (steps, step), cursor, roll);

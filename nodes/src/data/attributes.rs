@@ -172,6 +172,9 @@ macro_rules! declare {
     };
 }
 
+/// Shares of a hair between which its [`CURL_DIAMETER`] holds: curls grow from the root on and open towards the tip.
+pub const CURL_MIDDLE: [f32; 2] = [0.3, 0.9];
+
 declare! {
     /// Stable id of the curve: 64-bit hash of its parent's id, the maker's seed tag and its index. 0: none.
     ID: u64 = "id", 0;
@@ -225,9 +228,9 @@ declare! {
     STITCH: i32 = "stitch", -1;
     /// 1 for extension hair that was fed into a braid, 0 for hair that grows.
     FED: i32 = "fed", 0;
-    /// Diameter asked of the curl of this hair, cm; 0: not curled.
+    /// Diameter asked of the curl of this hair over its middle, from 0.3 to 0.9 of its length, cm; 0: not curled.
     CURL_DIAMETER: f32 = "curl_diameter", 0.0;
-    /// Length of the source that one turn of this hair's curl was asked to take, cm; 0: not curled.
+    /// Length of the source that one turn of this hair's curl was asked to take in the mean, cm; 0: not curled.
     CURL_PITCH: f32 = "curl_pitch", 0.0;
     /// Share by which the hair's span is shorter than the hair, 0 to 1.
     SHRINKAGE: f32 = "shrinkage", 0.0;

@@ -8,7 +8,7 @@ mod gather;
 mod gather_laws;
 #[cfg(test)]
 mod laws;
-mod outline;
+pub(crate) mod outline;
 mod sphere_puff;
 mod tail;
 mod tie;

@@ -14,7 +14,7 @@ use std::f32::consts::TAU;
 const AROUND: usize = 720;
 
 /// The outline of one puff.
-pub(super) enum Outline<'a> {
+pub(crate) enum Outline<'a> {
     Sphere,
     /// Half axes in radii.
     Ellipsoid(Vec3),
@@ -26,7 +26,7 @@ pub(super) enum Outline<'a> {
 
 impl Outline<'_> {
     /// Distance from the middle in a local unit direction, for a sphere of this radius.
-    pub(super) fn reach(&self, d: Vec3, radius: f32) -> f32 {
+    pub(crate) fn reach(&self, d: Vec3, radius: f32) -> f32 {
         let reach = match self {
             Outline::Sphere => return radius,
             Outline::Ellipsoid(half) => {
@@ -54,7 +54,7 @@ impl Outline<'_> {
 
     /// A drawn outline as radii by angle: the outermost crossing of each direction; `radius` where there is none. `flat`
     /// gives a point's place in the plane (across, along the axis) from the middle.
-    pub(super) fn drawn(lines: &Curves, radius: f32, flat: impl Fn(Vec3) -> Vec2) -> Vec<f32> {
+    pub(crate) fn drawn(lines: &Curves, radius: f32, flat: impl Fn(Vec3) -> Vec2) -> Vec<f32> {
         let mut out = vec![0.0f32; AROUND];
         for (tuft, i) in lines.each() {
             let points: Vec<Vec2> = tuft.curve(i).iter().map(|p| flat(*p)).collect();

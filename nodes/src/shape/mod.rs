@@ -8,6 +8,13 @@ pub(crate) mod resample;
 mod set_colour;
 mod set_width;
 mod transform;
+mod trim;
 
-pub(crate) const NODES: &[&NodeDef] =
-    &[&hair_colour::NODE, &resample::NODE, &set_colour::NODE, &set_width::NODE, &transform::NODE];
+pub(crate) const NODES: &[&NodeDef] = &[
+    &hair_colour::NODE,
+    &resample::NODE,
+    &set_colour::NODE,
+    &set_width::NODE,
+    &transform::NODE,
+    &trim::NODE,
+];

@@ -2,10 +2,11 @@
 //!
 //! No number that was asked enters: the axis of a curl is the mean of the hair over one turn, and what a turn is comes from
 //! the hair itself, by turns counted about the axis until both agree. Diameter: twice the root of the mean square distance
-//! from the axis (a wave's is its height times the root of 2, as methods.md 4 has it); pitch: length of the axis for a
-//! turn; shrinkage: what the axis is shorter than the hair. Root and tip, where curls open and run out, do not count.
+//! from the axis over the middle of the hair, for which it is asked (a wave's is its height over the root of 2, as methods.md 4
+//! has it); pitch: length of the axis for a turn; shrinkage: what the axis is shorter than the hair.
 
 use super::prim::{Column, Prim, in_parts, quantile};
+use coif_nodes::data::attributes::CURL_MIDDLE;
 use coif_nodes::maths::frame::carry;
 use coif_nodes::maths::spline::Spline;
 use glam::{Vec2, Vec3};
@@ -95,18 +96,13 @@ impl Curl {
         let count = (points.len() * 4).clamp(64, 2048);
         let mut at = Vec::with_capacity(count);
         spline.resample(count, |p| at.push(p));
-        // Sums up to each sample, so that a mean over any window is two look-ups.
-        let mut sums = vec![glam::DVec3::ZERO];
-        for p in &at {
-            sums.push(sums[sums.len() - 1] + p.as_dvec3());
-        }
+        let sums = sums(&at);
         let mut window = count as f32 / 3.0;
-        let mut found = None;
+        let mut turned = vec![];
         for _ in 0..8 {
             let (axis, from) = axis(&sums, window)?;
-            let (turns, counted) = turns(&at[from..from + axis.len()], &axis)?;
-            let next = counted as f32 / turns.max(1e-3);
-            found = Some((axis, from, turns, counted));
+            turned = turns(&at[from..from + axis.len()], &axis);
+            let next = axis.len() as f32 / turned[turned.len() - 1].max(1e-3);
             // Waves are counted in a window of many before they are in one of one.
             let settled = (next - window).abs() < 0.01 * window;
             window = next.clamp(6.0, count as f32 / 2.5);
@@ -114,26 +110,56 @@ impl Curl {
                 break;
             }
         }
-        let (axis, _, turns, counted) = found?;
-        if turns < 1.5 || window * 2.5 > count as f32 {
+        if turned[turned.len() - 1] < 1.5 || window * 2.5 > count as f32 {
             return None;
         }
-        let (axis, from) = if axis.is_empty() { return None } else { self::axis(&sums, window)? };
-        let step = length / (count - 1) as f32;
-        let span: f32 = axis.windows(2).map(|w| w[0].distance(w[1])).sum();
-        let of_hair = (axis.len() - 1) as f32 * step;
-        // Root and tip, where a curl opens and runs out, are no part of its width.
-        let (first, last) = (axis.len() / 3, axis.len() - axis.len() / 12);
-        let square: f32 = (first..last).map(|k| at[from + k].distance_squared(axis[k])).sum();
+        // Where there are many turns, the axis is a mean over several: no turn's own wandering or going back bends it.
+        let several = (0.25 * count as f32 / window).floor().clamp(1.0, 4.0);
+        let (axis, from) = self::axis(&sums, several * window)?;
+        let n = axis.len();
+        let turned = turns(&at[from..from + n], &axis);
+        // How far: along the axis, once more a mean where that is over several turns, from the root to as far as the tip lies
+        // ahead.
+        let (course, start) = match several > 1.0 {
+            true => self::axis(&self::sums(&axis), window)?,
+            false => (axis.clone(), 0),
+        };
+        let long = course.len();
+        let span: f32 = course.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let turns = turned[start + long - 1] - turned[start];
+        let ahead = (course[long - 1] - course[long - 1 - long / 8]).normalize_or_zero();
+        let rest =
+            at[0].distance(course[0]) + (at[count - 1] - course[long - 1]).dot(ahead).max(0.0);
+        // How wide: off the axis across it, each place as often as the axis is long there.
+        let middle = CURL_MIDDLE.map(|u| (u * (count - 1) as f32).round() as usize);
+        let (first, last) = (middle[0].max(from + 1), middle[1].min(from + n - 1));
+        let (mut square, mut weight) = (0.0, 0.0);
+        for k in first..last {
+            let along = (axis[k + 1 - from] - axis[k - 1 - from]).normalize_or_zero();
+            let gone = (at[k + 1] - at[k - 1]).dot(along).max(0.0);
+            square +=
+                gone * (at[k] - axis[k - from]).reject_from_normalized(along).length_squared();
+            weight += gone;
+        }
         Some(Self {
-            diameter: 2.0 * (square / (last - first).max(1) as f32).sqrt(),
-            pitch: span / (turns * axis.len() as f32 / counted as f32),
-            shrinkage: 1.0 - span / of_hair,
+            diameter: 2.0 * (square / weight.max(1e-9)).sqrt(),
+            pitch: span / turns.max(1e-3),
+            shrinkage: 1.0 - (span + rest) / length,
         })
     }
 }
 
-/// Means over `window` samples, with the sample that the first belongs to.
+/// Sums up to each sample, so that a mean over any window is two look-ups.
+fn sums(at: &[Vec3]) -> Vec<glam::DVec3> {
+    let mut sums = vec![glam::DVec3::ZERO];
+    for p in at {
+        sums.push(sums[sums.len() - 1] + p.as_dvec3());
+    }
+    sums
+}
+
+/// Means over `window` samples, with the sample that the first belongs to. A mean cuts across where hair bends; how far shows
+/// in the means themselves, and is put back.
 fn axis(sums: &[glam::DVec3], window: f32) -> Option<(Vec<Vec3>, usize)> {
     let n = sums.len() - 1;
     let half = 0.5 * window;
@@ -151,11 +177,19 @@ fn axis(sums: &[glam::DVec3], window: f32) -> Option<(Vec<Vec3>, usize)> {
         let middle = k as f32 + 0.5;
         ((sum(middle + half) - sum(middle - half)) / f64::from(window)).as_vec3()
     };
-    Some(((first..=last).map(mean).collect(), first))
+    let means: Vec<Vec3> = (first..=last).map(mean).collect();
+    let n = means.len();
+    let reach = (half.round() as usize).min((n - 1) / 2).max(1);
+    let bent = |k: usize| {
+        let k = k.clamp(reach, n - 1 - reach);
+        means[k + reach] - means[k] * 2.0 + means[k - reach]
+    };
+    let part = window * window / (24.0 * (reach * reach) as f32);
+    Some(((0..n).map(|k| means[k] - bent(k) * part).collect(), first))
 }
 
-/// How often `at` goes about its axis, whichever way round, and over how many samples that was counted.
-fn turns(at: &[Vec3], axis: &[Vec3]) -> Option<(f32, usize)> {
+/// How often `at` has gone about its axis up to each sample, whichever way round.
+fn turns(at: &[Vec3], axis: &[Vec3]) -> Vec<f32> {
     let n = axis.len();
     let tangent =
         |k: usize| (axis[(k + 1).min(n - 1)] - axis[k.saturating_sub(1)]).normalize_or_zero();
@@ -163,23 +197,24 @@ fn turns(at: &[Vec3], axis: &[Vec3]) -> Option<(f32, usize)> {
     let mut normal = coif_nodes::maths::frame::any_normal(before);
     let mut last: Option<Vec2> = None;
     let mut angle = 0.0f32;
+    let mut out = Vec::with_capacity(n);
     for k in 0..n {
         let along = tangent(k);
-        if along == Vec3::ZERO {
-            continue;
+        if along != Vec3::ZERO {
+            normal = carry(normal, before, along);
+            before = along;
+            let off = at[k] - axis[k];
+            let here = Vec2::new(off.dot(normal), off.dot(along.cross(normal)));
+            if let Some(last) = last {
+                angle += last.perp_dot(here).atan2(last.dot(here)).abs();
+            }
+            if here.length_squared() > 0.0 {
+                last = Some(here);
+            }
         }
-        normal = carry(normal, before, along);
-        before = along;
-        let off = at[k] - axis[k];
-        let here = Vec2::new(off.dot(normal), off.dot(along.cross(normal)));
-        if let Some(last) = last {
-            angle += last.perp_dot(here).atan2(last.dot(here)).abs();
-        }
-        if here.length_squared() > 0.0 {
-            last = Some(here);
-        }
+        out.push(angle / std::f32::consts::TAU);
     }
-    (n > 8).then_some((angle / std::f32::consts::TAU, n))
+    out
 }
 
 #[cfg(test)]

@@ -1,8 +1,11 @@
-//! How clean the outline of puffs is: the outermost point in every direction against the sphere that the file says they lie on.
+//! How clean the outline of puffs is: how far out hairs reach in every direction, against the sphere that the file says they
+//! lie on.
 //!
-//! Directions from the middle of a puff's sphere are cut into cells of equal area, 5 degrees wide. Rings of cells about the
-//! axis away from the head belong to the outline as long as most of their cells are filled to the sphere; one ring
-//! further in, nearly all must be.
+//! Directions from the middle of a puff's sphere are cut into cells of equal area, 5 degrees wide, and each hair counts in the cell
+//! of its outermost point. A cell is clean that holds a hair which ends at the sphere (methods.md 5), as long as no more than a
+//! tenth of its hairs, or one, stand over it: single hairs do so at every puff, and make no outline. Rings of cells about the axis
+//! away from the head belong to the outline as long as most of their cells are filled to the sphere; one ring further in, nearly
+//! all must be clean.
 
 use super::prim::Prim;
 use glam::Vec3;
@@ -17,11 +20,15 @@ pub(super) struct Puffs {
     pub(super) radius_cm: [f32; 2],
     /// Degrees from the axis up to which the outline holds: the puff with the least.
     pub(super) coverage: f32,
-    /// Share of cells within the coverage whose outermost point is within 3 % of the radius: the worst puff.
+    /// Hairs in the mean in a cell within the coverage: the puff with the fewest.
+    pub(super) a_cell: f32,
+    /// Share of cells within the coverage that are clean to 3 % of the radius: the worst puff.
     pub(super) within: f32,
-    /// Largest distance of the outermost point of such a cell from the sphere, as a share of its radius: 95 % of the
-    /// cells have less.
+    /// Distance of the sphere from that hair of a cell which comes closest, as a share of its radius: 95 % of the cells
+    /// have less.
     pub(super) deviation: f32,
+    /// Share of hairs that stand over the sphere by more than 3 %: the puff with the most.
+    pub(super) over: f32,
 }
 
 /// Width of a cell, radians.
@@ -42,18 +49,27 @@ pub(super) fn measure(prim: &Prim) -> Option<Puffs> {
         hairs: members.values().map(Vec::len).sum(),
         radius_cm: [f32::MAX, 0.0],
         coverage: 180.0,
+        a_cell: f32::MAX,
         within: 1.0,
         deviation: 0.0,
+        over: 0.0,
     };
     for hairs in members.values() {
         let first = prim.range(hairs[0]).start;
         let (middle, r) = (centre.at(hairs[0], first), radius.at(hairs[0], first));
         let root = hairs.iter().map(|i| prim.curve(*i)[0]).sum::<Vec3>() / hairs.len() as f32;
         let away = (middle - root).normalize_or(Vec3::Y);
-        let points = hairs.iter().flat_map(|i| prim.curve(*i));
-        let outline = Outline::of(points, middle, r, away);
+        // The root, which may lie beside the sphere, is no part of the outline.
+        let outermost = hairs.iter().filter_map(|i| {
+            let curve = prim.curve(*i);
+            let far = |p: &&Vec3| p.distance_squared(middle);
+            curve[curve.len() / 2..].iter().max_by(|a, b| far(a).total_cmp(&far(b)))
+        });
+        let outline = Outline::of(outermost, middle, r, away);
         out.radius_cm = [out.radius_cm[0].min(r), out.radius_cm[1].max(r)];
         out.coverage = out.coverage.min(outline.coverage);
+        out.a_cell = out.a_cell.min(outline.a_cell);
+        out.over = out.over.max(outline.over);
         out.within = out.within.min(outline.within);
         out.deviation = out.deviation.max(outline.deviation);
     }
@@ -62,14 +78,34 @@ pub(super) fn measure(prim: &Prim) -> Option<Puffs> {
 
 struct Outline {
     coverage: f32,
+    a_cell: f32,
     within: f32,
     deviation: f32,
+    over: f32,
 }
 
-/// How far from the sphere the outermost point of a cell may be, as a share of the radius.
+/// What lies in one cell.
+#[derive(Clone, Copy)]
+struct Cell {
+    hairs: usize,
+    /// Those that stand over the sphere.
+    over: usize,
+    /// How far the hair that comes closest to the sphere is from it, and how far out any goes, as shares of the radius.
+    nearest: f32,
+    farthest: f32,
+}
+
+impl Cell {
+    fn is_clean(&self) -> bool {
+        self.nearest <= CLEAN && self.over <= (self.hairs / 10).max(1)
+    }
+}
+
+/// How far from the sphere a hair may end, as a share of the radius.
 const CLEAN: f32 = 0.03;
 
 impl Outline {
+    /// Of the outermost point of each hair.
     fn of<'a>(points: impl Iterator<Item = &'a Vec3>, middle: Vec3, r: f32, away: Vec3) -> Self {
         let side = away.any_orthonormal_vector();
         let other = away.cross(side);
@@ -78,7 +114,8 @@ impl Outline {
             ((circle / CELL).round() as usize).max(1)
         };
         let starts: Vec<usize> = (0..=RINGS).map(|ring| (0..ring).map(in_ring).sum()).collect();
-        let mut outermost = vec![0.0f32; starts[RINGS]];
+        let none = Cell { hairs: 0, over: 0, nearest: 1.0, farthest: 0.0 };
+        let mut cells = vec![none; starts[RINGS]];
         for p in points {
             let v = *p - middle;
             let far = v.length();
@@ -89,24 +126,30 @@ impl Outline {
             let ring = ((polar / CELL) as usize).min(RINGS - 1);
             let turn = v.dot(other).atan2(v.dot(side)) / TAU + 0.5;
             let n = in_ring(ring);
-            let cell = starts[ring] + ((turn * n as f32) as usize).min(n - 1);
-            outermost[cell] = outermost[cell].max(far);
+            let cell = &mut cells[starts[ring] + ((turn * n as f32) as usize).min(n - 1)];
+            cell.hairs += 1;
+            cell.over += usize::from(far > (1.0 + CLEAN) * r);
+            cell.nearest = cell.nearest.min((far / r - 1.0).abs());
+            cell.farthest = cell.farthest.max(far / r);
         }
-        let off = |cell: usize| (outermost[cell] / r - 1.0).abs();
         let filled = |ring: usize| {
-            let cells = starts[ring]..starts[ring + 1];
-            let n = cells.len();
-            2 * cells.filter(|c| outermost[*c] > (1.0 - 4.0 * CLEAN) * r).count() > n
+            let of_ring = &cells[starts[ring]..starts[ring + 1]];
+            let full = of_ring.iter().filter(|c| c.farthest > 1.0 - 4.0 * CLEAN).count();
+            2 * full > of_ring.len()
         };
         let rings = (0..RINGS).take_while(|ring| filled(*ring)).count();
-        let inside = starts[rings.saturating_sub(1)];
-        let mut all: Vec<f32> = (0..inside).map(off).collect();
+        let inside = &cells[..starts[rings.saturating_sub(1)]];
+        let mut all: Vec<f32> = inside.iter().map(|cell| cell.nearest).collect();
         all.sort_by(f32::total_cmp);
-        let clean = all.iter().filter(|x| **x <= CLEAN).count();
+        let sum = |of: fn(&Cell) -> usize| inside.iter().map(of).sum::<usize>() as f32;
+        let hairs = sum(|cell| cell.hairs);
+        let n = inside.len().max(1) as f32;
         Self {
             coverage: rings as f32 * 5.0,
-            within: if inside > 0 { clean as f32 / inside as f32 } else { 0.0 },
+            a_cell: hairs / n,
+            within: sum(|cell| usize::from(cell.is_clean())) / n,
             deviation: super::prim::quantile(&all, 0.95),
+            over: sum(|cell| cell.over) / hairs.max(1.0),
         }
     }
 }
@@ -149,6 +192,18 @@ mod tests {
         let ragged =
             outline(&sphere(120.0, |d| 5.0 + 0.4 * (d.x * 40.0).sin() * (d.z * 33.0).sin()));
         assert!(ragged.within < 0.8, "{}", ragged.within);
+    }
+
+    #[test]
+    fn single_hairs_over_the_sphere_are_no_outline_but_many_are() {
+        let fuzzy = |every: usize| {
+            let mut hairs = sphere(120.0, |_| 5.0);
+            hairs.iter_mut().step_by(every).for_each(|p| *p = Vec3::ONE + (*p - Vec3::ONE) * 1.2);
+            outline(&hairs)
+        };
+        let few = fuzzy(40);
+        assert!(few.within > 0.97 && (few.over - 0.025).abs() < 0.005, "{}", few.within);
+        assert!(fuzzy(4).within < 0.2, "{}", fuzzy(4).within);
     }
 
     #[test]

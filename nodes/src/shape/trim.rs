@@ -1,0 +1,314 @@
+//! Trim: hair cut to a shape, as shears cut it.
+//!
+//! Every hair keeps the part from its root to where it first leaves the shape. Hair that stays inside is not touched; of hair
+//! rooted outside the shape a stub is left.
+//!
+//! Guarantees: roots, ids and what lies inside stay; a hair that was cut ends on the outline, or as far from it as `softness`
+//! says, to 1e-3 of its length; it keeps the distance of its points, and a `fibre_length` in proportion. Not promised: a shape that is hollow or has
+//! arms: outlines are seen from their middle, and the outermost wall in each direction counts.
+
+use crate::data::attributes::{Attribute, Domain, FIBRE};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::scalp::Scalp;
+use crate::define::{NodeError, choice, node};
+use crate::eval::{EvalCx, Piece};
+use crate::maths::spline::Spline;
+use crate::maths::transcendental::sin_cos;
+use crate::puff::outline::Outline;
+use crate::shape::resample::between;
+use glam::{Vec2, Vec3};
+use std::sync::Arc;
+
+node! {
+    /// Cuts hair to a shape: a ball or an egg round the head, a closed mesh, or outlines drawn from front and side.
+    ///
+    /// Each hair is kept from its root to where it first leaves the shape. Wire it before Shape-list curl, so that no points are
+    /// spent on what is cut off; it cuts curled hair too.
+    "trim", version 1, label "Trim",
+        words "trim cut shears scissors haircut barber shape outline silhouette afro round topiary crop clip ellipsoid";
+    inputs {
+        /// Hair to cut.
+        curves: Curves;
+        /// The head that the shape stands on.
+        scalp: Arc<Scalp>;
+        /// What the hair is cut to.
+        shape: Shape = Shape::Ellipsoid, words("outline silhouette ellipsoid mesh drawn");
+        /// Middle of the shape, in head units (cm on a head of average size) from the middle of the cranium.
+        centre: Vec3 = Vec3::new(0.0, 1.5, -1.5), handle(Handle::Point), words("middle position place");
+        /// Half axes of the ellipsoid: to the side, up, ahead.
+        size: Vec3 = Vec3::new(14.0, 14.0, 14.0), unit(Length), words("radius width height depth ellipsoid");
+        /// How far the shape leans back about its middle.
+        tilt: f32 = 0.0, hard(-180.0, 180.0), soft(-60.0, 60.0), unit(Angle), words("lean rotate");
+        /// Closed mesh that hair is cut to, where it is: a Head node that reads it, without a fit. The shape's middle is the mesh's.
+        mesh: Option<Arc<Scalp>>, words("volume outline topiary");
+        /// Closed outline as seen from the front, drawn round the shape's middle.
+        front: Option<Curves>, words("outline silhouette draw stroke");
+        /// Closed outline as seen from the side, drawn round the shape's middle.
+        side: Option<Curves>, words("outline silhouette draw stroke");
+        /// How far ends may lie within or outside the outline; most lie close to it. 0 is a clean cut.
+        softness: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), words("fuzzy uneven natural edge point");
+        /// The least that is left of a hair that was longer, even outside the shape.
+        least: f32 = 0.3, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("minimum stub stubble hairline");
+        /// Whether lengths follow the head's size.
+        scale_with_head: bool = true;
+        /// Seed tag; stored, mixed into randomness.
+        seed: i64 = 0;
+    }
+    outputs {
+        /// The same hair, none longer than the shape lets it be.
+        curves: Curves;
+    }
+}
+
+choice! {
+    /// What hair is cut to.
+    Shape {
+        /// A ball, stretched along its three axes.
+        Ellipsoid = "ellipsoid",
+        /// A closed mesh.
+        Mesh = "mesh",
+        /// Outlines drawn from front and side; the ellipsoid's width, height or depth where one is missing.
+        Drawn = "drawn",
+    }
+}
+
+/// Halvings of the piece of a hair in which the outline lies.
+const HALVINGS: usize = 12;
+/// Samples of a hair at which it is asked whether it is still inside: so many for each of its points.
+const SAMPLES: usize = 3;
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let frame = inputs.scalp.frame();
+    let unit = if inputs.scale_with_head { frame.unit() } else { 1.0 };
+    let (sin, cos) = sin_cos(inputs.tilt.to_radians());
+    let axes =
+        [frame.right, frame.up * cos - frame.forward * sin, frame.forward * cos + frame.up * sin];
+    let mut centre = frame.point_from_head(inputs.centre);
+    let size = inputs.size.abs().max(Vec3::splat(0.01)) * unit;
+    let outline = match (inputs.shape, &inputs.mesh) {
+        (Shape::Ellipsoid, _) => Outline::Ellipsoid(size),
+        (Shape::Mesh, Some(mesh)) => {
+            let (low, high) = mesh.surface().bounds();
+            centre = 0.5 * (low + high);
+            Outline::Mesh(mesh.surface(), centre, axes)
+        }
+        (Shape::Mesh, None) => {
+            return Err(NodeError::failed(
+                "shape is mesh, but nothing is wired to mesh: wire a Head node that reads a closed mesh, or choose \
+                 another shape",
+            ));
+        }
+        (Shape::Drawn, _) => {
+            let radii = |lines: &Option<Curves>, aside: Vec3, half: f32| match lines {
+                Some(lines) => Outline::drawn(lines, half, |p| {
+                    Vec2::new((p - centre).dot(aside), (p - centre).dot(axes[1]))
+                }),
+                None => Outline::drawn(&Curves::default(), half, |_| Vec2::ZERO),
+            };
+            Outline::Drawn(
+                radii(&inputs.front, axes[0], size.x),
+                radii(&inputs.side, axes[2], size.z),
+            )
+        }
+    };
+    let dice = cx.dice(inputs.seed, "trim");
+    let (soft, least) = (inputs.softness * unit, inputs.least * unit);
+    // Cm by which a point lies outside the outline.
+    let over = |p: Vec3| {
+        let off = p - centre;
+        let far = off.length();
+        let way = off.try_normalize().unwrap_or(Vec3::Y);
+        far - outline.reach(Vec3::new(way.dot(axes[0]), way.dot(axes[1]), way.dot(axes[2])), 1.0)
+    };
+    let [curves] = cx.each_tuft(&inputs.curves, |tuft, piece| {
+        let room = |id: u64| {
+            let aside = dice.signed(id, 0);
+            soft * aside * aside * aside
+        };
+        Ok([cut(tuft, |p, id| over(p) - room(id), least, piece)?])
+    })?;
+    let (mut before, mut after) = (0, 0);
+    for (old, new) in inputs.curves.tufts().iter().zip(curves.tufts()) {
+        before += old.len();
+        after += (0..new.len().min(old.len())).filter(|i| old.curve(*i) != new.curve(*i)).count();
+    }
+    cx.remark(format!("{after} of {before} hairs were cut"));
+    Ok(Outputs { curves })
+}
+
+/// Every curve of `tuft` up to where `over` of it and its id first is more than 0, but at least `least` cm. Curves without length
+/// are left out and noted.
+fn cut(
+    tuft: &Tuft,
+    over: impl Fn(Vec3, u64) -> f32,
+    least: f32,
+    piece: &mut Piece,
+) -> Result<Tuft, NodeError> {
+    let mut out = TuftBuilder::new();
+    let mut spline = Spline::default();
+    let (mut kept, mut shares, mut points) = (vec![], vec![], vec![]);
+    // For each new point: the old point before it and the fraction of the way to the next.
+    let mut places: Vec<(u32, f32)> = vec![];
+    for i in 0..tuft.len() {
+        piece.tick()?;
+        let (old, first, id) = (tuft.curve(i), tuft.offsets()[i], tuft.id(i));
+        if let Err(fault) = spline.rebuild(old) {
+            piece.trouble(id, fault);
+            continue;
+        }
+        kept.push(i as u32);
+        let long = spline.length();
+        let place = |k: usize| {
+            let last = old.len() - 2;
+            (first + k.min(last) as u32, k.saturating_sub(last) as f32)
+        };
+        let Some(end) = end(&spline, old.len(), |p| over(p, id)).map(|end| end.max(least)) else {
+            shares.push(1.0);
+            out.push_curve(old);
+            places.extend((0..old.len()).map(place));
+            continue;
+        };
+        if end >= long {
+            shares.push(1.0);
+            out.push_curve(old);
+            places.extend((0..old.len()).map(place));
+            continue;
+        }
+        let share = end / long;
+        shares.push(share);
+        let n = ((old.len() - 1) as f32 * share).ceil().max(3.0) as usize + 1;
+        points.clear();
+        let mut cursor = 0;
+        for k in 0..n {
+            let at = spline.locate_rising(&mut cursor, end * k as f32 / (n - 1) as f32);
+            points.push(spline.point(at));
+            places.push((first + at.span as u32, at.t));
+        }
+        points[0] = old[0];
+        out.push_curve(&points);
+    }
+    for attribute in tuft.attributes() {
+        let values = match attribute.domain {
+            Domain::Curve => attribute.values.gather(&kept),
+            Domain::Point => between(&attribute.values, &places),
+        };
+        out.set_column(Attribute { values, ..attribute.clone() });
+    }
+    let fibre = tuft.view(FIBRE);
+    let fibre_of = |(i, share): (&u32, &f32)| {
+        fibre.at(*i as usize, tuft.offsets()[*i as usize] as usize) * share
+    };
+    if tuft.attribute(FIBRE.name).is_some() {
+        out.set(FIBRE, Domain::Curve, kept.iter().zip(&shares).map(fibre_of).collect());
+    }
+    Ok(out.build())
+}
+
+/// Arc length from the root at which a curve of `n` points first is outside; none where it never is.
+fn end(spline: &Spline, n: usize, over: impl Fn(Vec3) -> f32) -> Option<f32> {
+    let samples = n * SAMPLES;
+    let at = |k: usize| spline.length() * k as f32 / samples as f32;
+    let mut cursor = 0;
+    let outside = (0..=samples)
+        .find(|k| over(spline.point(spline.locate_rising(&mut cursor, at(*k)))) > 0.0)?;
+    let Some(before) = outside.checked_sub(1) else { return Some(0.0) };
+    let (mut low, mut high) = (at(before), at(outside));
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if over(spline.point(spline.locate_length(middle))) > 0.0 {
+            high = middle
+        } else {
+            low = middle
+        }
+    }
+    Some(low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::attributes::{ID, ROLL};
+    use crate::data::scalp::tests::shared_ball;
+    use crate::define::Value;
+    use crate::testing::{curves_of, fails, run};
+
+    /// Hairs that stand off the ball in all directions, 10 cm long.
+    fn hair() -> Curves {
+        let mut b = TuftBuilder::new();
+        for k in 0..60 {
+            let y = 1.0 - 2.0 * (k as f32 + 0.5) / 60.0;
+            let (s, c) = sin_cos(k as f32 * 2.4);
+            let flat = (1.0 - y * y).sqrt();
+            let out = Vec3::new(s * flat, y, c * flat);
+            let root = shared_ball().closest_root(out * 20.0).unwrap().point;
+            let points: Vec<Vec3> = (0..11).map(|k| root + out * k as f32).collect();
+            b.push_curve(&points);
+        }
+        b.set(ID, Domain::Curve, (1..=60).collect());
+        b.set(FIBRE, Domain::Curve, vec![30.0; 60]);
+        b.set(ROLL, Domain::Point, (0..60).flat_map(|_| (0..11).map(|k| k as f32)).collect());
+        Curves::new(vec![b.build().into()])
+    }
+
+    fn trimmed(set: &[(&str, Value)]) -> Curves {
+        let scalp = [("curves", hair().into()), ("scalp", shared_ball().into())];
+        curves_of(&run(&NODE, &[&scalp[..], set].concat()).0[0]).clone()
+    }
+
+    #[test]
+    fn ends_lie_on_the_shape_and_nothing_else_changes() {
+        let (size, centre) = (Vec3::new(13.0, 22.0, 16.0), Vec3::new(0.5, 2.0, -1.0));
+        let frame = *shared_ball().frame();
+        let middle = frame.point_from_head(centre);
+        let unit = frame.unit();
+        let out = trimmed(&[("size", size.into()), ("centre", centre.into())]);
+        let (old, new) = (&hair().tufts()[0].clone(), &out.tufts()[0].clone());
+        assert_eq!(old.len(), new.len());
+        let mut cuts = 0;
+        for i in 0..old.len() {
+            let (a, b) = (old.curve(i), new.curve(i));
+            assert_eq!((a[0], old.id(i)), (b[0], new.id(i)));
+            let inside = |p: Vec3| ((p - middle) / (size * unit)).length();
+            let (tip, long) = (b[b.len() - 1], b[0].distance(b[b.len() - 1]));
+            let share = new.view(FIBRE).at(i, new.offsets()[i] as usize) / 30.0;
+            assert!((share - long / 10.0).abs() < 1e-3, "{share} {long}");
+            assert!((new.view(ROLL).at(i, new.range(i).end - 1) - long).abs() < 0.01);
+            if long < 9.999 {
+                cuts += 1;
+                assert!((inside(tip) - 1.0).abs() < 1e-3 || long < 0.31 * unit, "{}", inside(tip));
+            } else {
+                assert_eq!(a, b);
+                assert!(inside(tip) < 1.001);
+            }
+        }
+        assert!((20..60).contains(&cuts), "{cuts}");
+    }
+
+    #[test]
+    fn a_soft_cut_is_uneven_and_a_stub_stays_outside() {
+        let far = |curves: &Curves| {
+            let middle = shared_ball().frame().point_from_head(Vec3::ZERO);
+            let tips = curves.each().map(|(tuft, i)| *tuft.curve(i).last().unwrap());
+            tips.map(|tip| tip.distance(middle)).collect::<Vec<_>>()
+        };
+        let unit = shared_ball().frame().unit();
+        let ball = [("size", Vec3::splat(13.0).into()), ("centre", Vec3::ZERO.into())];
+        let clean = far(&trimmed(&ball));
+        assert!(clean.iter().all(|r| (r - 13.0 * unit).abs() < 0.01), "{clean:?}");
+        let soft = far(&trimmed(&[&ball[..], &[("softness", Value::Float(1.0))]].concat()));
+        assert!(soft.iter().all(|r| (r - 13.0 * unit).abs() < 1.01 * unit));
+        assert!(soft.iter().any(|r| (r - 13.0 * unit).abs() > 0.3));
+        let none = [("size", Vec3::splat(3.0).into()), ("least", Value::Float(0.5))];
+        for (tuft, i) in trimmed(&none).each() {
+            let curve = tuft.curve(i);
+            assert!((curve[0].distance(curve[curve.len() - 1]) - 0.5 * unit).abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn a_mesh_that_is_missing_is_told() {
+        let set =
+            [("curves", hair().into()), ("scalp", shared_ball().into()), ("shape", "mesh".into())];
+        assert!(fails(&NODE, &set).contains("nothing is wired to mesh"));
+    }
+}
