@@ -4,25 +4,23 @@
 //! joins; here it is led on: into the strand that is outermost at that stitch, through the braid within the strand's tube,
 //! to the tie and the brush behind it. The tables of a braid are in `tube.rs`.
 //!
-//! The idea: a hair keeps its place in its strand's cross-section. Hair that joins comes in at the outside, and what was
-//! there before is the core: with F(u) the share of hair that has joined up to u, a hair that joined at u0 lies at
-//! sqrt(F(u0) / F(u)) of the radius. So the tube is evenly full everywhere, whatever joins where, and no hair has to make
-//! room for another.
+//! The way of one hair is in `through.rs`, what hairs do of their own in `wander.rs`.
 //!
-//! Guarantees: a hair begins at its root and stays within `fill` times its strand's tube once it has joined (flyaways and
-//! the brush apart); points are evenly spaced, at most 255; every hair is led by itself, so more of them change none.
-//! Not promised: hairs clear of each other.
+//! Guarantees: every hair is led by itself, so more of them change none; each tells its braid, strand and stitch, where it
+//! joins and which way the braid's front is there. Not promised: hairs clear of each other.
 
 use super::braid_territory::ORDER;
-use super::tube::{Asked, Braid, FINE, Stitch, place};
+use super::through::{Entry, Leader, Manner, Wish};
+use super::tube::{Asked, Braid, Stitch};
 use crate::data::attributes::{
-    ALONG, Attribute, BRAID, Domain, FED, FIBRE, ID, PARENT, SIDE, STITCH, STRAND, WIDTH,
+    ALONG, Attribute, BRAID, BRAID_FRONT, Domain, FED, FIBRE, ID, PARENT, SIDE, STITCH, STRAND,
+    WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
-use crate::data::scalp::{Scalp, Skin};
+use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece};
-use crate::maths::hash::{Dice, curve_id};
+use crate::maths::hash::curve_id;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -88,8 +86,8 @@ node! {
         seed: i64 = 0;
     }
     outputs {
-        /// The hair that grows, with its braid, strand, stitch and side, and the fraction along the row at each point (0
-        /// before it joins).
+        /// The hair that grows, with its braid, strand, stitch and side, the front of the braid where it joins, and the
+        /// fraction along the row at each point (before it joins, of the place where it will).
         curves: Curves;
         /// The extension hair that was fed in.
         extension: Curves;
@@ -105,11 +103,6 @@ choice! {
         Knotted = "knotted",
     }
 }
-
-/// The most points of a hair.
-const MOST_POINTS: usize = 255;
-/// Nearer than this (cm) points are set off the skin by the distance field, whose error is less.
-const CLEAR: f32 = 0.025;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
@@ -131,9 +124,16 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
     }
     let braids: Vec<OnceLock<Option<Braid>>> = (0..of_strands).map(|_| OnceLock::new()).collect();
-    let filler = Filler {
-        inputs: &inputs,
-        skin: scalp.map(|scalp| cx.skin(scalp)),
+    let skin = scalp.map(|scalp| cx.skin(scalp));
+    let skin = skin.as_ref();
+    let manner = Manner {
+        settling: inputs.settling,
+        frizz: inputs.frizz,
+        tip_variation: inputs.tip_variation,
+        tip_taper: inputs.tip_taper,
+        tip_frizz: inputs.tip_frizz,
+        flyaways: inputs.flyaways,
+        flyaway_length: inputs.flyaway_length * unit,
         unit,
         dice: cx.dice(inputs.seed, "braid hair"),
     };
@@ -159,6 +159,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 broad: inputs.broad,
                 twist: inputs.twist.to_radians(),
                 knot,
+                skin,
             };
             Braid::new(strands, stitches, &asked)
         });
@@ -177,6 +178,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         needed
     };
     let [curves, extension] = cx.each_tuft_with(&inputs.roots, &all, needs, |tuft, _, piece| {
+        let filler = Filler { inputs: &inputs, leader: Leader::new(&manner, skin) };
         filler.fill(tuft, &of_row, piece)
     })?;
     Ok(Outputs { curves, extension })
@@ -202,19 +204,7 @@ fn stitches_of(tuft: &Tuft, row: u64) -> Vec<Stitch> {
 
 struct Filler<'a> {
     inputs: &'a Inputs,
-    skin: Option<Skin<'a>>,
-    unit: f32,
-    dice: Dice,
-}
-
-/// Where a hair enters its braid.
-struct Entry {
-    tube: usize,
-    /// Step number.
-    t: f32,
-    stitch: i32,
-    /// Its place in the unit disc.
-    q: Vec2,
+    leader: Leader<'a>,
 }
 
 /// Hairs while they are made.
@@ -227,12 +217,13 @@ struct Made {
     braids: Vec<u64>,
     strands: Vec<i32>,
     stitches: Vec<i32>,
+    fronts: Vec<Vec3>,
     along: Vec<f32>,
 }
 
 impl Filler<'_> {
     fn fill<'b>(
-        &self,
+        mut self,
         tuft: &Tuft,
         of_row: &(dyn Fn(u64) -> Option<&'b Braid> + Sync),
         piece: &mut Piece,
@@ -244,7 +235,8 @@ impl Filler<'_> {
         let fibre = tuft.view(FIBRE);
         let side = tuft.view(SIDE);
         let mut made = [Made::default(), Made::default()];
-        let (mut points, mut alongs, mut even) = (vec![], vec![], Even::default());
+        let dice = self.leader.manner.dice;
+        let mut points = vec![];
         for i in 0..tuft.len() {
             piece.tick()?;
             let first = tuft.range(i).start;
@@ -264,14 +256,17 @@ impl Filler<'_> {
                 id,
                 fed: is_fed,
                 order: order
-                    .map_or_else(|| self.dice.unit(id, 3), |order| order.at(i, first))
+                    .map_or_else(|| dice.unit(id, 3), |order| order.at(i, first))
                     .clamp(1e-4, 1.0),
                 length: fibre.at(i, first),
             };
-            self.hair(braid, way, &entry, &wish, &mut points, &mut alongs, &mut even);
+            let front = self.leader.lead(braid, way, &entry, &wish);
             let made = &mut made[usize::from(is_fed)];
+            points.clear();
+            points.extend(self.leader.beads.iter().map(|bead| bead.p));
             made.hair.push_curve(&points);
-            made.along.extend_from_slice(&alongs);
+            made.along.extend(self.leader.beads.iter().map(|bead| bead.along));
+            made.fronts.push(front);
             made.pick.push(i as u32);
             made.ids.push(id);
             made.parents.push(braid.tubes[entry.tube].id);
@@ -292,7 +287,8 @@ impl Filler<'_> {
         side: i32,
         fed: bool,
     ) -> Entry {
-        let (sin, cos) = sin_cos_turns(self.dice.unit(id, 0));
+        let dice = self.leader.manner.dice;
+        let (sin, cos) = sin_cos_turns(dice.unit(id, 0));
         let q = Vec2::new(cos, sin);
         let stitch =
             if along > 0.0 { braid.stitch(along, if fed { 0 } else { side }) } else { None };
@@ -307,220 +303,17 @@ impl Filler<'_> {
             }
             None => {
                 let tube = match fed {
-                    true => self.dice.below(id, 1, braid.tubes.len() as u32) as usize,
+                    true => dice.below(id, 1, braid.tubes.len() as u32) as usize,
                     false => braid.first_strand(way[0]),
                 };
                 // A braid without stitches is joined where the row says.
                 let t = braid.tubes[tube].step_at(along);
-                let t = t + 0.3 * braid.per_stitch * self.dice.unit(id, 2);
+                let t = t + 0.3 * braid.per_stitch * dice.unit(id, 2);
                 Entry { tube, t, stitch: 0, q }
             }
         }
     }
 
-    fn hair(
-        &self,
-        braid: &Braid,
-        way: &[Vec3],
-        entry: &Entry,
-        wish: &Wish,
-        points: &mut Vec<Vec3>,
-        alongs: &mut Vec<f32>,
-        even: &mut Even,
-    ) {
-        points.clear();
-        alongs.clear();
-        let tube = &braid.tubes[entry.tube];
-        let spacing = FINE * braid.step;
-        let section = tube.section(entry.t);
-        let radius = (wish.order / section.joined.max(1e-4)).sqrt().min(1.0);
-        // It comes in on the side that it comes from.
-        let come = if wish.fed {
-            entry.q * 0.4
-        } else {
-            let from = way[way.len() - 1] - section.centre;
-            let x = Vec2::new(
-                from.dot(section.x.normalize_or_zero()),
-                from.dot(section.y.normalize_or_zero()),
-            );
-            (entry.q * 0.5 + x.normalize_or_zero()).normalize_or(entry.q)
-        };
-        let mut reached = (0.0, spacing);
-        if !wish.fed {
-            let end = place(&section, come * radius);
-            reached = self.comb(way, end, tube.tangent(entry.t), spacing, points);
-            alongs.resize(points.len(), 0.0);
-        }
-        // How far it goes: to its own end, or through the brush.
-        let brush = braid.brush.len() as f32;
-        let until = if brush > 0.0 {
-            let u = self.dice.unit(wish.id, 3);
-            tube.tie + (brush - 1.0) * (1.0 - self.inputs.tip_variation * u)
-        } else {
-            tube.last()
-                - 0.5 * braid.per_stitch * self.inputs.tip_variation * self.dice.unit(wish.id, 3)
-        };
-        let mut until = until.max(entry.t + 2.0);
-        if wish.length > 0.0 {
-            until = until.min(entry.t + ((wish.length - reached.0) / braid.step).max(2.0));
-        }
-        let leaves = self.leaves(braid, wish.id, entry.t, until);
-        if let Some((_, end)) = leaves {
-            until = end;
-        }
-        // Even steps of the hair, not of its strand: on the inside of a bend it is shorter. They begin with what the way
-        // over the scalp had.
-        let room = (MOST_POINTS - points.len().min(MOST_POINTS - 3) - 1) as f32;
-        let spacing = spacing.max(1.12 * (until - entry.t) * braid.step / room);
-        let mut last = reached.1.clamp(0.4 * spacing, 2.0 * spacing);
-        let (mut t, mut gone) = (entry.t, if wish.fed { 0.0 } else { reached.0 - reached.1 });
-        let settle = self.inputs.settling * braid.per_stitch;
-        let mut wander = Wander::new(self, wish.id, braid.step);
-        let mut parted: Option<Parted> = None;
-        let mut bristle: Option<Vec2> = None;
-        while points.len() < MOST_POINTS {
-            let section = tube.section(t);
-            let mut size = (wish.order / section.joined.max(1e-4)).sqrt().min(1.0);
-            let settled = smooth((t - entry.t) / settle);
-            let mut q = come + (entry.q - come) * settled;
-            if let Some((from, end)) = leaves {
-                // What stands off comes from the surface.
-                size += (0.97 - size).max(0.0) * smooth(1.0 + (t - from) / settle);
-                if t >= from && t > entry.t {
-                    let parted =
-                        *parted.get_or_insert_with(|| Parted::new(tube, from, q * size, end));
-                    let p = parted.at((t - from) * braid.step, self, wish.id);
-                    points.push(p);
-                    alongs.push(section.along);
-                    if t >= until {
-                        break;
-                    }
-                    last = (last * 1.15).min(spacing);
-                    t += last / braid.step;
-                    continue;
-                }
-            }
-            q = (q * size + wander.at(t)).clamp_length_max(1.0);
-            let mut p = place(&section, q);
-            if brush > 0.0 && t > tube.tie {
-                let offset = *bristle.get_or_insert_with(|| {
-                    let tied = place(&tube.section(tube.tie), q);
-                    let b = braid.bristle(0.0);
-                    Vec2::new((tied - b.centre).dot(b.x), (tied - b.centre).dot(b.y))
-                });
-                let beyond = t - tube.tie;
-                let far = beyond / brush;
-                let b = braid.bristle(beyond);
-                let narrow = b.size * (1.0 - self.inputs.tip_taper * far * far);
-                let loose =
-                    wander.loose() * (self.inputs.tip_frizz * far * beyond * braid.step * 0.25);
-                let o = offset * narrow + loose;
-                let free = b.centre + b.x * o.x + b.y * o.y;
-                p = p.lerp(free, smooth(beyond / braid.per_stitch));
-            }
-            let before = points.last().copied().unwrap_or(p);
-            let far = p.distance(before);
-            if wish.length > 0.0 && gone + far > wish.length && points.len() > 2 {
-                let part = ((wish.length - gone) / far.max(1e-6)).clamp(0.0, 1.0);
-                points.push(before.lerp(p, part));
-                alongs.push(section.along);
-                break;
-            }
-            gone += far;
-            points.push(p);
-            alongs.push(section.along);
-            if t >= until {
-                break;
-            }
-            last += (spacing - last).clamp(-0.15 * last, 0.15 * last);
-            // The pace half a step on.
-            let guess = last / braid.step;
-            let pace = if t + guess > tube.tie && brush > 0.0 {
-                braid.step
-            } else {
-                tube.pace(t + 0.5 * guess, q)
-            };
-            t += (last / pace.max(1e-6)).clamp(0.3 * guess, 4.0 * guess);
-        }
-        evened(points, alongs, even);
-        for p in points.iter_mut().skip(1) {
-            *p = self.over(*p, CLEAR);
-        }
-    }
-
-    /// Where a flyaway leaves its braid and where it ends (step numbers); none for most hairs.
-    fn leaves(&self, braid: &Braid, id: u64, from: f32, until: f32) -> Option<(f32, f32)> {
-        if self.dice.unit(id, 4) >= self.inputs.flyaways {
-            return None;
-        }
-        let at = from + (until - from) * (0.08 + 0.9 * self.dice.unit(id, 5));
-        let length = self.inputs.flyaway_length * self.unit * self.dice.range(id, 6, 0.25, 1.0);
-        Some((at, at + length / braid.step))
-    }
-
-    /// Points of the way over the scalp, its end bent to `end` and the direction `along` there, without that end; gives
-    /// its length and the spacing of its points.
-    fn comb(
-        &self,
-        way: &[Vec3],
-        end: Vec3,
-        along: Vec3,
-        spacing: f32,
-        points: &mut Vec<Vec3>,
-    ) -> (f32, f32) {
-        const SAMPLES: usize = 16;
-        let n = way.len();
-        let on_way = |s: f32| {
-            let x = s * (n - 1) as f32;
-            let k = (x as usize).min(n - 2);
-            spline_point(way, k, x - k as f32)
-        };
-        let last = way[n - 1];
-        let aside = end - last;
-        let chord = end.distance(way[0]);
-        let arriving = (last - on_way(0.94)) / 0.06;
-        let turn = along * (0.8 * chord) - arriving;
-        let mut fine = [Vec3::ZERO; SAMPLES + 1];
-        let mut lengths = [0.0f32; SAMPLES + 1];
-        for k in 0..=SAMPLES {
-            let s = k as f32 / SAMPLES as f32;
-            let (s2, s3) = (s * s, s * s * s);
-            fine[k] = on_way(s) + aside * (3.0 * s2 - 2.0 * s3) + turn * (s3 - s2);
-            if k > 0 {
-                if k < SAMPLES {
-                    fine[k] = self.over(fine[k], (6.0 * s).min(1.0) * CLEAR);
-                }
-                lengths[k] = lengths[k - 1] + fine[k].distance(fine[k - 1]);
-            }
-        }
-        let total = lengths[SAMPLES];
-        let count = ((total / spacing).round() as usize).clamp(1, 200);
-        points.push(way[0]);
-        let mut k = 0;
-        for i in 1..count {
-            let s = total * i as f32 / count as f32;
-            while k + 1 < SAMPLES && lengths[k + 1] < s {
-                k += 1;
-            }
-            let t = ((s - lengths[k]) / (lengths[k + 1] - lengths[k]).max(1e-9)).clamp(0.0, 1.0);
-            points.push(spline_point(&fine, k, t));
-        }
-        (total, total / count as f32)
-    }
-
-    /// `p` or the point above it that is at least `height` over the skin.
-    #[inline]
-    fn over(&self, p: Vec3, height: f32) -> Vec3 {
-        let Some(skin) = &self.skin else { return p };
-        match skin.roughly(p) {
-            // So deep, the field's way out is not good enough.
-            Some((d, _, doubt)) if d < -0.05 || (doubt > 0.05 && d - doubt < height) => {
-                skin.lift(p, height).0
-            }
-            Some((d, out, _)) if d < height => p + out.normalize_or_zero() * (height - d),
-            _ => p,
-        }
-    }
     fn described(&self, made: Made, tuft: &Tuft) -> Tuft {
         let mut hair = made.hair;
         if hair.is_empty() {
@@ -538,6 +331,7 @@ impl Filler<'_> {
         hair.set(BRAID, Domain::Curve, made.braids);
         hair.set(STRAND, Domain::Curve, made.strands);
         hair.set(STITCH, Domain::Curve, made.stitches);
+        hair.set(BRAID_FRONT, Domain::Curve, made.fronts);
         hair.set(ALONG, Domain::Point, made.along);
         let (root, tip) = (self.inputs.width_root, self.inputs.width_tip);
         if root == tip {
@@ -554,156 +348,4 @@ impl Filler<'_> {
         hair.set(WIDTH, Domain::Point, width);
         hair.build()
     }
-}
-
-/// What a hair asks for.
-struct Wish {
-    id: u64,
-    fed: bool,
-    /// Share of the braid's hair that joined before it.
-    order: f32,
-    /// Its length, cm; 0: to the end.
-    length: f32,
-}
-
-/// A hair that has left its braid.
-#[derive(Clone, Copy)]
-struct Parted {
-    from: Vec3,
-    along: Vec3,
-    out: Vec3,
-    length: f32,
-}
-
-impl Parted {
-    fn new(tube: &super::tube::Tube, from: f32, q: Vec2, end: f32) -> Self {
-        let section = tube.section(from);
-        let out = (section.x * q.x + section.y * q.y).normalize_or(section.y.normalize_or(Vec3::Y));
-        let p = place(&section, q);
-        let before = place(&tube.section(from - 1.0), q);
-        let scale = p.distance(before).max(1e-4);
-        Self { from: p, along: (p - before) / scale, out, length: (end - from).max(1.0) * scale }
-    }
-    fn at(&self, s: f32, filler: &Filler, id: u64) -> Vec3 {
-        let x = (s / self.length.max(1e-4)).min(1.0);
-        let lift = filler.dice.range(id, 7, 0.15, 0.7);
-        let bend = 0.6 * filler.dice.signed(id, 8);
-        let aside = self.along.cross(self.out);
-        self.from + self.along * (s * (1.0 - 0.2 * x)) + (self.out * lift + aside * bend) * (s * x)
-    }
-}
-
-/// A hair's own slow wandering in the cross-section.
-struct Wander {
-    dice: Dice,
-    id: u64,
-    amount: f32,
-    per_step: f32,
-    knot: u64,
-    from: Vec2,
-    to: Vec2,
-    loose: Vec2,
-}
-
-/// cm between two turns of the wandering.
-const WANDER: f32 = 0.9;
-
-impl Wander {
-    fn new(filler: &Filler, id: u64, step: f32) -> Self {
-        let at = |index: u64| {
-            Vec2::new(filler.dice.signed(id, index), filler.dice.signed(id, index + 1))
-        };
-        Self {
-            dice: filler.dice,
-            id,
-            amount: filler.inputs.frizz,
-            per_step: step / (WANDER * filler.unit),
-            knot: u64::MAX,
-            from: Vec2::ZERO,
-            to: Vec2::ZERO,
-            loose: at(10),
-        }
-    }
-    #[inline]
-    fn at(&mut self, t: f32) -> Vec2 {
-        if self.amount <= 0.0 {
-            return Vec2::ZERO;
-        }
-        let x = t * self.per_step;
-        let knot = x as u64;
-        if knot != self.knot {
-            let at = |k: u64| {
-                let bits = self.dice.bits(self.id, 100 + k);
-                let unit =
-                    |bits: u64| (bits & 0xFF_FFFF) as f32 * (2.0 / (1u32 << 24) as f32) - 1.0;
-                Vec2::new(unit(bits), unit(bits >> 32)) * self.amount
-            };
-            self.from = if self.knot.wrapping_add(1) == knot { self.to } else { at(knot) };
-            self.to = at(knot + 1);
-            self.knot = knot;
-        }
-        self.from + (self.to - self.from) * smooth(x - knot as f32)
-    }
-    /// A direction that it keeps.
-    fn loose(&self) -> Vec2 {
-        self.loose
-    }
-}
-
-/// Buffers of [`evened`].
-#[derive(Default)]
-struct Even {
-    points: Vec<Vec3>,
-    alongs: Vec<f32>,
-    lengths: Vec<f32>,
-}
-
-/// Moves the points of a hair along it until they are evenly spaced; they nearly are.
-fn evened(points: &mut Vec<Vec3>, alongs: &mut Vec<f32>, even: &mut Even) {
-    let n = points.len();
-    even.lengths.clear();
-    even.points.clear();
-    even.alongs.clear();
-    let mut total = 0.0f32;
-    even.lengths.push(0.0);
-    for w in points.windows(2) {
-        total += w[0].distance(w[1]);
-        even.lengths.push(total);
-    }
-    let mut k = 0;
-    for i in 0..n {
-        let s = total * i as f32 / (n - 1) as f32;
-        while k + 2 < n && even.lengths[k + 1] < s {
-            k += 1;
-        }
-        let t = (s - even.lengths[k]) / (even.lengths[k + 1] - even.lengths[k]).max(1e-9);
-        let t = t.clamp(0.0, 1.0);
-        even.points.push(spline_point(points, k, t));
-        // 0 until it has joined.
-        let join = alongs[k] <= 0.0 && t < 1.0;
-        even.alongs.push(if join { 0.0 } else { alongs[k] + (alongs[k + 1] - alongs[k]) * t });
-    }
-    even.points[0] = points[0];
-    even.points[n - 1] = points[n - 1];
-    std::mem::swap(points, &mut even.points);
-    std::mem::swap(alongs, &mut even.alongs);
-}
-
-#[inline]
-fn smooth(t: f32) -> f32 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
-/// Catmull-Rom through even points, its ends extrapolated.
-#[inline]
-fn spline_point(points: &[Vec3], k: usize, t: f32) -> Vec3 {
-    let (b, c) = (points[k], points[k + 1]);
-    let a = if k > 0 { points[k - 1] } else { b * 2.0 - c };
-    let d = if k + 2 < points.len() { points[k + 2] } else { c * 2.0 - b };
-    let (t2, t3) = (t * t, t * t * t);
-    a * (t2 - 0.5 * (t3 + t))
-        + b * (1.5 * t3 - 2.5 * t2 + 1.0)
-        + c * (0.5 * t - 1.5 * t3 + 2.0 * t2)
-        + d * (0.5 * (t3 - t2))
 }

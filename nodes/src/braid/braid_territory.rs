@@ -8,7 +8,7 @@
 //! density only adds hairs; how much hair a row has along its way does not depend on the density. Not promised: ways
 //! free of the skin by more than the distance field errs (`braid_hair` sees to it).
 
-use super::ground::{Ground, Lane, Map, Owner};
+use super::ground::{Ground, Lane, Map, Owner, far_off};
 use crate::data::attributes::{
     ALONG, Attribute, Domain, FED, FIBRE, ID, PARENT, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
     SCALP_NORMAL, SECTION, SIDE,
@@ -123,6 +123,9 @@ const EXTENSION: u64 = 1 << 40;
 const BATCH: usize = 2048;
 /// Height of hairs over the skin, cm on a head of average size: the least, and what lies over each other adds.
 const CLEAR: (f32, f32) = (0.025, 0.05);
+
+/// From where to where (cm from the row, on a head of average size) ways come to be bent over the ball of the head.
+const FAR: [f32; 2] = [4.0, 8.0];
 
 /// A root with its row.
 #[derive(Clone, Copy)]
@@ -333,11 +336,12 @@ impl Maker<'_> {
     /// Where along the whole row a root joins, and its length (0: to the end).
     fn joins(&self, lane: &Lane, wishes: &Wishes, place: &Place, id: u64) -> (f32, f32) {
         let on_scalp = lane.row.length();
-        let pull = wishes.pull.along(wishes.tuft, wishes.curve, place.owner.u);
+        let foot = lane.foot(place.root.point, &place.owner, self.far());
+        let pull = wishes.pull.along(wishes.tuft, wishes.curve, foot);
         let pull = pull + 14.0 * self.inputs.unevenness * self.dice.signed(id, 0);
         let shift = tan(pull.clamp(-80.0, 80.0).to_radians()) * place.owner.distance;
         // Towards the last place where hair joins the shift gives way: nothing joins beyond it.
-        let (here, last) = (place.owner.u * on_scalp, self.inputs.until * on_scalp);
+        let (here, last) = (foot * on_scalp, self.inputs.until * on_scalp);
         let room = (last - here).max(0.0);
         let x = match shift {
             shift if shift > 0.0 && room > 0.0 => here + room * (1.0 - exp(-shift / room)),
@@ -454,19 +458,20 @@ impl Maker<'_> {
             let beside = (0.5 * self.inputs.braid_width * self.unit * girth_at(counted, u))
                 .min(0.8 * from.1);
             let to = (map.column(u / on_scalp), beside);
-            let first = points.len();
-            map.way(&place.root, from, to, self.inputs.sweep, cvs, &mut points);
             let high = (CLEAR.0 + CLEAR.1 * self.dice.unit(id, 2)) * self.unit;
-            for (k, p) in points[first..].iter_mut().enumerate().skip(1) {
-                let wanted = high * (5.0 * k as f32 / cvs as f32).min(1.0);
-                for _ in 0..2 {
-                    match self.skin.roughly(*p) {
-                        Some((d, out, doubt)) if d > -0.15 && doubt < 0.06 => {
-                            *p += out.normalize_or_zero() * (wanted - d);
-                        }
-                        // Where the columns of the map run into each other a way may cut a corner.
-                        _ => *p = lay::laid(self.scalp, *p, wanted).0,
-                    }
+            let end = u / on_scalp;
+            let foot = lane.foot(place.root.point, &place.owner, self.far());
+            let first = points.len();
+            // What meets an edge, such as that of an ear, is led over it.
+            for more in [0.0, 0.3, 0.6] {
+                points.truncate(first);
+                let sweep = (self.inputs.sweep + more).min(1.0);
+                map.way(&place.root, from, to, sweep, cvs, &mut points);
+                let corner = lane.row.spline.at(end + (foot - end) * sweep);
+                self.across_the_head(&mut points[first..], corner, &place.owner);
+                self.lay(&mut points[first..], high);
+                if is_smooth(&points[first..]) {
+                    break;
                 }
             }
             ids.push(id);
@@ -490,6 +495,49 @@ impl Maker<'_> {
         out.set(SCALP_NORMAL, Domain::Curve, roots.iter().map(|root| root.normal).collect());
         lay::bind(&mut out, &roots);
         Ok(out.build())
+    }
+    /// From where to where roots are far from their row; nowhere where rows share the scalp.
+    fn far(&self) -> [f32; 2] {
+        let alone = self.ground.lanes.len() == 1 && self.scalp.sections().is_none();
+        let unit = if alone { self.unit } else { f32::MAX.sqrt() };
+        FAR.map(|d| d * unit)
+    }
+    /// Lays a way on the skin, rising to `high` over it within its first fifth.
+    fn lay(&self, way: &mut [Vec3], high: f32) {
+        let count = way.len() as f32;
+        for (k, p) in way.iter_mut().enumerate().skip(1) {
+            let wanted = high * (5.0 * k as f32 / count).min(1.0);
+            for _ in 0..3 {
+                match self.skin.roughly(*p) {
+                    Some((d, _, doubt)) if (d - wanted).abs() < 0.01 && doubt < 0.06 => break,
+                    Some((d, out, doubt)) if d > -0.8 && doubt < 0.06 => {
+                        *p += out.normalize_or_zero() * (wanted - d);
+                    }
+                    // Where the columns of the map run into each other a way may cut a corner.
+                    _ => *p = lay::laid(self.scalp, *p, wanted).0,
+                }
+            }
+        }
+    }
+    /// Ways from afar are bent over the ball of the head instead, towards the `corner` on the row: there the columns of the
+    /// map, which are square to the row, run together beside the ears as meridians do at a pole. Only where one row has all, so that no parting is in the way.
+    fn across_the_head(&self, way: &mut [Vec3], corner: Vec3, owner: &Owner) {
+        let frame = self.scalp.frame();
+        let share = far_off(owner.distance, self.far());
+        if share <= 0.0 {
+            return;
+        }
+        let (a, b) = (way[0] - frame.origin, way[way.len() - 1] - frame.origin);
+        let corner = corner - frame.origin;
+        let (low, high, last) = (a.length(), b.length(), (way.len() - 1) as f32);
+        for (k, p) in way.iter_mut().enumerate().skip(1) {
+            let s = k as f32 / last;
+            let r = 1.0 - s;
+            let out = a * (r * r) + corner * (2.0 * r * s) + b * (s * s);
+            if let Some(out) = out.try_normalize() {
+                *p = p.lerp(frame.origin + out * (low + (high - low) * s), share);
+            }
+        }
     }
     /// What own hair and extension hair say of themselves alike.
     fn describe(
@@ -549,6 +597,14 @@ impl Maker<'_> {
         }
         out.build()
     }
+}
+
+/// Whether a way turns nowhere by more than 37 degrees from one point to the next.
+fn is_smooth(way: &[Vec3]) -> bool {
+    way.windows(3).all(|w| {
+        let (a, b) = (w[1] - w[0], w[2] - w[1]);
+        a.dot(b) >= 0.8 * (a.length_squared() * b.length_squared()).sqrt()
+    })
 }
 
 /// Between the borders of bins.

@@ -13,7 +13,7 @@ use crate::data::scalp::{Root, Scalp};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::nearest::Nearest;
 use crate::maths::spline::Spline;
-use crate::maths::transcendental::sin_cos;
+use crate::maths::transcendental::{exp, sin_cos};
 use crate::partition::territory::Row;
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -30,6 +30,14 @@ pub(crate) struct Lane {
     pub(crate) section: Option<u64>,
     /// Along and scalp normal at even places of the row.
     ways: Vec<(Vec3, Vec3)>,
+    /// The same places.
+    points: Vec<Vec3>,
+}
+
+/// How far off a place is at a distance: 0 up to `far[0]`, 1 from `far[1]` on.
+pub(crate) fn far_off(distance: f32, far: [f32; 2]) -> f32 {
+    let x = ((distance - far[0]) / (far[1] - far[0])).clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
 }
 
 /// Places of a row at which its directions are noted.
@@ -62,7 +70,8 @@ impl Lane {
             (along, normal)
         };
         let ways = (0..WAYS).map(way).collect();
-        Some(Self { id, row, length, section: None, ways })
+        let points = (0..WAYS).map(|k| row.spline.at(k as f32 / (WAYS - 1) as f32)).collect();
+        Some(Self { id, row, length, section: None, ways, points })
     }
     /// Along and the scalp's normal at a fraction of the row.
     fn way(&self, u: f32) -> (Vec3, Vec3) {
@@ -71,6 +80,23 @@ impl Lane {
         let (a, b) = (self.ways[k], self.ways[k + 1]);
         let normal = a.1.lerp(b.1, x - k as f32).normalize_or(a.1);
         (across(a.0.lerp(b.0, x - k as f32), normal).unwrap_or(a.0), normal)
+    }
+    /// The place of the row, as a fraction, that `p` is beside. That is the nearest one (`owner.u`); but places that are
+    /// far off, `far[0]` cm and more, are beside all of the row that is about as near: beside an ear, where a row from front
+    /// to back is near everywhere, neighbouring hairs go the same way.
+    pub(crate) fn foot(&self, p: Vec3, owner: &Owner, far: [f32; 2]) -> f32 {
+        let share = far_off(owner.distance, far);
+        if share <= 0.0 {
+            return owner.u;
+        }
+        let (mut sum, mut all) = (0.0f32, 0.0f32);
+        for k in 0..WAYS {
+            let u = k as f32 / (WAYS - 1) as f32;
+            let more = self.points[k].distance_squared(p) - owner.distance * owner.distance;
+            let weight = exp(-0.5 * more / (far[0] * far[0]));
+            (sum, all) = (sum + u * weight, all + weight);
+        }
+        owner.u + (sum / all.max(1e-9) - owner.u) * share
     }
     /// The side of the row that `p` is on: 1 right, -1 left, seen along it with the normal up.
     pub(crate) fn side(&self, p: Vec3, foot: Vec3, u: f32) -> i32 {

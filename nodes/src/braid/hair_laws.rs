@@ -134,7 +134,8 @@ fn every_root_joins_once_at_its_stitch_and_stays_in_its_strand() {
                 continue;
             }
             let along = tuft.view(attr::ALONG);
-            let joins = tuft.range(i).position(|k| along.at(i, k) > 0.0).unwrap_or(0);
+            let enters = along.at(i, first) + 1e-6;
+            let joins = tuft.range(i).position(|k| along.at(i, k) > enters).unwrap_or(0);
             for (k, p) in curve.iter().enumerate() {
                 points += 1;
                 let d = skin.distance(*p);

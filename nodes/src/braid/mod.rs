@@ -6,6 +6,7 @@ use crate::define::NodeDef;
 mod any_source;
 mod braid_hair;
 mod braid_territory;
+mod even;
 mod ground;
 #[cfg(test)]
 mod hair_laws;
@@ -14,8 +15,10 @@ mod laws;
 mod lay;
 mod lissajous_braid;
 mod stray;
+mod through;
 mod touch;
 mod tube;
+mod wander;
 mod weave;
 
 pub(crate) const NODES: &[&NodeDef] =

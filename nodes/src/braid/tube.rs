@@ -5,6 +5,7 @@ use super::braid_territory::JOINED;
 use crate::data::attributes as attr;
 use crate::data::curves::{Tuft, View};
 use crate::data::field::Sampler;
+use crate::data::scalp::Skin;
 use crate::maths::frame::{across, any_normal};
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos;
@@ -21,10 +22,15 @@ pub(super) struct Asked<'a> {
     pub(super) twist: f32,
     /// How much thicker the strands are in a root knot, and how long it is.
     pub(super) knot: (f32, f32),
+    pub(super) skin: Option<&'a Skin<'a>>,
 }
 
 /// Steps of the table between two points of a hair: linear between them they are good to a fiftieth of a hair's width.
 pub(super) const FINE: f32 = 4.0;
+/// The share of the inside of a bend that hair may fill.
+const INSIDE: f32 = 0.8;
+/// Hair that keeps so far (cm) from the skin need not be kept out of it.
+const NEAR: f32 = 0.05;
 /// The most steps of one strand's table.
 const MOST: f32 = 8192.0;
 
@@ -35,6 +41,8 @@ pub(super) struct Section {
     /// Half axes: to the braid's right, and away from its back.
     pub(super) x: Vec3,
     pub(super) y: Vec3,
+    /// How much the strand bends towards each axis within its length: 1 is about its end.
+    bend: Vec2,
     pub(super) along: f32,
     /// Share of the braid's hair that has joined.
     pub(super) joined: f32,
@@ -47,6 +55,7 @@ impl Section {
             centre: a.centre + (b.centre - a.centre) * t,
             x: a.x + (b.x - a.x) * t,
             y: a.y + (b.y - a.y) * t,
+            bend: a.bend + (b.bend - a.bend) * t,
             along: a.along + (b.along - a.along) * t,
             joined: a.joined + (b.joined - a.joined) * t,
         }
@@ -58,6 +67,8 @@ pub(super) struct Tube {
     pub(super) id: u64,
     pub(super) strand: i32,
     at: Vec<Section>,
+    /// Front of the braid, unit, and whether the skin is near, at the same steps.
+    beside: Vec<(Vec3, bool)>,
     /// Step number at the tie.
     pub(super) tie: f32,
 }
@@ -74,6 +85,16 @@ impl Tube {
     pub(super) fn tangent(&self, t: f32) -> Vec3 {
         let k = (t.max(0.0) as usize).min(self.at.len() - 2);
         (self.at[k + 1].centre - self.at[k].centre).normalize_or(Vec3::Y)
+    }
+    /// The front of the braid at a step number.
+    pub(super) fn front(&self, t: f32) -> Vec3 {
+        self.beside[(t.max(0.0) as usize).min(self.beside.len() - 1)].0
+    }
+    /// Whether hair of the strand may come near the skin at a step number.
+    #[inline]
+    pub(super) fn near(&self, t: f32) -> bool {
+        let k = (t.max(0.0) as usize).min(self.beside.len() - 2);
+        self.beside[k].1 || self.beside[k + 1].1
     }
     /// The step number at a fraction along the braid's source.
     pub(super) fn step_at(&self, along: f32) -> f32 {
@@ -176,6 +197,7 @@ impl Braid {
         let joined: View<f32> = strands.view_named(JOINED).unwrap_or(View::Shared(1.0));
         let steps = (spline.length() / step).floor().max(2.0) as usize;
         let mut at = Vec::with_capacity(steps + 1);
+        let mut beside = Vec::with_capacity(steps + 1);
         for k in 0..=steps {
             let s = (k as f32 * step).min(spline.length());
             let place = spline.locate_length(s);
@@ -192,21 +214,34 @@ impl Braid {
             let thick = mix(&radius) * asked.fill.at(i, a, along);
             let thick = thick * (1.0 + asked.knot.0 * bump(s / asked.knot.1.max(1e-4)));
             let (sin, cos) = sin_cos(asked.twist * s);
+            let (centre, front) = (spline.point(place), y);
             // Broad in the braid, whatever its own twist: soft strands give way to each other.
             let (x, y) =
                 (x * (thick * (1.0 + asked.broad)), y * (thick * (1.0 - 0.3 * asked.broad)));
+            let reach = x.length().max(y.length()) + NEAR;
+            let near = asked.skin.is_some_and(|skin| !skin.is_clear(centre, reach));
+            beside.push((front, near));
             at.push(Section {
-                centre: spline.point(place),
+                centre,
                 x: x * cos + y * sin,
                 y: y * cos - x * sin,
+                bend: Vec2::ZERO,
                 along,
                 joined: mix(&joined).clamp(0.0, 1.0),
             });
+        }
+        // Over the distance of two points of a hair.
+        let h = FINE as usize;
+        for k in h..at.len().saturating_sub(h) {
+            let turn = at[k - h].centre + at[k + h].centre - at[k].centre * 2.0;
+            let bent = turn / (h as f32 * step * (h as f32 * step));
+            at[k].bend = Vec2::new(bent.dot(at[k].x), bent.dot(at[k].y));
         }
         let tube = Tube {
             id: strands.id(i),
             strand: strands.view(attr::STRAND).at(i, range.start),
             at,
+            beside,
             tie: 0.0,
         };
         let tie = if tie >= 1.0 { tube.last() } else { tube.step_at(tie) };
@@ -284,9 +319,12 @@ impl Braid {
     }
 }
 
-/// A place in a cross-section.
+/// A place in a cross-section. On the inside of a bend hair is pressed together, so that none comes to lie beyond the
+/// middle of the bend, where it would run backwards.
 #[inline]
 pub(super) fn place(section: &Section, q: Vec2) -> Vec3 {
+    let inward = section.bend.dot(q).max(0.0) * (1.0 / INSIDE);
+    let q = q / (1.0 + inward * inward).sqrt();
     section.centre + section.x * q.x + section.y * q.y
 }
 

@@ -206,6 +206,8 @@ declare! {
     NORMAL: Vec3 = "normal", Vec3::ZERO;
     /// Id of the braid a strand, stitch or hair belongs to. 0: none.
     BRAID: u64 = "braid", 0;
+    /// Front of the braid where this hair joins it. Unit; zero: not known.
+    BRAID_FRONT: Vec3 = "braid_front", Vec3::ZERO;
     /// Number of the strand within its braid, from 0.
     STRAND: i32 = "strand", 0;
     /// Where a braid strand stands in its cycle at the root, 0 to 1.

@@ -17,7 +17,8 @@ pub(super) struct Braids {
     pub(super) strands: usize,
     /// Whether strands are single tubes; else they are made of hair, and their radius is that of its spread.
     pub(super) tubes: bool,
-    /// Largest (r_i + r_j) / distance of two strands of a braid: 1 touches, more overlaps.
+    /// Largest (r_i + r_j) / distance of two strands of a braid: 1 touches, more overlaps. Strands of hair press into one
+    /// another, and what is drawn together at their ends is left out.
     pub(super) worst_overlap: f32,
     /// Braids of a kind together.
     pub(super) kinds: Vec<Kind>,
@@ -67,7 +68,8 @@ pub(super) struct Joined {
 const NEAR: f32 = 3.0;
 
 pub(super) fn measure(prim: &Prim, scalp: Option<&Scalp>) -> Option<Braids> {
-    let all = braids(prim);
+    let skin = scalp.map(Scalp::skin);
+    let all = braids(prim, skin.as_ref());
     let joined = joined(prim);
     if all.is_empty() {
         return None;
@@ -151,18 +153,24 @@ impl One {
         if let Some(scalp) = scalp {
             let skin = scalp.skin();
             let every = (spine.at.len() / 64).max(1);
-            heights = Some(spine.at.iter().step_by(every).map(|p| far(scalp, *p)).collect());
+            heights = Some(
+                spine.at[first..=last].iter().step_by(every).map(|p| far(scalp, *p)).collect(),
+            );
             let strands = braid.strands.iter().flat_map(|s| s[first..=last].iter().step_by(2));
             gap = Some(
                 strands
-                    .map(|s| match skin.distance(s.middle) {
-                        d if d < 1.0 => d - s.radius,
+                    .map(|s| match (s.gap, skin.distance(s.middle)) {
+                        (Some(gap), _) => gap,
+                        (None, d) if d < 1.0 => d - s.radius,
                         _ => far(scalp, s.middle) - s.radius,
                     })
                     .fold(f32::MAX, f32::min),
             );
         }
-        Self { word, front_known: spine.front_known, overlap: overlap(braid), heights, gap }
+        // What hair is drawn together to at its ends overlaps, as it should.
+        let woven = if braid.tubes { 0..sections.len() } else { first..last + 1 };
+        let overlap = overlap(braid, woven);
+        Self { word, front_known: spine.front_known, overlap, heights, gap }
     }
 }
 
@@ -205,44 +213,43 @@ impl Spine {
                 tangents[k] = tangents[k - 1];
             }
         }
-        // What tells the front: the file at each point; else the skin where the braid begins, or the normal of the scalp at
-        // its roots, carried on along the braid.
-        let told: Vec<Vec3> = (0..n)
+        let mut spine = Self { at, fronts: carried(&tangents), tangents, front_known: false };
+        // What tells the front: the file; else the skin where the braid begins, or the normal of the scalp at its roots.
+        let mut told: Vec<Vec3> = (0..n)
             .map(|k| braid.strands.iter().map(|s| s[k].front).sum::<Vec3>().normalize_or_zero())
             .collect();
-        let told_everywhere = told.iter().all(|f| *f != Vec3::ZERO);
-        let below = |p: &Vec3| {
-            let hit = scalp?.surface().closest_within(*p, NEAR)?;
-            Some(scalp?.surface().smooth_normal(hit.triangle, hit.bary))
-        };
-        let begins = n.div_ceil(20);
-        let skin = at[..begins].iter().filter_map(below).sum::<Vec3>();
-        let roots = braid.curves.iter().flatten();
-        let root = root_front.map_or(Vec3::ZERO, |column| {
-            roots.map(|i| column.at(*i, prim.range(*i).start)).sum::<Vec3>()
-        });
-        let start = [told[0], skin, root].into_iter().find(|v| v.length_squared() > 0.0);
-        let start = start.and_then(|v| across(v.normalize_or_zero(), tangents[0]));
-        let mut fronts: Vec<Vec3> = vec![start.unwrap_or_else(|| any_normal(tangents[0]))];
-        for k in 1..n {
-            let carried = carry(fronts[k - 1], tangents[k - 1], tangents[k]);
-            let own = Some(told[k]).filter(|_| told_everywhere);
-            fronts.push(own.and_then(|own| across(own, tangents[k])).unwrap_or(carried));
+        if told.iter().all(|front| *front == Vec3::ZERO) {
+            let below = |p: &Vec3| {
+                let hit = scalp?.surface().closest_within(*p, NEAR)?;
+                Some(scalp?.surface().smooth_normal(hit.triangle, hit.bary))
+            };
+            let skin = spine.at[..n.div_ceil(20)].iter().filter_map(below).sum::<Vec3>();
+            let roots = braid.curves.iter().flatten();
+            let root = root_front.map_or(Vec3::ZERO, |column| {
+                roots.map(|i| column.at(*i, prim.range(*i).start)).sum::<Vec3>()
+            });
+            told[0] = if skin == Vec3::ZERO { root } else { skin };
         }
-        let front_known = start.is_some();
-        let mut spine = Self { at, tangents, fronts, front_known };
-        if !told_everywhere {
-            spine.turn_to_the_broad_side(braid);
-        }
+        spine.turn(&told, braid);
         spine
     }
 
-    /// Where the front is known from the root or the skin alone, the braid may have turned: it is taken to be the front
-    /// of its broad side that is nearest.
-    fn turn_to_the_broad_side(&mut self, braid: &Braid) {
+    /// Turns the carried fronts to what is `told` of them. Where nothing is, the braid may have turned on: its front is
+    /// taken to be that of its broad side which is nearest to the front before.
+    fn turn(&mut self, told: &[Vec3], braid: &Braid) {
         let n = self.at.len();
-        let sections = self.sections(braid);
-        let moments: Vec<[f32; 3]> = sections
+        let angles: Vec<Option<f32>> = (0..n)
+            .map(|k| {
+                let front = across(told[k].try_normalize()?, self.tangents[k])?;
+                let right = self.tangents[k].cross(self.fronts[k]);
+                Some(front.dot(-right).atan2(front.dot(self.fronts[k])))
+            })
+            .collect();
+        let Some(first) = angles.iter().flatten().next() else { return };
+        self.front_known = true;
+        let all_told = angles.iter().all(Option::is_some);
+        let moments: Vec<[f32; 3]> = self
+            .sections(braid)
             .iter()
             .map(|s| {
                 s.iter().fold([0.0; 3], |[xx, xy, yy], p| {
@@ -251,20 +258,22 @@ impl Spine {
             })
             .collect();
         let reach = (n / 40).max(6);
-        let mut last = 0.0f32;
+        let mut last = *first;
         for k in 0..n {
             let window = &moments[k.saturating_sub(reach)..(k + reach + 1).min(n)];
             let [xx, xy, yy] =
                 window.iter().fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
             let split = (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
             let round = split < 0.12 * (xx + yy);
-            let mut angle = if round { last } else { 0.5 * (2.0 * xy).atan2(xx - yy) };
-            let half_turn = std::f32::consts::PI;
-            angle += ((last - angle) / half_turn).round() * half_turn;
-            last = angle;
+            last = angles[k].unwrap_or(last);
+            if !round && !all_told {
+                let half_turn = std::f32::consts::PI;
+                let broad = 0.5 * (2.0 * xy).atan2(xx - yy);
+                last = broad + ((last - broad) / half_turn).round() * half_turn;
+            }
             let (front, right) = (self.fronts[k], self.tangents[k].cross(self.fronts[k]));
             // The broad side turned from `right` towards `front` by the angle.
-            self.fronts[k] = front * angle.cos() - right * angle.sin();
+            self.fronts[k] = front * last.cos() - right * last.sin();
         }
     }
 
@@ -296,8 +305,17 @@ impl Spine {
     }
 }
 
+/// Any front carried along without turning about the tangents.
+fn carried(tangents: &[Vec3]) -> Vec<Vec3> {
+    let mut fronts = vec![any_normal(tangents[0])];
+    for w in tangents.windows(2) {
+        fronts.push(carry(fronts[fronts.len() - 1], w[0], w[1]));
+    }
+    fronts
+}
+
 /// The largest (r_i + r_j) / distance of samples of different strands.
-fn overlap(braid: &Braid) -> f32 {
+fn overlap(braid: &Braid, woven: std::ops::Range<usize>) -> f32 {
     const BLOCK: usize = 16;
     // The sphere about each block of samples, radii included: blocks that are apart are passed over.
     let blocks: Vec<Vec<(Vec3, f32)>> = braid
@@ -309,14 +327,15 @@ fn overlap(braid: &Braid) -> f32 {
                 let reach = |s: &Section| s.middle.distance(middle) + s.radius;
                 (middle, block.iter().map(reach).fold(0.0, f32::max))
             };
-            strand.chunks(BLOCK).map(around).collect()
+            strand[woven.clone()].chunks(BLOCK).map(around).collect()
         })
         .collect();
+    let strand = |i: usize| braid.strands[i][woven.clone()].chunks(BLOCK);
     let mut worst = 0.0f32;
     for i in 0..braid.strands.len() {
         for j in i + 1..braid.strands.len() {
-            for (one, (p, a)) in braid.strands[i].chunks(BLOCK).zip(&blocks[i]) {
-                for (other, (q, b)) in braid.strands[j].chunks(BLOCK).zip(&blocks[j]) {
+            for (one, (p, a)) in strand(i).zip(&blocks[i]) {
+                for (other, (q, b)) in strand(j).zip(&blocks[j]) {
                     if p.distance_squared(*q) > 2.5 * (a + b) * (a + b) {
                         continue;
                     }

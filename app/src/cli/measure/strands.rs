@@ -2,9 +2,12 @@
 //!
 //! A braid is what has one `braid` number, a strand what has one `strand` number in it. A strand of one curve with a `radius` is
 //! a tube and taken as it is. Of a strand of many hairs the middle counts, and the disc that would spread as they do; a
-//! hair counts from where it has joined (`along` above 0), the farthest fifth (flyaways, hair on its way in) does not.
+//! hair counts from where it has joined (`along` rises from there on), the farthest fifth (flyaways, hair on its way in) does
+//! not. A strand begins where it has a twentieth of its hair. What tells the front is `normal` at each point, or
+//! `braid_front`, the front where a hair joins: each hair knows it for the place where it does.
 
 use super::prim::{Column, Prim, in_parts};
+use coif_nodes::data::scalp::Skin;
 use coif_nodes::maths::spline::{Place, Spline};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -25,17 +28,23 @@ pub(super) struct Section {
     pub(super) radius: f32,
     /// Front of the braid as the file tells it; zero where it does not.
     pub(super) front: Vec3,
+    /// How near the hair comes to the skin, cm; none for tubes and far from it.
+    pub(super) gap: Option<f32>,
 }
 
 /// Hairs of a strand that its middle is found from.
 const MOST_HAIRS: usize = 160;
 /// Fewer hairs than this make no strand.
 const FEWEST: usize = 3;
+/// One in so many of a strand's hairs make a strand.
+const A_STRAND: usize = 20;
+/// How far along the braid the front where a hair joins is that of the braid.
+const AS_JOINED: f32 = 0.015;
 /// The share of hairs that counts, nearest to the middle first.
 const COUNTS: f32 = 0.8;
 
 /// All braids of a prim, by number.
-pub(super) fn braids(prim: &Prim) -> Vec<Braid> {
+pub(super) fn braids(prim: &Prim, skin: Option<&Skin>) -> Vec<Braid> {
     let (Some(braid), Some(strand)) = (prim.whole("braid"), prim.whole("strand")) else {
         return vec![];
     };
@@ -49,8 +58,10 @@ pub(super) fn braids(prim: &Prim) -> Vec<Braid> {
     let columns = Columns {
         along: prim.numbers("along").filter(Column::is_of_points),
         normal: prim.vectors("normal").filter(Column::is_of_points),
+        joins: prim.vectors("braid_front"),
         stitch: prim.whole("stitch"),
         radius: radius.filter(Column::is_of_points),
+        skin,
     };
     in_parts(members.len(), 1, |part| columns.braid(prim, &members[part.start]))
         .into_iter()
@@ -61,8 +72,10 @@ pub(super) fn braids(prim: &Prim) -> Vec<Braid> {
 struct Columns<'a> {
     along: Option<Column<'a, f32>>,
     normal: Option<Column<'a, Vec3>>,
+    joins: Option<Column<'a, Vec3>>,
     stitch: Option<Vec<i64>>,
     radius: Option<Column<'a, f32>>,
+    skin: Option<&'a Skin<'a>>,
 }
 
 impl Columns<'_> {
@@ -122,6 +135,7 @@ impl Columns<'_> {
                 middle: spline.point(Place { span, t }),
                 radius,
                 front: self.normal.map_or(Vec3::ZERO, |n| n.at(curve, first + span)),
+                gap: None,
             })
         };
         Some((0..count).map(section).collect())
@@ -142,6 +156,7 @@ impl Columns<'_> {
             chosen.iter().map(|i| self.hair(prim, *i)).collect();
         let mut at = vec![0; hairs.len()];
         let mut here = vec![];
+        let fewest = (hairs.len() / A_STRAND).max(FEWEST);
         (0..count)
             .map(|k| {
                 let u = k as f32 / (count - 1) as f32;
@@ -157,7 +172,7 @@ impl Columns<'_> {
                         here.push((a.1.lerp(b.1, t), a.2.lerp(b.2, t)));
                     }
                 }
-                middle(&mut here)
+                middle(&mut here, fewest, self.skin)
             })
             .collect()
     }
@@ -165,18 +180,24 @@ impl Columns<'_> {
     /// Points of a hair from where it has joined: fraction along the braid, place, front.
     fn hair(&self, prim: &Prim, curve: usize) -> Vec<(f32, Vec3, Vec3)> {
         let (points, first) = (prim.curve(curve), prim.range(curve).start);
-        let front = |k: usize| self.normal.map_or(Vec3::ZERO, |n| n.at(curve, first + k));
         if let Some(along) = self.along {
-            let mut last = 0.0;
-            let mut rises = |k: &usize| {
-                let u = along.at(curve, first + *k);
-                let more = u > last;
-                last = last.max(u);
+            let at = |k: usize| along.at(curve, first + k);
+            let joined = at(0);
+            let mut last = joined;
+            let rises = |k: &usize| {
+                let more = at(*k) > last;
+                last = last.max(at(*k));
                 more
             };
-            let joined = (0..points.len()).filter(|k| rises(k));
-            return joined.map(|k| (along.at(curve, first + k), points[k], front(k))).collect();
+            let front = |k: usize| match (self.normal, self.joins) {
+                (Some(normal), _) => normal.at(curve, first + k),
+                (None, Some(joins)) if at(k) < joined + AS_JOINED => joins.at(curve, first + k),
+                _ => Vec3::ZERO,
+            };
+            let rising: Vec<usize> = (0..points.len()).filter(rises).collect();
+            return rising.into_iter().map(|k| (at(k), points[k], front(k))).collect();
         }
+        let front = |k: usize| self.normal.map_or(Vec3::ZERO, |n| n.at(curve, first + k));
         let length: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
         let mut s = 0.0;
         (0..points.len())
@@ -188,10 +209,11 @@ impl Columns<'_> {
     }
 }
 
-fn middle(here: &mut [(Vec3, Vec3)]) -> Option<Section> {
-    if here.len() < FEWEST {
+fn middle(here: &mut [(Vec3, Vec3)], fewest: usize, skin: Option<&Skin>) -> Option<Section> {
+    if here.len() < fewest {
         return None;
     }
+    let front = here.iter().map(|p| p.1).sum::<Vec3>().normalize_or_zero();
     let mean = |all: &[(Vec3, Vec3)]| all.iter().map(|p| p.0).sum::<Vec3>() / all.len() as f32;
     let mut about = mean(here);
     let counting = ((here.len() as f32 * COUNTS).ceil() as usize).clamp(FEWEST, here.len());
@@ -202,10 +224,14 @@ fn middle(here: &mut [(Vec3, Vec3)]) -> Option<Section> {
     let spread: f32 =
         here[..counting].iter().map(|p| p.0.distance_squared(about)).sum::<f32>() / counting as f32;
     let share = counting as f32 / here.len() as f32;
+    let gap = skin
+        .filter(|skin| skin.about(about) < 1.0)
+        .map(|skin| here[..counting].iter().map(|p| skin.about(p.0)).fold(f32::MAX, f32::min));
     Some(Section {
         middle: about,
         // Within the share of a disc's area nearest to its middle, the mean square is half the share of its radius's.
         radius: (2.0 * spread / share).sqrt(),
-        front: here[..counting].iter().map(|p| p.1).sum::<Vec3>().normalize_or_zero(),
+        front,
+        gap,
     })
 }

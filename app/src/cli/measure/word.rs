@@ -102,8 +102,9 @@ fn factor_of(n: usize, m: usize) -> Vec<bool> {
     Word::read(n, &samples).map_or(vec![], |word| word.signs)
 }
 
-/// How far strands must have passed each other for a crossing, as a share of the braid's half width there.
-const PASSED: f32 = 0.08;
+/// How far strands must have passed each other for a crossing, as a share of the braid's half width for each strand: of
+/// three, each is 1.5 times the half width beyond the other before it meets the next.
+const PASSED: f32 = 0.9;
 
 /// Crossings in order: the pair, and whether the strand going right is in front.
 fn crossings(n: usize, samples: &[Vec<Vec2>]) -> Vec<(usize, bool)> {
@@ -111,14 +112,20 @@ fn crossings(n: usize, samples: &[Vec<Vec2>]) -> Vec<(usize, bool)> {
     let Some(first) = samples.first().filter(|s| s.len() == n) else { return word };
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|a, b| first[*a].x.total_cmp(&first[*b].x));
+    let halves: Vec<f32> =
+        samples.iter().map(|s| s.iter().map(|p| p.x.abs()).fold(0.0, f32::max)).collect();
+    let mut sorted = halves.clone();
+    sorted.sort_by(f32::total_cmp);
+    // Where strands are drawn together, little things are no crossings.
+    let least = 0.5 * sorted[sorted.len() / 2];
     for (k, now) in samples.iter().enumerate().skip(1) {
-        let half = now.iter().map(|p| p.x.abs()).fold(0.0, f32::max);
+        let passed = PASSED / n as f32 * halves[k].max(least);
         let mut swapped = true;
         while swapped {
             swapped = false;
             for p in 0..n - 1 {
                 let (left, right) = (order[p], order[p + 1]);
-                if now[left].x > now[right].x + PASSED * half {
+                if now[left].x > now[right].x + passed {
                     // In front is who was it where they passed.
                     let passed = (1..=k)
                         .rev()

@@ -1,0 +1,142 @@
+//! Points along a hair made even, and the two curves that hairs are led by.
+//!
+//! Guarantees: of [`Even::out`] neighbouring chords differ by at most a tenth where the hair bends by less than a right angle
+//! within a few points, and the ends stay where they are. Not promised: points keep their places.
+
+use glam::Vec3;
+
+/// A point of a hair while it is made.
+#[derive(Clone, Copy)]
+pub(super) struct Bead {
+    pub(super) p: Vec3,
+    /// Fraction along the braid's source.
+    pub(super) along: f32,
+    /// Whether the skin may be near.
+    pub(super) near: bool,
+}
+
+/// Buffers of [`Even::out`].
+#[derive(Default)]
+pub(super) struct Even {
+    beads: Vec<Bead>,
+    lengths: Vec<f32>,
+}
+
+/// Chords that differ by less than this are even.
+const EVEN: f32 = 1.1;
+/// Rounds in which they are made so.
+const ROUNDS: usize = 3;
+
+impl Even {
+    /// Moves the beads of a hair along it until they are evenly spaced; they nearly are.
+    pub(super) fn out(&mut self, beads: &mut Vec<Bead>) {
+        let n = beads.len();
+        if n < 3 {
+            return;
+        }
+        let joins = beads[0].along;
+        for _ in 0..ROUNDS {
+            self.lengths.clear();
+            self.lengths.push(0.0);
+            let mut total = 0.0f32;
+            for w in beads.windows(2) {
+                total += w[0].p.distance(w[1].p);
+                self.lengths.push(total);
+            }
+            if unevenness(beads) < EVEN {
+                return;
+            }
+            self.beads.clear();
+            let mut k = 0;
+            for i in 0..n {
+                let s = total * i as f32 / (n - 1) as f32;
+                while k + 2 < n && self.lengths[k + 1] < s {
+                    k += 1;
+                }
+                let t = (s - self.lengths[k]) / (self.lengths[k + 1] - self.lengths[k]).max(1e-9);
+                let t = t.clamp(0.0, 1.0);
+                let (a, b) = (beads[k], beads[k + 1]);
+                self.beads.push(Bead {
+                    p: spline_point(|k| beads[k].p, n, k, t),
+                    // Not until it has joined.
+                    along: if a.along > joins { a.along + (b.along - a.along) * t } else { joins },
+                    near: a.near || b.near,
+                });
+            }
+            self.beads[0] = beads[0];
+            self.beads[n - 1] = beads[n - 1];
+            std::mem::swap(beads, &mut self.beads);
+        }
+    }
+}
+
+/// The largest ratio of neighbouring chords.
+pub(super) fn unevenness(beads: &[Bead]) -> f32 {
+    let square = |k: usize| beads[k].p.distance_squared(beads[k + 1].p);
+    let ratios = (1..beads.len().max(2) - 1).map(|k| {
+        let (a, b) = (square(k - 1), square(k));
+        a.max(b) / a.min(b).max(1e-12)
+    });
+    ratios.fold(1.0, f32::max).sqrt()
+}
+
+/// Straightens a hair a little where the skin may be near.
+pub(super) fn relax(beads: &mut [Bead]) {
+    let Some(first) = beads.first() else { return };
+    let mut before = first.p;
+    for k in 1..beads.len() - 1 {
+        let here = beads[k].p;
+        if beads[k].near {
+            beads[k].p = here * 0.5 + (before + beads[k + 1].p) * 0.25;
+        }
+        before = here;
+    }
+}
+
+/// From 0 at 0 to 1 at 1, level at both.
+#[inline]
+pub(super) fn smooth(t: f32) -> f32 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Catmull-Rom through `n` even points, its ends extrapolated, between the points `k` and `k` + 1.
+#[inline]
+pub(super) fn spline_point(at: impl Fn(usize) -> Vec3, n: usize, k: usize, t: f32) -> Vec3 {
+    let (b, c) = (at(k), at(k + 1));
+    let a = if k > 0 { at(k - 1) } else { b * 2.0 - c };
+    let d = if k + 2 < n { at(k + 2) } else { c * 2.0 - b };
+    let (t2, t3) = (t * t, t * t * t);
+    a * (t2 - 0.5 * (t3 + t))
+        + b * (1.5 * t3 - 2.5 * t2 + 1.0)
+        + c * (0.5 * t - 1.5 * t3 + 2.0 * t2)
+        + d * (0.5 * (t3 - t2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uneven_points_of_a_bent_hair_are_made_even() {
+        // A quarter circle whose points crowd at its start.
+        let at = |k: usize| {
+            let (y, x) = crate::maths::transcendental::sin_cos_turns(
+                0.25 * {
+                    let x = k as f32 / 29.0;
+                    x * x * x
+                },
+            );
+            Bead { p: Vec3::new(x, y, 0.0), along: y, near: k == 3 }
+        };
+        let mut beads: Vec<Bead> = (0..30).map(at).collect();
+        Even::default().out(&mut beads);
+        let chords: Vec<f32> = beads.windows(2).map(|w| w[0].p.distance(w[1].p)).collect();
+        let (least, most) =
+            chords.iter().fold((f32::MAX, 0.0f32), |(a, b), c| (a.min(*c), b.max(*c)));
+        assert!(most < 1.2 * least, "{least} {most}");
+        assert!(beads.iter().all(|b| (b.p.length() - 1.0).abs() < 1e-2));
+        assert!(beads.windows(2).all(|w| w[0].along <= w[1].along) && beads.len() == 30);
+        assert_eq!((beads[0].p, beads[29].p), (at(0).p, at(29).p));
+    }
+}

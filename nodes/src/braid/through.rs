@@ -1,0 +1,339 @@
+//! One hair: from its root over the scalp into its strand, through the braid within the strand's tube, and out into the tuft.
+//!
+//! The idea: a hair keeps its place in its strand's cross-section. Hair that joins comes in at the outside, and what was
+//! there before is the core: with F(u) the share of hair that has joined up to u, a hair that joined at u0 lies at
+//! sqrt(F(u0) / F(u)) of the radius. So the tube is evenly full everywhere, whatever joins where, and no hair has to make
+//! room for another. It joins the way its strand goes: one that would have to turn back slides on along the strand until it
+//! comes in forwards.
+//!
+//! Guarantees: a hair begins at its root, has at most [`MOST_POINTS`], evenly spaced, and stays within its strand's tube once
+//! it has joined (flyaways and the brush apart) and out of the skin. Not promised: hairs clear of each other.
+
+use super::even::{Bead, Even, relax, smooth, spline_point, unevenness};
+use super::tube::{Braid, FINE, Tube, place};
+use super::wander::{Parted, Wander};
+use crate::data::scalp::Skin;
+use crate::maths::hash::Dice;
+use glam::{Vec2, Vec3};
+
+/// The most points of a hair.
+pub(super) const MOST_POINTS: usize = 255;
+/// Nearer than this (cm) points are set off the skin by the distance field, whose error is less.
+const CLEAR: f32 = 0.025;
+/// Points that were made even may be so near (cm) and no nearer.
+const LEAST: f32 = 0.008;
+
+/// Rounds in which a hair is led over the edges of the skin.
+const ROUNDS: usize = 4;
+
+/// How hairs go through their braid. Lengths in cm.
+pub(super) struct Manner {
+    /// Stitches in which a hair comes to its place.
+    pub(super) settling: f32,
+    pub(super) frizz: f32,
+    pub(super) tip_variation: f32,
+    pub(super) tip_taper: f32,
+    pub(super) tip_frizz: f32,
+    pub(super) flyaways: f32,
+    pub(super) flyaway_length: f32,
+    /// Of the head.
+    pub(super) unit: f32,
+    pub(super) dice: Dice,
+}
+
+/// What a hair asks for.
+pub(super) struct Wish {
+    pub(super) id: u64,
+    pub(super) fed: bool,
+    /// Share of the braid's hair that joined before it.
+    pub(super) order: f32,
+    /// Its length, cm; 0: to the end.
+    pub(super) length: f32,
+}
+
+/// Where a hair enters its braid.
+pub(super) struct Entry {
+    pub(super) tube: usize,
+    /// Step number.
+    pub(super) t: f32,
+    pub(super) stitch: i32,
+    /// Its place in the unit disc.
+    pub(super) q: Vec2,
+}
+
+/// Leads hairs, one after the other.
+pub(super) struct Leader<'a> {
+    pub(super) manner: &'a Manner,
+    pub(super) skin: Option<&'a Skin<'a>>,
+    /// The hair that was led last.
+    pub(super) beads: Vec<Bead>,
+    even: Even,
+}
+
+impl<'a> Leader<'a> {
+    pub(super) fn new(manner: &'a Manner, skin: Option<&'a Skin<'a>>) -> Self {
+        Self { manner, skin, beads: vec![], even: Even::default() }
+    }
+
+    /// Leads a hair; gives the front of the braid where it joins.
+    pub(super) fn lead(&mut self, braid: &Braid, way: &[Vec3], entry: &Entry, wish: &Wish) -> Vec3 {
+        self.beads.clear();
+        let tube = &braid.tubes[entry.tube];
+        let (t, come) = self.joins(braid, tube, way, entry, wish);
+        let section = tube.section(t);
+        let spacing = FINE * braid.step;
+        let mut reached = (0.0, spacing);
+        if !wish.fed {
+            let end = place(&section, come * share(wish, section.joined));
+            reached = self.comb(way, end, tube.tangent(t), spacing);
+            self.beads.iter_mut().for_each(|bead| bead.along = section.along);
+        }
+        self.braided(braid, tube, (t, come, entry.q), wish, reached);
+        // Out of the skin first, then even; over an edge, such as that of an ear, not all at once.
+        let on_its_way = self.beads.partition_point(|bead| bead.along <= section.along);
+        for round in 0..ROUNDS {
+            if round > 0 {
+                relax(&mut self.beads);
+            }
+            self.lift(CLEAR);
+            self.even.out(&mut self.beads);
+            if !self.lift(LEAST) || unevenness(&self.beads) < 1.2 {
+                break;
+            }
+        }
+        tube.front(t)
+    }
+
+    /// Lifts what may be nearer to the skin than `height`; tells whether anything was.
+    fn lift(&mut self, height: f32) -> bool {
+        let Some(skin) = self.skin else { return false };
+        let mut moved = false;
+        for bead in self.beads.iter_mut().skip(1).filter(|bead| bead.near) {
+            let over = over(skin, bead.p, height);
+            moved |= over != bead.p;
+            bead.p = over;
+        }
+        moved
+    }
+
+    /// Where a hair comes in, as a step number, and at which place of the unit disc: on the side that it comes from, and
+    /// forwards.
+    fn joins(
+        &self,
+        braid: &Braid,
+        tube: &Tube,
+        way: &[Vec3],
+        entry: &Entry,
+        wish: &Wish,
+    ) -> (f32, Vec2) {
+        /// Places tried for one stitch, and stitches.
+        const TRIED: (f32, f32) = (8.0, 3.0);
+        /// Cosine of the largest angle between hair and strand.
+        const FORWARDS: f32 = 0.7;
+        if wish.fed {
+            return (entry.t, entry.q * 0.4);
+        }
+        let last = (tube.tie - braid.per_stitch).max(entry.t);
+        let (mut best, mut found) = (f32::MIN, (entry.t, entry.q));
+        for k in 0..=(TRIED.0 * TRIED.1) as usize {
+            let t = (entry.t + k as f32 * braid.per_stitch / TRIED.0).min(last);
+            let section = tube.section(t);
+            let from = way[way.len() - 1] - section.centre;
+            let x = Vec2::new(
+                from.dot(section.x.normalize_or_zero()),
+                from.dot(section.y.normalize_or_zero()),
+            );
+            let come = (entry.q * 0.5 + x.normalize_or_zero()).normalize_or(entry.q);
+            let end = place(&section, come * share(wish, section.joined));
+            let forwards = (end - way[0]).normalize_or_zero().dot(tube.tangent(t));
+            if forwards > best + 1e-3 {
+                (best, found) = (forwards, (t, come));
+            }
+            if best > FORWARDS || t >= last {
+                break;
+            }
+        }
+        found
+    }
+
+    /// The hair in its strand from the step `t` on, where it comes in at `come` to work its way to `q`; `reached` is how far
+    /// it has come and the spacing of its points.
+    fn braided(
+        &mut self,
+        braid: &Braid,
+        tube: &Tube,
+        (from, come, q): (f32, Vec2, Vec2),
+        wish: &Wish,
+        reached: (f32, f32),
+    ) {
+        let manner = self.manner;
+        let beads = &mut self.beads;
+        // How far it goes: to its own end, or through the brush.
+        let brush = braid.brush.len() as f32;
+        let shorter = manner.tip_variation * manner.dice.unit(wish.id, 3);
+        let until = if brush > 0.0 {
+            tube.tie + (brush - 1.0) * (1.0 - shorter)
+        } else {
+            tube.last() - 0.5 * braid.per_stitch * shorter
+        };
+        let mut until = until.max(from + 2.0);
+        if wish.length > 0.0 {
+            until = until.min(from + ((wish.length - reached.0) / braid.step).max(2.0));
+        }
+        let leaves = manner.leaves(braid, wish.id, from, until);
+        if let Some((_, end)) = leaves {
+            until = end;
+        }
+        // Even steps of the hair, not of its strand: on the inside of a bend it is shorter. They begin with what the way
+        // over the scalp had.
+        let room = (MOST_POINTS - beads.len().min(MOST_POINTS - 3) - 1) as f32;
+        let spacing = (FINE * braid.step).max(1.12 * (until - from) * braid.step / room);
+        let mut last = reached.1.clamp(0.4 * spacing, 2.0 * spacing);
+        let (mut t, mut gone) = (from, if wish.fed { 0.0 } else { reached.0 - reached.1 });
+        let settle = manner.settling * braid.per_stitch;
+        let mut wander = Wander::new(manner, wish.id, braid.step);
+        let mut parted: Option<Parted> = None;
+        let mut bristle: Option<Vec2> = None;
+        while beads.len() < MOST_POINTS {
+            let section = tube.section(t);
+            let mut size = share(wish, section.joined);
+            let mut here = come + (q - come) * smooth((t - from) / settle);
+            if let Some((start, end)) = leaves {
+                // What stands off comes from the surface.
+                size += (0.97 - size).max(0.0) * smooth(1.0 + (t - start) / settle);
+                if t >= start && t > from {
+                    let parted =
+                        *parted.get_or_insert_with(|| Parted::new(tube, start, here * size, end));
+                    let p = parted.at((t - start) * braid.step, manner, wish.id);
+                    beads.push(Bead { p, along: section.along, near: true });
+                    if t >= until {
+                        break;
+                    }
+                    last = (last * 1.15).min(spacing);
+                    t += last / braid.step;
+                    continue;
+                }
+            }
+            here = (here * size + wander.at(t)).clamp_length_max(1.0);
+            let mut p = place(&section, here);
+            let mut near = tube.near(t);
+            if brush > 0.0 && t > tube.tie {
+                let offset = *bristle.get_or_insert_with(|| {
+                    let tied = place(&tube.section(tube.tie), here);
+                    let b = braid.bristle(0.0);
+                    Vec2::new((tied - b.centre).dot(b.x), (tied - b.centre).dot(b.y))
+                });
+                let beyond = t - tube.tie;
+                let far = beyond / brush;
+                let b = braid.bristle(beyond);
+                let narrow = b.size * (1.0 - manner.tip_taper * far * far);
+                let loose = wander.loose() * (manner.tip_frizz * far * beyond * braid.step * 0.25);
+                let o = offset * narrow + loose;
+                let free = b.centre + b.x * o.x + b.y * o.y;
+                p = p.lerp(free, smooth(beyond / braid.per_stitch));
+                near = true;
+            }
+            let before = beads.last().map_or(p, |bead| bead.p);
+            let far = p.distance(before);
+            if wish.length > 0.0 && gone + far > wish.length && beads.len() > 2 {
+                let part = ((wish.length - gone) / far.max(1e-6)).clamp(0.0, 1.0);
+                beads.push(Bead { p: before.lerp(p, part), along: section.along, near });
+                break;
+            }
+            gone += far;
+            beads.push(Bead { p, along: section.along, near });
+            if t >= until {
+                break;
+            }
+            last += (spacing - last).clamp(-0.15 * last, 0.15 * last);
+            // The pace half a step on.
+            let guess = last / braid.step;
+            let pace = if t + guess > tube.tie && brush > 0.0 {
+                braid.step
+            } else {
+                tube.pace(t + 0.5 * guess, here)
+            };
+            t += (last / pace.max(1e-6)).clamp(0.3 * guess, 4.0 * guess);
+        }
+    }
+
+    /// Beads of the way over the scalp, its end bent to `end` and the direction `along` there, without that end; gives
+    /// its length and the spacing of its points.
+    fn comb(&mut self, way: &[Vec3], end: Vec3, along: Vec3, spacing: f32) -> (f32, f32) {
+        const SAMPLES: usize = 16;
+        let n = way.len();
+        let on_way = |s: f32| {
+            let x = s * (n - 1) as f32;
+            let k = (x as usize).min(n - 2);
+            spline_point(|k| way[k], n, k, x - k as f32)
+        };
+        let root = way[0];
+        let (chord, aside) = (end - root, end - way[n - 1]);
+        // The farther the end is from that of the way, the less the way says.
+        let astray = smooth(1.6 * aside.length() / chord.length().max(1e-6) - 0.4);
+        let combed = |s: f32| {
+            let bent = on_way(s) + aside * smooth(s);
+            bent.lerp(root + chord * s, astray)
+        };
+        let arriving = (end - combed(0.94)) / 0.06;
+        let turn = along * (0.8 * chord.length()) - arriving;
+        let mut fine = [Vec3::ZERO; SAMPLES + 1];
+        let mut lengths = [0.0f32; SAMPLES + 1];
+        for k in 0..=SAMPLES {
+            let s = k as f32 / SAMPLES as f32;
+            fine[k] = combed(s) + turn * (s * s * (s - 1.0));
+            if k > 0 {
+                if let (Some(skin), true) = (self.skin, k < SAMPLES) {
+                    fine[k] = over(skin, fine[k], (6.0 * s).min(1.0) * CLEAR);
+                }
+                lengths[k] = lengths[k - 1] + fine[k].distance(fine[k - 1]);
+            }
+        }
+        let total = lengths[SAMPLES];
+        let count = ((total / spacing).round() as usize).clamp(1, 200);
+        let near = self.skin.is_some();
+        self.beads.push(Bead { p: root, along: 0.0, near });
+        let mut k = 0;
+        for i in 1..count {
+            let s = total * i as f32 / count as f32;
+            while k + 1 < SAMPLES && lengths[k + 1] < s {
+                k += 1;
+            }
+            let t = ((s - lengths[k]) / (lengths[k + 1] - lengths[k]).max(1e-9)).clamp(0.0, 1.0);
+            let p = spline_point(|k| fine[k], SAMPLES + 1, k, t);
+            self.beads.push(Bead { p, along: 0.0, near });
+        }
+        (total, total / count as f32)
+    }
+}
+
+impl Manner {
+    /// Where a flyaway leaves its braid and where it ends (step numbers); none for most hairs.
+    fn leaves(&self, braid: &Braid, id: u64, from: f32, until: f32) -> Option<(f32, f32)> {
+        if self.dice.unit(id, 4) >= self.flyaways {
+            return None;
+        }
+        let at = from + (until - from) * (0.08 + 0.9 * self.dice.unit(id, 5));
+        let length = self.flyaway_length * self.dice.range(id, 6, 0.25, 1.0);
+        Some((at, at + length / braid.step))
+    }
+}
+
+/// How far out in its strand a hair lies where so much has `joined`, as a fraction of the radius.
+#[inline]
+fn share(wish: &Wish, joined: f32) -> f32 {
+    (wish.order / joined.max(1e-4)).sqrt().min(1.0)
+}
+
+/// `p` or the point above it that is at least `height` over the skin.
+#[inline]
+fn over(skin: &Skin, p: Vec3, height: f32) -> Vec3 {
+    match skin.roughly(p) {
+        // So deep, the field's way out is not good enough.
+        Some((d, _, doubt)) if d < -0.05 || (doubt > 0.05 && d - doubt < height) => {
+            skin.lift(p, height).0
+        }
+        Some((d, out, _)) if d < height => p + out.normalize_or_zero() * (height - d),
+        _ => p,
+    }
+}
