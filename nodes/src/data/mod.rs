@@ -2,8 +2,10 @@
 
 pub mod attributes;
 pub mod chart;
+mod cut;
 pub mod curves;
 pub mod field;
+pub mod home;
 pub mod mesh;
 pub mod ramp;
 pub mod scalp;
