@@ -5,7 +5,8 @@
 //! exactly the hair that follows it. Guarantees: roots on the scalp; more only adds hair; weights go to zero where a
 //! guide stops counting, so nothing pops as roots move; no point under the skin by more than the guide's
 //! `allow_depth`; a hair rooted where a guide is has its shape; on a parted scalp no hair is rooted on a parting or led by a
-//! guide of another section. Not promised: that hair stays over its section, for it goes where its guides go.
+//! guide of another section, and what lies on the skin stays in its section as far along it as the nearest guide does in its own. Not
+//! promised: that hair stays over its section beyond that, for it goes where its guides go.
 
 use super::plan::{Hair, Plan};
 use crate::data::attributes::{
@@ -231,6 +232,12 @@ impl Maker<'_> {
         let depths: Vec<f32> =
             (0..each).map(|k| depth.at(0, (at_u(k) * last as f32) as usize)).collect();
         let guide_root = own.curve(0)[0];
+        // So far the guide itself keeps to the section of its root.
+        let home = self.scalp.home(guide_root);
+        let at_home = home.map_or(0, |home| {
+            let at = |k: usize| guide_root + Vec3::from(shapes[0].axes.each_ref().map(|x| x[k]));
+            (1..each).take_while(|k| home.holds(at(*k))).count()
+        });
 
         let mut points: Vec<Vec3> = Vec::with_capacity(hairs.len() * each);
         let mut blended = [vec![0.0; each], vec![0.0; each], vec![0.0; each]];
@@ -244,15 +251,21 @@ impl Maker<'_> {
                 let turn = smallest_rotation(shape.normal, hair.normal) * *weight;
                 shape.add_to(&turn, &mut blended);
             }
-            let first = points.len();
+            let (first, mut near) = (points.len(), hair.triangle);
             points.push(hair.point);
             points.extend((1..each).map(|k| {
                 let of = |axes: &[Vec<f32>; 3]| match cut {
                     1.0 => Vec3::from(axes.each_ref().map(|axis| axis[k])),
                     _ => cut_at(axes, k as f32 * cut),
                 };
-                let p = hair.point + of(&blended);
-                if clumps { p.lerp(guide_root + of(&shapes[0].axes), clump[k]) } else { p }
+                let mut p = hair.point + of(&blended);
+                if clumps {
+                    p = p.lerp(guide_root + of(&shapes[0].axes), clump[k]);
+                }
+                match home.filter(|_| k <= at_home) {
+                    Some(home) => home.kept(p, &mut near).unwrap_or(p),
+                    None => p,
+                }
             }));
             if let Some(skin) = &self.skin {
                 skin.clear(&mut points[first..], |k| Some(depths[k]));

@@ -2,8 +2,10 @@
 
 pub mod attributes;
 pub mod chart;
+mod cut;
 pub mod curves;
 pub mod field;
+pub mod home;
 mod lead;
 pub mod mesh;
 pub mod ramp;

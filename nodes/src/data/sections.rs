@@ -10,6 +10,7 @@
 //! promised: a section narrower than a cell (1.1 mm), which is bare skin.
 
 use super::chart::{CELLS, Spread, around, cell_of, cross, middle};
+use super::cut::{Lines, covered, cut, square_to};
 use super::scalp::{Root, Scalp};
 use crate::maths::hash::{Key, KeyBuilder, curve_id};
 use glam::{Vec2, Vec3};
@@ -22,6 +23,8 @@ pub struct Parting {
     pub id: u64,
     /// Points on the scalp, at most a few millimetres apart.
     pub points: Vec<Vec3>,
+    /// Whether a pattern drew it: where it parts nothing, or only what is too small, it is left out.
+    pub of_pattern: bool,
 }
 
 /// A piece of scalp between partings.
@@ -50,16 +53,6 @@ pub struct Place {
     pub free: bool,
 }
 
-/// A piece of a parting, on the map and on the scalp.
-#[derive(Clone, Copy, Debug)]
-struct Piece {
-    flat: [Vec2; 2],
-    ends: [Vec3; 2],
-    parting: u32,
-    /// Fraction along its parting.
-    along: f32,
-}
-
 /// The sections of one scalp.
 pub struct Sections {
     key: Key,
@@ -69,22 +62,16 @@ pub struct Sections {
     list: Vec<Section>,
     partings: Vec<Parting>,
     given: Vec<(String, Vec3)>,
-    pieces: Vec<Piece>,
-    /// Where each cell's pieces start in `listed`: those in the cell and in the cells around it.
-    starts: Vec<u32>,
-    listed: Vec<u32>,
+    lines: Lines,
     /// Number of each cell's section, or [`NONE`].
     labels: Vec<u32>,
-    /// The piece nearest to each cell's middle, or [`NONE`].
+    /// The piece nearest to each cell's middle, or [`NONE`], and how far it is, cm.
     nearest: Vec<u32>,
+    clear: Vec<f32>,
 }
 
 /// In no section; no piece.
 pub const NONE: u32 = u32::MAX;
-/// What is smaller is no section, cm2: the box of a micro braid is twice that.
-const LEAST: f32 = 0.12;
-/// Nor is a speck beside an ear, as small as this and of so small a share of the middle section's area.
-const SPECK: (f32, f32) = (0.3, 0.06);
 /// A line bounds a section that it runs beside for so many cm: less is a corner.
 const CONTACT: f32 = 0.3;
 /// A distance where there are no partings, cm.
@@ -101,32 +88,30 @@ impl Sections {
     ) -> (Self, Vec<String>) {
         let mut key = KeyBuilder::new("sections").float(width);
         for parting in &partings {
-            key = key.int(parting.id).column(bytemuck::cast_slice::<_, f32>(&parting.points));
+            key = key.int(parting.id).int(u64::from(parting.of_pattern)).column(bytemuck::cast_slice::<_, f32>(&parting.points));
         }
         for (name, anchor) in names {
             key = key.text(name).vec3(*anchor);
         }
         let spread = scalp.chart().spread();
-        let pieces = pieces(&spread, &partings);
-        let (starts, listed) = list_pieces(&pieces);
+        let cut = cut(scalp, partings);
         let mut sections = Self {
             key: key.finish(),
             whole: scalp.key(),
             spread,
             half_width: 0.5 * width,
             list: vec![],
-            partings,
+            partings: cut.partings,
             given: names.to_vec(),
-            pieces,
-            starts,
-            listed,
-            labels: vec![NONE; CELLS * CELLS],
+            lines: cut.lines,
+            labels: cut.labels,
             nearest: vec![],
+            clear: vec![],
         };
         let mut said = vec![];
-        let slivers = sections.flood(scalp);
-        if slivers > 0 {
-            said.push(format!("{slivers} slivers between partings are too small and stay bare"));
+        if cut.slivers > 0 {
+            let n = cut.slivers;
+            said.push(format!("{n} slivers between partings are too small and stay bare"));
         }
         sections.near(scalp);
         sections.describe(scalp);
@@ -188,37 +173,43 @@ impl Sections {
     }
 
     fn section_at(&self, q: Vec2) -> Option<u32> {
-        let own = cell_of(q)?;
-        let pieces = self.near_cell(own);
-        let reached = |cell: usize| {
-            let to = middle(cell);
-            let label = self.labels[cell];
-            let open = |i: &u32| {
-                let [a, b] = self.pieces[*i as usize].flat;
-                !cross(q, to, a, b)
-            };
-            (label != NONE && pieces.iter().all(open)).then_some(label)
-        };
-        reached(own).or_else(|| around(own).find_map(reached))
+        self.lines.label_at(&self.labels, q)
     }
 
     fn distance_at(&self, q: Vec2, p: Vec3) -> f32 {
-        let Some(own) = cell_of(q) else { return FAR };
-        let mut best = FAR * FAR;
+        self.nearest_at(q, p).map_or(FAR, |(square, _)| square.sqrt())
+    }
+
+    /// The squared distance to the nearest piece, and which it is.
+    fn nearest_at(&self, q: Vec2, p: Vec3) -> Option<(f32, u32)> {
+        let own = cell_of(q)?;
+        let mut best = (FAR * FAR, NONE);
         let mut see = |i: u32| {
-            if let Some(piece) = self.pieces.get(i as usize) {
-                best = best.min(square_to(piece.ends, p));
+            if let Some(piece) = self.lines.pieces.get(i as usize) {
+                let square = square_to(piece.ends, p);
+                if square < best.0 {
+                    best = (square, i);
+                }
             }
         };
         // The list knows all pieces within a cell's width, the cells' own pieces those beyond.
-        self.near_cell(own).iter().for_each(|i| see(*i));
+        self.lines.near_cell(own).iter().for_each(|i| see(*i));
         see(self.nearest[own]);
         around(own).for_each(|cell| see(self.nearest[cell]));
-        best.sqrt()
+        (best.1 != NONE).then_some(best)
     }
-
-    fn near_cell(&self, cell: usize) -> &[u32] {
-        &self.listed[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    /// The straight piece of a parting that is nearest to a point of the scalp.
+    pub(super) fn nearest_piece(&self, p: Vec3) -> Option<[Vec3; 2]> {
+        let (_, i) = self.nearest_at(self.spread.flat(p), p)?;
+        Some(self.lines.pieces[i as usize].ends)
+    }
+    /// Straight distance (cm) from a point of the scalp, in a section or not, to the nearest parting.
+    pub(super) fn distance_to(&self, p: Vec3) -> Option<f32> {
+        Some(self.nearest_at(self.spread.flat(p), p)?.0.sqrt())
+    }
+    /// How far the middle of a cell of the map is from the nearest parting, cm.
+    pub(super) fn clear(&self, cell: usize) -> f32 {
+        self.clear[cell]
     }
 
     /// The partings, by number in [`Self::partings`], that the straight way between two points of the scalp crosses, in order of
@@ -229,8 +220,8 @@ impl Sections {
         let mut found = BTreeSet::new();
         for k in 0..=steps {
             let Some(cell) = cell_of(p.lerp(q, k as f32 / steps as f32)) else { continue };
-            for i in self.near_cell(cell) {
-                let piece = &self.pieces[*i as usize];
+            for i in self.lines.near_cell(cell) {
+                let piece = &self.lines.pieces[*i as usize];
                 if cross(p, q, piece.flat[0], piece.flat[1]) {
                     found.insert(piece.parting);
                 }
@@ -243,78 +234,11 @@ impl Sections {
         !self.crossed(from, to).is_empty()
     }
 
-    /// Joins cells to sections; gives the number of pieces that were too small.
-    fn flood(&mut self, scalp: &Scalp) -> usize {
-        let spots = scalp.chart().spots();
-        let grows: Vec<bool> = spots.iter().map(|s| s.grows > 0.0).collect();
-        // Area of each piece, and whether a parting bounds it.
-        let mut found: Vec<(f32, bool)> = vec![];
-        let mut members = vec![];
-        // Row by row from the forehead, so that numbers run from front to back.
-        let rows = (0..CELLS).rev().flat_map(|y| (0..CELLS).map(move |x| y * CELLS + x));
-        for seed in rows {
-            if !grows[seed] || self.labels[seed] != NONE {
-                continue;
-            }
-            members.clear();
-            members.push(seed);
-            let label = found.len() as u32;
-            self.labels[seed] = label;
-            let (mut next, mut area, mut parted) = (0, 0.0, false);
-            while let Some(cell) = members.get(next).copied() {
-                next += 1;
-                area += spots[cell].area * spots[cell].grows;
-                for other in around(cell).take(4) {
-                    if grows[other] && self.labels[other] != label {
-                        let open = self.open(cell, other);
-                        parted |= !open && spots[cell].grows >= 0.5;
-                        if open && self.labels[other] == NONE {
-                            self.labels[other] = label;
-                            members.push(other);
-                        }
-                    }
-                }
-            }
-            found.push((area, parted));
-        }
-        let mut areas: Vec<f32> =
-            found.iter().map(|(area, _)| *area).filter(|a| *a >= LEAST).collect();
-        areas.sort_by(f32::total_cmp);
-        let speck = |middle: &f32| LEAST.max(SPECK.0.min(SPECK.1 * middle));
-        let least = areas.get(areas.len() / 2).map_or(LEAST, speck);
-        let (mut number, mut slivers) = (0, 0);
-        let kept: Vec<u32> = found
-            .into_iter()
-            .map(|(area, parted)| {
-                if area < least {
-                    // Specks at the ragged edge of a region are nothing to tell.
-                    slivers += usize::from(parted);
-                    return NONE;
-                }
-                number += 1;
-                number - 1
-            })
-            .collect();
-        for label in self.labels.iter_mut().filter(|label| **label != NONE) {
-            *label = kept[*label as usize];
-        }
-        slivers
-    }
-
-    /// Whether the way between the middles of two neighbours crosses no parting.
-    fn open(&self, a: usize, b: usize) -> bool {
-        let (p, q) = (middle(a), middle(b));
-        self.near_cell(a).iter().all(|i| {
-            let [from, to] = self.pieces[*i as usize].flat;
-            !cross(p, q, from, to)
-        })
-    }
-
     /// Finds the nearest piece to every cell: each hands its own on to its neighbours, there and back.
     fn near(&mut self, scalp: &Scalp) {
         let spots = scalp.chart().spots();
         let mut best = vec![(FAR * FAR, NONE); CELLS * CELLS];
-        for (i, piece) in (0..).zip(&self.pieces) {
+        for (i, piece) in (0..).zip(&self.lines.pieces) {
             for cell in covered(&piece.flat, 0) {
                 let d = square_to(piece.ends, spots[cell].point);
                 if (d, i) < best[cell] {
@@ -326,7 +250,7 @@ impl Sections {
             for other in others {
                 let (_, i) = best[*other];
                 if i != NONE && i != best[cell].1 {
-                    let d = square_to(self.pieces[i as usize].ends, spots[cell].point);
+                    let d = square_to(self.lines.pieces[i as usize].ends, spots[cell].point);
                     if (d, i) < best[cell] {
                         best[cell] = (d, i);
                     }
@@ -343,6 +267,7 @@ impl Sections {
                 pass(&mut best, cell, &[cell + 1, below, below + 1, below - 1]);
             }
         }
+        self.clear = best.iter().map(|(d, _)| d.sqrt()).collect();
         self.nearest = best.into_iter().map(|(_, i)| i).collect();
     }
 
@@ -367,8 +292,8 @@ impl Sections {
                 }
                 let (p, q) = (middle(cell), middle(other));
                 let step = spot.point.distance(spots[other].point);
-                for i in self.near_cell(cell) {
-                    let piece = &self.pieces[*i as usize];
+                for i in self.lines.near_cell(cell) {
+                    let piece = &self.lines.pieces[*i as usize];
                     let [a, b] = piece.flat;
                     if cross(p, q, a, b) {
                         let side = (b - a).perp_dot(p - a) >= 0.0;
@@ -436,7 +361,7 @@ impl Sections {
         let mut farthest: Vec<(f32, usize)> = vec![(-1.0, 0); sum.len()];
         for (cell, label) in self.labels.iter().enumerate().filter(|(_, l)| **l != NONE) {
             let spot = &chart.spots()[cell];
-            let d = match self.pieces.get(self.nearest[cell] as usize) {
+            let d = match self.lines.pieces.get(self.nearest[cell] as usize) {
                 Some(piece) => square_to(piece.ends, spot.point),
                 None => 0.0,
             };
@@ -489,9 +414,9 @@ impl Sections {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.pieces.len() * size_of::<Piece>()
+        self.lines.bytes()
             + self.partings.iter().map(|p| 12 * p.points.len() + 64).sum::<usize>()
-            + 4 * (self.starts.len() + self.listed.len() + self.labels.len() + self.nearest.len())
+            + 4 * (self.labels.len() + self.nearest.len() + self.clear.len())
             + self.list.len() * 128
     }
 }
@@ -503,57 +428,6 @@ impl std::fmt::Debug for Sections {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Sections({} by {} partings)", self.list.len(), self.partings.len())
     }
-}
-
-fn pieces(spread: &Spread, partings: &[Parting]) -> Vec<Piece> {
-    let mut all = vec![];
-    for (parting, line) in (0..).zip(partings) {
-        let last = line.points.len().saturating_sub(1) as f32;
-        for (k, w) in line.points.windows(2).enumerate() {
-            let ends = [w[0], w[1]];
-            let flat = ends.map(|p| spread.flat(p));
-            all.push(Piece { flat, ends, parting, along: (k as f32 + 0.5) / last });
-        }
-    }
-    all
-}
-
-/// For each cell the pieces in it and in the cells around it.
-fn list_pieces(pieces: &[Piece]) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0u32; CELLS * CELLS + 1];
-    for piece in pieces {
-        covered(&piece.flat, 1).for_each(|cell| starts[cell + 1] += 1);
-    }
-    for cell in 0..CELLS * CELLS {
-        starts[cell + 1] += starts[cell];
-    }
-    let mut next = starts.clone();
-    let mut listed = vec![0; starts[CELLS * CELLS] as usize];
-    for (i, piece) in (0..).zip(pieces) {
-        for cell in covered(&piece.flat, 1) {
-            listed[next[cell] as usize] = i;
-            next[cell] += 1;
-        }
-    }
-    (starts, listed)
-}
-
-/// The cells of the box about a piece, and `more` around it.
-fn covered(flat: &[Vec2; 2], more: i32) -> impl Iterator<Item = usize> {
-    let at = |q: Vec2| ((q / super::chart::CELL).floor().as_ivec2()) + CELLS as i32 / 2;
-    let (a, b) = (at(flat[0].min(flat[1])) - more, at(flat[0].max(flat[1])) + more);
-    let last = CELLS as i32 - 1;
-    let (low, high) = (a.max(glam::IVec2::ZERO), b.min(glam::IVec2::splat(last)));
-    (low.y..=high.y)
-        .flat_map(move |y| (low.x..=high.x).map(move |x| y as usize * CELLS + x as usize))
-}
-
-/// Squared distance of a point from a straight piece.
-#[inline]
-fn square_to([a, b]: [Vec3; 2], p: Vec3) -> f32 {
-    let along = b - a;
-    let t = ((p - a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
-    p.distance_squared(a + along * t)
 }
 
 /// Where a point of the scalp lies, in words.
@@ -597,7 +471,7 @@ mod tests {
             let p = if turned { Vec3::new(p.z, p.y, p.x) } else { p };
             shared_ball().closest_root(p).unwrap().point
         });
-        Parting { id, points: points.collect() }
+        Parting { id, points: points.collect(), of_pattern: false }
     }
     fn cut(lines: Vec<Parting>, names: &[(String, Vec3)]) -> (Sections, Vec<String>) {
         Sections::new(&shared_ball(), lines, 0.16, names)

@@ -107,13 +107,19 @@ pub(crate) enum End {
     Loose,
 }
 
-/// Ends a line where it meets others: what is over beyond the last crossing is taken off, what lacks is added, both up to `join`
-/// cm. The line's last point is meant; turn it round for its first.
-pub(crate) fn end(chart: &Chart, points: &mut Vec<Vec2>, others: &[&[Vec2]], join: f32) -> End {
+/// Ends a line where it meets others: what is over beyond the last crossing is taken off, up to `join` cm, or what lacks is
+/// added, up to `farthest`. The line's last point is meant; turn it round for its first.
+pub(crate) fn end(
+    chart: &Chart,
+    points: &mut Vec<Vec2>,
+    others: &[&[Vec2]],
+    [join, farthest]: [f32; 2],
+) -> End {
     let Some(tip) = points.last().copied() else { return End::Loose };
     let per_cm = CELL / chart.stretch(tip, Vec2::new(CELL, 0.0)).max(1e-6);
     let reach = join * per_cm;
-    let near: Vec<&[Vec2]> = near(others, tip, 2.0 * reach, 0.0);
+    let far = farthest * per_cm;
+    let near: Vec<&[Vec2]> = near(others, tip, 2.0 * far, 0.0);
     // A line that ends on this one does not end this one.
     let through: Vec<&[Vec2]> = self::near(others, tip, 2.0 * reach, 3.0 * OVER * per_cm);
     let all: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
@@ -147,11 +153,10 @@ pub(crate) fn end(chart: &Chart, points: &mut Vec<Vec2>, others: &[&[Vec2]], joi
     }
     let before = points.iter().rev().find(|q| q.distance(tip) > 3.0 * CELL).copied();
     let Some(way) = before.and_then(|b| (tip - b).try_normalize()) else { return End::Loose };
-    let far = tip + way * reach;
-    let crossing = first_crossing(tip, far, &near).map(|t| reach * t);
-    let steps = (reach / (0.5 * CELL)).ceil() as usize;
+    let crossing = first_crossing(tip, tip + way * far, &near).map(|t| far * t);
+    let steps = (far / (0.5 * CELL)).ceil() as usize;
     let edge = (1..=steps)
-        .map(|k| reach * k as f32 / steps as f32)
+        .map(|k| far * k as f32 / steps as f32)
         .find(|s| chart.grows(tip + way * *s) == 0.0);
     let to = match (crossing, edge) {
         (Some(a), Some(b)) => a.min(b),

@@ -140,7 +140,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     for line in &lines {
         let flat = fine(chart, &line.points);
         let points = flat.iter().filter_map(|q| Some(chart.root(scalp, *q)?.point)).collect();
-        partings.push(Parting { id: line.id, points });
+        partings.push(Parting { id: line.id, points, of_pattern: !line.by_hand });
     }
     // Names given by a node before stay where they were put, unless this one names that section anew.
     let mut names = names(cx, &inputs.names, scalp);
@@ -215,7 +215,7 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Drawn {
             points.push(points[0]);
         }
         let id = curve_id(id, inputs.seed as u64, 0);
-        drawn.lines.push(Flat { id, points, closed, row: true });
+        drawn.lines.push(Flat { id, points, closed, row: true, by_hand: true });
     }
     let rows = match inputs.pattern {
         Pattern::None => None,
@@ -259,6 +259,9 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Drawn {
     drawn
 }
 
+/// How far a line of a pattern is led on, cm.
+const FARTHEST: f32 = 4.0;
+
 /// Ends lines where they meet: rows first, then what cuts rows. Rows twice, for what one was ended at may itself have been
 /// ended nearer since.
 fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec2>], join: f32) {
@@ -276,12 +279,15 @@ fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec
                 .collect();
             // What cuts a row reaches over by a share of the row, which may be more.
             let join = if rows { join } else { join.max(2.0) };
+            // Lines of a pattern go on until they meet something.
+            let reach = if lines[i].by_hand { join } else { join.max(FARTHEST) };
             let mut loose = 0;
             for _ in 0..2 {
-                loose += usize::from(end(chart, &mut points, &others, join) == End::Loose);
+                loose += usize::from(end(chart, &mut points, &others, [join, reach]) == End::Loose);
                 points.reverse();
             }
-            if loose > 0 && last {
+            // What of a pattern parts nothing is left out when the scalp is cut.
+            if loose > 0 && last && lines[i].by_hand {
                 cx.trouble(lines[i].id, "a parting ends in the middle of hair and cuts nothing");
             }
             lines[i].points = points;
@@ -323,7 +329,8 @@ impl Maker<'_> {
     /// A parting as a curve.
     fn parting(&self, parting: &Parting, sections: &Sections) -> Option<Tuft> {
         let line = Polyline::new(parting.points.clone());
-        let n = ((line.length() / 0.3).ceil() as usize).clamp(1, 1000) + 1;
+        // So close that the way between them is the line, to less than rounding shows.
+        let n = ((line.length() / 0.12).ceil() as usize).clamp(1, 2000) + 1;
         let roots: Vec<Root> =
             line.evenly(n).iter().filter_map(|p| self.scalp.closest_root(*p)).collect();
         if roots.len() < 2 {

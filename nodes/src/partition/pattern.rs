@@ -62,6 +62,8 @@ pub(crate) struct Flat {
     pub(crate) closed: bool,
     /// Whether it parts rows (else it cuts one).
     pub(crate) row: bool,
+    /// Whether a hand drew it.
+    pub(crate) by_hand: bool,
 }
 
 /// What a pattern draws.
@@ -243,7 +245,7 @@ impl Family<'_> {
         for (k, (run, closed)) in (0..).zip(self.runs(level)) {
             let id = curve_id(curve_id(wish.tag, 1, number), 2, k);
             let points = run.into_iter().map(|r| r.0).collect();
-            out.lines.push(Flat { id, points, closed, row: true });
+            out.lines.push(Flat { id, points, closed, row: true, by_hand: false });
         }
     }
 
@@ -307,7 +309,7 @@ impl Family<'_> {
             });
             let id = curve_id(number, 4, i as u64);
             let points = points.collect();
-            out.lines.push(Flat { id, points, closed: false, row: false });
+            out.lines.push(Flat { id, points, closed: false, row: false, by_hand: false });
         };
         let at = |i: f32| {
             let s = (i + shift) / n as f32 * length;
@@ -517,5 +519,5 @@ fn cut_at_ring(family: &Family, wish: &Wish, out: &mut Drawn) {
     }
     let points = (0..=96).map(|k| family.flat(k as f32 / 96.0 * TAU, ring)).collect();
     let id = curve_id(wish.tag, 5, 0);
-    out.lines.push(Flat { id, points, closed: true, row: true });
+    out.lines.push(Flat { id, points, closed: true, row: true, by_hand: false });
 }

@@ -1,0 +1,117 @@
+//! Home: the section that a hair is rooted in, and how its way over the skin is kept there.
+//!
+//! Guarantees: a kept point lies in its section, half of a parting's bare skin or more off every line; points farther off than a
+//! parting's bare skin stay where they are; a line beside which hair is kept is approached smoothly, so that hair lies along it
+//! and does not pile up. Not promised: anything for hair higher off the skin than [`FREE`], which passes over partings.
+
+use super::chart::cell_of;
+use super::scalp::Scalp;
+use super::sections::Sections;
+use crate::maths::closest::Surface;
+use glam::Vec3;
+
+/// Hair this high off the skin passes over partings; what is lower than half of it lies on the skin, cm.
+pub const FREE: f32 = 0.7;
+/// Beyond this (cm) a cell's own distance tells that no parting is near a point in it: its diagonal, and a half more.
+const NEAR: f32 = 0.24;
+/// Rounds in which a point is moved off one line after the other: a corner has two.
+const ROUNDS: usize = 6;
+
+/// The section that a hair is rooted in.
+#[derive(Clone, Copy)]
+pub struct Home<'a> {
+    scalp: &'a Scalp,
+    sections: &'a Sections,
+    number: u32,
+}
+
+impl Scalp {
+    /// The section under a root; none where the scalp is not parted, or not there.
+    pub fn home(&self, root: Vec3) -> Option<Home<'_>> {
+        let sections = self.sections()?;
+        let number = sections.at(root)?.section;
+        Some(Home { scalp: self, sections, number })
+    }
+}
+
+impl Home<'_> {
+    /// How far within the section a point of the scalp is, cm: the distance from the nearest parting, negative in other sections.
+    fn within(&self, p: Vec3) -> f32 {
+        match self.sections.at(p) {
+            Some(place) if place.section == self.number => place.distance,
+            Some(place) => -place.distance,
+            None => self.sections.distance_to(p).map_or(0.0, |distance| -distance),
+        }
+    }
+
+    /// Whether a point lies in the section, or so high that it lies in none.
+    pub fn holds(&self, p: Vec3) -> bool {
+        self.is_clear(p) || {
+            let hit = self.scalp.skin().closest(p);
+            hit.is_none_or(|hit| hit.distance > FREE || self.within(hit.point) >= 0.0)
+        }
+    }
+
+    /// Whether a glance tells that a point needs no keeping.
+    fn is_clear(&self, p: Vec3) -> bool {
+        let chart = self.scalp.chart();
+        let Some(cell) = cell_of(chart.flat(p)) else { return true };
+        let height = p.distance(chart.origin()) - chart.out(cell);
+        // Off the skin what lies below is told by the skin's slope.
+        let least = self.sections.half_width() + NEAR + height.abs();
+        self.sections.labels()[cell] == self.number && self.sections.clear(cell) > least
+    }
+
+    /// `p`, or where it lies on the skin in another section or on a parting, the point beside it that does not; `near` is a
+    /// triangle of the head near it, and becomes the nearest. None where none is found.
+    pub fn kept(&self, p: Vec3, near: &mut u32) -> Option<Vec3> {
+        if self.is_clear(p) {
+            return Some(p);
+        }
+        let surface = self.scalp.surface();
+        let hit = surface.closest_from(p, *near)?;
+        *near = hit.triangle;
+        let height = surface.signed_distance(p, &hit);
+        // From half of it on, hair rises off the skin.
+        let lying = (2.0 * (1.0 - height / FREE)).clamp(0.0, 1.0);
+        if lying == 0.0 {
+            return Some(p);
+        }
+        let off = self.off_partings(surface, hit.point, near)? - hit.point;
+        Some(p + off * (lying * lying * (3.0 - 2.0 * lying)))
+    }
+
+    /// A point of the scalp moved into the section and off its partings.
+    fn off_partings(&self, surface: &Surface, mut at: Vec3, near: &mut u32) -> Option<Vec3> {
+        let bare = self.sections.half_width();
+        let least = 0.5 * bare;
+        for _ in 0..ROUNDS {
+            let within = self.within(at);
+            if within >= bare {
+                return Some(at);
+            }
+            let Some([a, b]) = self.sections.nearest_piece(at) else { return Some(at) };
+            // As it is at the edge of the bare skin and never less than the least, without a kink.
+            let wanted = least + (bare - least) * (bare - least) / (2.0 * bare - least - within);
+            let along = b - a;
+            let t = (at - a).dot(along) / along.length_squared().max(1e-12);
+            let on_line = a + along * t.clamp(0.0, 1.0);
+            let hit = surface.closest_from(at, *near)?;
+            let normal = surface.smooth_normal(hit.triangle, hit.bary);
+            let aside = along.cross(normal).normalize_or_zero();
+            let mut away = (at - on_line).reject_from_normalized(normal);
+            away = match within.abs() > 0.02 {
+                true => away.normalize_or_zero() * within.signum(),
+                // On the line itself the way home is that of its two sides which leads there.
+                false => match self.within(on_line + aside * 0.05) > 0.0 {
+                    true => aside,
+                    false => -aside,
+                },
+            };
+            let hit = surface.closest_from(at + away * (wanted - within), *near)?;
+            (at, *near) = (hit.point, hit.triangle);
+        }
+        // Narrower than a parting's bare skin: in the section at least.
+        (self.within(at) > 0.0).then_some(at)
+    }
+}
