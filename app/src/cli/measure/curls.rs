@@ -128,8 +128,16 @@ impl Curl {
         let span: f32 = course.windows(2).map(|w| w[0].distance(w[1])).sum();
         let turns = turned[start + long - 1] - turned[start];
         let ahead = (course[long - 1] - course[long - 1 - long / 8]).normalize_or_zero();
-        let rest =
-            at[0].distance(course[0]) + (at[count - 1] - course[long - 1]).dot(ahead).max(0.0);
+        // From the root on in means that grow wider: a few long waves begin where the head bends hair most.
+        let reach = if several > 1.0 { 0 } else { from + start };
+        let mut before = at[0];
+        let mut rest = (at[count - 1] - course[long - 1]).dot(ahead).max(0.0);
+        for k in 1..reach {
+            let mean = (sums[2 * k + 1] / (2 * k + 1) as f64).as_vec3();
+            rest += mean.distance(before);
+            before = mean;
+        }
+        rest += before.distance(course[0]);
         // How wide: off the axis across it, each place as often as the axis is long there.
         let middle = CURL_MIDDLE.map(|u| (u * (count - 1) as f32).round() as usize);
         let (first, last) = (middle[0].max(from + 1), middle[1].min(from + n - 1));
