@@ -128,8 +128,17 @@ impl Curl {
         let span: f32 = course.windows(2).map(|w| w[0].distance(w[1])).sum();
         let turns = turned[start + long - 1] - turned[start];
         let ahead = (course[long - 1] - course[long - 1 - long / 8]).normalize_or_zero();
-        let rest =
-            at[0].distance(course[0]) + (at[count - 1] - course[long - 1]).dot(ahead).max(0.0);
+        // From the root on, past a third of a turn, in means that grow wider: a few long waves begin where the head bends hair
+        // most.
+        let reach = if several > 1.0 { 0 } else { from + start };
+        let mut before = at[0];
+        let mut rest = (at[count - 1] - course[long - 1]).dot(ahead).max(0.0);
+        for k in (window / 3.0) as usize..reach {
+            let mean = (sums[2 * k + 1] / (2 * k + 1) as f64).as_vec3();
+            rest += mean.distance(before);
+            before = mean;
+        }
+        rest += before.distance(course[0]);
         // How wide: off the axis across it, each place as often as the axis is long there.
         let middle = CURL_MIDDLE.map(|u| (u * (count - 1) as f32).round() as usize);
         let (first, last) = (middle[0].max(from + 1), middle[1].min(from + n - 1));
@@ -221,8 +230,8 @@ fn turns(at: &[Vec3], axis: &[Vec3]) -> Vec<f32> {
 mod tests {
     use super::*;
 
-    /// `turns` turns of a coil of this diameter and pitch, `per_turn` points each, round an axis that bends; `hand`
-    /// tells the way round after each number of turns.
+    /// `turns` turns of a coil of this diameter and pitch, `per_turn` points each, round an axis that bends. Like a hair it
+    /// begins on its axis and leaves it within half a turn.
     fn coil(diameter: f32, pitch: f32, turns: f32, per_turn: f32, bend: f32) -> Vec<Vec3> {
         let n = (turns * per_turn) as usize;
         (0..=n)
@@ -232,7 +241,8 @@ mod tests {
                 let along = turn * pitch * bend;
                 let (sb, cb) = along.sin_cos();
                 let out = Vec3::new(cb, sb, 0.0);
-                out * (1.0 / bend + 0.5 * diameter * c) + Vec3::Z * (0.5 * diameter * s)
+                let radius = 0.5 * diameter * (2.0 * turn).min(1.0);
+                out * (1.0 / bend + radius * c) + Vec3::Z * (radius * s)
             })
             .collect()
     }
@@ -251,13 +261,17 @@ mod tests {
 
     #[test]
     fn a_coil_measures_what_it_is() {
-        let shrinkage =
-            |d: f32, p: f32| 1.0 - p / ((std::f32::consts::PI * d).powi(2) + p * p).sqrt();
-        for (d, p, turns) in [(0.5, 0.7, 20.0), (1.5, 3.0, 6.0), (0.3, 0.25, 60.0), (2.5, 6.0, 4.0)]
-        {
-            check(&coil(d, p, turns, 12.0, 1e-3), d, p, shrinkage(d, p));
+        for (d, p, turns, bend) in [
+            (0.5, 0.7, 20.0, 1e-3),
+            (1.5, 3.0, 6.0, 1e-3),
+            (0.3, 0.25, 60.0, 1e-3),
+            (2.5, 6.0, 4.0, 1e-3),
+            (0.5, 0.7, 20.0, 0.1),
+        ] {
+            let fine = coil(d, p, turns, 96.0, bend);
+            let length: f32 = fine.windows(2).map(|w| w[0].distance(w[1])).sum();
+            check(&coil(d, p, turns, 12.0, bend), d, p, 1.0 - turns * p / length);
         }
-        check(&coil(0.5, 0.7, 20.0, 12.0, 0.1), 0.5, 0.7, shrinkage(0.5, 0.7));
     }
 
     #[test]
