@@ -239,6 +239,8 @@ impl Maker<'_> {
             (1..each).take_while(|k| home.holds(at(*k))).count()
         });
 
+        // Found when the first hair asks for it.
+        let mut ways = None;
         let mut points: Vec<Vec3> = Vec::with_capacity(hairs.len() * each);
         let mut blended = [vec![0.0; each], vec![0.0; each], vec![0.0; each]];
         for hair in hairs {
@@ -252,6 +254,11 @@ impl Maker<'_> {
                 shape.add_to(&turn, &mut blended);
             }
             let mut near = hair.triangle;
+            // Drawn to its guide round a corner of its section.
+            let bent = home.filter(|home| clumps && !home.is_straight(hair.point, guide_root));
+            let way = bent.and_then(|home| {
+                ways.get_or_insert_with(|| home.ways(guide_root)).from(hair.point)
+            });
             points.push(hair.point);
             points.extend((1..each).map(|k| {
                 let of = |axes: &[Vec<f32>; 3]| match cut {
@@ -261,6 +268,12 @@ impl Maker<'_> {
                 let mut p = hair.point + of(&blended);
                 if clumps {
                     p = p.lerp(guide_root + of(&shapes[0].axes), clump[k]);
+                    if let Some(way) = &way {
+                        let x = clump[k] * (way.len() - 1) as f32;
+                        let i = (x as usize).min(way.len() - 2);
+                        let on_way = way[i].lerp(way[i + 1], x - i as f32);
+                        p += on_way - hair.point.lerp(guide_root, clump[k]);
+                    }
                 }
                 if let Some(home) = home.filter(|_| k <= at_home) {
                     p = home.kept(p, &mut near).unwrap_or(p);
