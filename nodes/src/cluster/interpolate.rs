@@ -243,6 +243,7 @@ impl Maker<'_> {
         let mut ways = None;
         let mut points: Vec<Vec3> = Vec::with_capacity(hairs.len() * each);
         let mut blended = [vec![0.0; each], vec![0.0; each], vec![0.0; each]];
+        let mut grown: Vec<&Hair> = Vec::with_capacity(hairs.len());
         for hair in hairs {
             piece.tick()?;
             let id = curve_id(0, self.inputs.seed as u64, u64::from(hair.index));
@@ -283,9 +284,25 @@ impl Maker<'_> {
                     None => p,
                 }
             }));
+            let made = &points[points.len() - each..];
+            if home
+                .is_some_and(|home| made.windows(2).take(at_home).any(|w| home.crosses(w[0], w[1])))
+            {
+                piece.trouble(
+                    id,
+                    "a hair that no way leads to its guide without crossing a parting was left out",
+                );
+                points.truncate(points.len() - each);
+                continue;
+            }
+            grown.push(hair);
         }
+        let hairs = grown;
         let mut out = TuftBuilder::even(points, each);
-        let id = |hair: &Hair| curve_id(0, self.inputs.seed as u64, u64::from(hair.index));
+        if hairs.is_empty() {
+            return Ok(out.build());
+        }
+        let id = |hair: &&Hair| curve_id(0, self.inputs.seed as u64, u64::from(hair.index));
         let mine = [ID.name, WIDTH.name, RADIUS.name, SCALP_NORMAL.name];
         let root = [ROOT_TRIANGLE.name, ROOT_BARY.name, ROOT_UV.name];
         for attribute in own.attributes() {
@@ -303,7 +320,7 @@ impl Maker<'_> {
         out.set(ROOT_TRIANGLE, Domain::Curve, hairs.iter().map(|h| h.triangle as i32).collect());
         out.set(ROOT_BARY, Domain::Curve, hairs.iter().map(|h| h.bary).collect());
         if self.scalp.uvs().is_some() {
-            let uv = |h: &Hair| self.scalp.root(h.triangle, h.bary).uv;
+            let uv = |h: &&Hair| self.scalp.root(h.triangle, h.bary).uv;
             out.set(ROOT_UV, Domain::Curve, hairs.iter().map(uv).collect());
         }
         Ok(out.build())

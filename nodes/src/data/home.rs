@@ -132,6 +132,18 @@ impl Home<'_> {
         (self.within(at) > 0.0).then_some(at)
     }
 
+    /// Whether a piece of hair on the skin crosses a parting.
+    pub fn crosses(&self, from: Vec3, to: Vec3) -> bool {
+        if self.is_clear(from) && self.is_clear(to) {
+            return false;
+        }
+        let skin = self.scalp.skin();
+        let below =
+            |p: Vec3| skin.closest(p).filter(|hit| hit.distance < FREE).map(|hit| hit.point);
+        let (Some(a), Some(b)) = (below(from), below(to)) else { return false };
+        self.sections.crosses(a, b)
+    }
+
     /// Whether the straight way between two points of the scalp keeps to the section.
     pub fn is_straight(&self, from: Vec3, to: Vec3) -> bool {
         let chart = self.scalp.chart();
