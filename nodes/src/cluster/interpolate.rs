@@ -239,8 +239,11 @@ impl Maker<'_> {
             (1..each).take_while(|k| home.holds(at(*k))).count()
         });
 
+        // Found when the first hair asks for it.
+        let mut ways = None;
         let mut points: Vec<Vec3> = Vec::with_capacity(hairs.len() * each);
         let mut blended = [vec![0.0; each], vec![0.0; each], vec![0.0; each]];
+        let mut grown: Vec<&Hair> = Vec::with_capacity(hairs.len());
         for hair in hairs {
             piece.tick()?;
             let id = curve_id(0, self.inputs.seed as u64, u64::from(hair.index));
@@ -252,6 +255,11 @@ impl Maker<'_> {
                 shape.add_to(&turn, &mut blended);
             }
             let (first, mut near) = (points.len(), hair.triangle);
+            // Drawn to its guide round a corner of its section.
+            let bent = home.filter(|home| clumps && !home.is_straight(hair.point, guide_root));
+            let way = bent.and_then(|home| {
+                ways.get_or_insert_with(|| home.ways(guide_root)).from(hair.point)
+            });
             points.push(hair.point);
             points.extend((1..each).map(|k| {
                 let of = |axes: &[Vec<f32>; 3]| match cut {
@@ -261,6 +269,12 @@ impl Maker<'_> {
                 let mut p = hair.point + of(&blended);
                 if clumps {
                     p = p.lerp(guide_root + of(&shapes[0].axes), clump[k]);
+                    if let Some(way) = &way {
+                        let x = clump[k] * (way.len() - 1) as f32;
+                        let i = (x as usize).min(way.len() - 2);
+                        let on_way = way[i].lerp(way[i + 1], x - i as f32);
+                        p += on_way - hair.point.lerp(guide_root, clump[k]);
+                    }
                 }
                 match home.filter(|_| k <= at_home) {
                     Some(home) => home.kept(p, &mut near).unwrap_or(p),
@@ -270,9 +284,23 @@ impl Maker<'_> {
             if let Some(skin) = &self.skin {
                 skin.clear(&mut points[first..], |k| Some(depths[k]));
             }
+            let made = points[first..].windows(2).take(at_home);
+            if home.is_some_and(|home| made.into_iter().any(|w| home.crosses(w[0], w[1]))) {
+                piece.trouble(
+                    id,
+                    "a hair that no way leads to its guide without crossing a parting was left out",
+                );
+                points.truncate(first);
+                continue;
+            }
+            grown.push(hair);
         }
+        let hairs = grown;
         let mut out = TuftBuilder::even(points, each);
-        let id = |hair: &Hair| curve_id(0, self.inputs.seed as u64, u64::from(hair.index));
+        if hairs.is_empty() {
+            return Ok(out.build());
+        }
+        let id = |hair: &&Hair| curve_id(0, self.inputs.seed as u64, u64::from(hair.index));
         let mine = [ID.name, WIDTH.name, RADIUS.name, SCALP_NORMAL.name];
         let root = [ROOT_TRIANGLE.name, ROOT_BARY.name, ROOT_UV.name];
         for attribute in own.attributes() {
@@ -290,7 +318,7 @@ impl Maker<'_> {
         out.set(ROOT_TRIANGLE, Domain::Curve, hairs.iter().map(|h| h.triangle as i32).collect());
         out.set(ROOT_BARY, Domain::Curve, hairs.iter().map(|h| h.bary).collect());
         if self.scalp.uvs().is_some() {
-            let uv = |h: &Hair| self.scalp.root(h.triangle, h.bary).uv;
+            let uv = |h: &&Hair| self.scalp.root(h.triangle, h.bary).uv;
             out.set(ROOT_UV, Domain::Curve, hairs.iter().map(uv).collect());
         }
         Ok(out.build())

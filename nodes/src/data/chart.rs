@@ -6,8 +6,8 @@
 //! how many cm2) stands in a fine grid.
 //!
 //! Guarantees: equal areas of directions have equal areas on the map; a point of the region comes back to within the flatness
-//! of the mesh's triangles. Not promised: anything on a mesh whose region cannot be seen from one point within it (that of a
-//! whole animal): of several layers the outermost counts.
+//! of the mesh's triangles. Of several layers the innermost that faces outwards counts: the skull behind an ear, not the ear. Not
+//! promised: anything on a mesh whose region cannot be seen from one point within it (that of a whole animal).
 
 use super::scalp::{HeadFrame, Root, Scalp};
 use crate::maths::closest::Surface;
@@ -21,6 +21,11 @@ const REACH: f32 = 1.9;
 pub const CELL: f32 = 2.0 * REACH / CELLS as f32;
 /// How the axis leans back from the crown: sine and cosine of 35 degrees.
 const LEAN: (f32, f32) = (0.573_576_4, 0.819_152);
+/// Cosine of the angle between the skin's normal and the way from the middle of the cranium beyond which it is no scalp: 72
+/// degrees, where no cranium is so steep.
+const ON_EDGE: f32 = 0.3;
+/// How much farther out or in the skin may be beside the middle of a cell, cm: it stands on edge beside an ear.
+const SLOPE: f32 = 0.8;
 /// Triangles that are larger than this on the map (those about the point opposite its middle) are left out.
 const TOO_WIDE: f32 = 0.7;
 
@@ -44,6 +49,11 @@ impl Spread {
     #[inline]
     pub fn flat(&self, p: Vec3) -> Vec2 {
         self.flat_direction(p - self.origin)
+    }
+    /// How far a point is from the middle of the cranium, cm.
+    #[inline]
+    pub fn out(&self, p: Vec3) -> f32 {
+        p.distance(self.origin)
     }
     /// Where a direction from the middle of the cranium lies on the map.
     #[inline]
@@ -109,6 +119,11 @@ impl Chart {
         let twice = (b - a).perp_dot(c - a);
         let [u, v] = [corners[1] - corners[0], corners[2] - corners[0]];
         let ratio = u.cross(v).length() / twice.abs();
+        // What faces the middle or stands on edge is part of something that stands off, such as an ear.
+        let way = (corners[0] - self.spread.origin).normalize_or_zero();
+        if u.cross(v).normalize_or_zero().dot(way) <= ON_EDGE {
+            return;
+        }
         if (high - low).max_element() > TOO_WIDE || !ratio.is_finite() {
             return;
         }
@@ -131,7 +146,7 @@ impl Chart {
                 let point = corners[0] + u * s + v * t;
                 let spot = &mut self.spots[i];
                 let out = |p: Vec3| p.distance_squared(self.spread.origin);
-                if spot.area == 0.0 || out(point) > out(spot.point) {
+                if spot.area == 0.0 || out(point) < out(spot.point) {
                     let grows = (grows[0] * r + grows[1] * s + grows[2] * t).clamp(0.0, 1.0);
                     *spot = Spot { point, grows, area: CELL * CELL * ratio };
                 }
@@ -164,17 +179,35 @@ impl Chart {
     pub fn grows(&self, q: Vec2) -> f32 {
         cell_of(q).map_or(0.0, |i| self.spots[i].grows)
     }
-    /// The point of the scalp at `q` on the map, bound to it.
+    /// The point of the scalp at `q` on the map, bound to it: where the way from the middle of the cranium leaves the skin.
     pub fn root(&self, scalp: &Scalp, q: Vec2) -> Option<Root> {
-        let way = self.direction(q);
-        let out = cell_of(q).map_or(scalp.frame().radius, |i| self.out(i));
-        let mut root = scalp.closest_root(self.spread.origin + way * out)?;
-        // Where the skin slopes, the closest point lies beside: once more from its own height.
-        for _ in 0..2 {
-            let out = (root.point - self.spread.origin).dot(way);
-            root = scalp.closest_root(self.spread.origin + way * out)?;
+        let (way, surface) = (self.direction(q), scalp.surface());
+        // At the hairline the skin is as far out as beside it within.
+        let grown = |i: &usize| self.spots[*i].grows > 0.0;
+        let known = cell_of(q).and_then(|i| {
+            let near = std::iter::once(i).chain(around(i)).chain(around(i).flat_map(around));
+            near.into_iter().find(grown).map(|i| self.out(i))
+        });
+        let radius = scalp.frame().radius;
+        // Beyond the region the outermost skin counts, far and wide.
+        let (mut from, to) = match known {
+            Some(out) => (out - SLOPE, out + SLOPE),
+            None => (0.5 * radius, 2.0 * radius),
+        };
+        let mut found = None;
+        while let Some(hit) = surface.ray(self.spread.origin + way * from, way, to - from) {
+            if surface.face_normal(hit.triangle).dot(way) > 0.0 {
+                found = Some(hit);
+                if known.is_some() {
+                    break;
+                }
+            }
+            from += hit.distance + 1e-3;
         }
-        Some(root)
+        match found {
+            Some(hit) => Some(scalp.root(hit.triangle, hit.bary)),
+            None => scalp.closest_root(self.spread.origin + way * known.unwrap_or(radius)),
+        }
     }
     /// How far from the middle of the cranium the skin is in a cell, cm.
     pub fn out(&self, cell: usize) -> f32 {

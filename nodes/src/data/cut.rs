@@ -1,15 +1,16 @@
 //! How partings cut a scalp: cells of the map joined to sections, and what a braider would not braid given to its neighbour.
 //!
-//! Cells are joined where the way between their middles crosses no parting. A piece between lines of a pattern that is much
+//! Cells are joined where the way between their middles crosses no parting and keeps off the lines: through a neck as narrow as a
+//! parting's bare skin no hair is drawn. A piece between lines of a pattern that is much
 //! narrower than the others goes to the neighbour that it shares most of its border with; then the lines of patterns are left out
 //! wherever the same section lies on both sides of them. Lines that somebody drew are never left out.
 //!
 //! Guarantees: numbers run from front to back; the same cuts whatever is cut elsewhere, but for what counts as narrow, which hangs
 //! from the middle width of all. Not promised: sections narrower than a cell (1.1 mm).
 
-use super::chart::{CELL, CELLS, Spread, around, cell_of, cross, middle};
+use super::chart::{CELL, CELLS, around, cell_of, cross, middle};
 use super::scalp::Scalp;
-use super::sections::{NONE, Parting};
+use super::sections::{FAR, NONE, Parting};
 use crate::maths::hash::curve_id;
 use glam::{IVec2, Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,7 +21,7 @@ const LEAST: f32 = 0.12;
 const SPECK: (f32, f32) = (0.3, 0.06);
 /// What is narrower than this share of the middle section goes to its neighbour. Width is twice the area over the border's
 /// length: half the side of a square, half the width of a strip.
-const NARROW: f32 = 0.35;
+const NARROW: f32 = 0.25;
 /// Scalp that hangs together with no section but lies this near to one (cells) belongs to it: the ragged edge of a region.
 const RAGGED: usize = 8;
 
@@ -40,10 +41,19 @@ pub(super) struct Lines {
     /// Where each cell's pieces start in `listed`: those in the cell and in the cells around it.
     starts: Vec<u32>,
     listed: Vec<u32>,
+    /// The piece nearest to each cell's middle, or [`NONE`], and how far it is, cm.
+    pub(super) nearest: Vec<u32>,
+    pub(super) clear: Vec<f32>,
+    /// Pieces by where they lie in space, for what lies near one and not beside it on the map, as on an ear.
+    places: BTreeMap<[i32; 3], Vec<u32>>,
 }
 
+/// Side of a place, cm: partings up to twice as wide are seen from either side.
+const PLACE: f32 = 0.5;
+
 impl Lines {
-    fn new(spread: &Spread, partings: &[Parting]) -> Self {
+    fn new(scalp: &Scalp, partings: &[Parting]) -> Self {
+        let spread = scalp.chart().spread();
         let mut pieces = vec![];
         for (parting, line) in (0..).zip(partings) {
             let last = line.points.len().saturating_sub(1) as f32;
@@ -68,7 +78,30 @@ impl Lines {
                 next[cell] += 1;
             }
         }
-        Self { pieces, starts, listed }
+        let mut places: BTreeMap<[i32; 3], Vec<u32>> = BTreeMap::new();
+        for (i, piece) in (0..).zip(&pieces) {
+            let [a, b] = piece.ends;
+            let low = place(a.min(b) - 0.5 * PLACE);
+            let high = place(a.max(b) + 0.5 * PLACE);
+            // A piece is a few millimetres long; what is longer was drawn on no head.
+            let [nx, ny, nz] = [0, 1, 2].map(|k| (high[k] - low[k]).clamp(0, 16));
+            for x in 0..=nx {
+                for y in 0..=ny {
+                    for z in 0..=nz {
+                        let at = [low[0] + x, low[1] + y, low[2] + z];
+                        places.entry(at).or_default().push(i);
+                    }
+                }
+            }
+        }
+        let mut lines = Self { pieces, starts, listed, nearest: vec![], clear: vec![], places };
+        lines.near(scalp);
+        lines
+    }
+
+    /// The pieces near a point of space: all that are within half a place of it.
+    pub(super) fn near_place(&self, p: Vec3) -> &[u32] {
+        self.places.get(&place(p)).map_or(&[], Vec::as_slice)
     }
 
     /// The pieces in a cell and in those around it.
@@ -99,9 +132,52 @@ impl Lines {
         reached(own).or_else(|| around(own).find_map(reached))
     }
 
-    pub(super) fn bytes(&self) -> usize {
-        self.pieces.len() * size_of::<Piece>() + 4 * (self.starts.len() + self.listed.len())
+    /// Finds the nearest piece to every cell: each hands its own on to its neighbours, there and back.
+    fn near(&mut self, scalp: &Scalp) {
+        let spots = scalp.chart().spots();
+        let mut best = vec![(FAR * FAR, NONE); CELLS * CELLS];
+        for (i, piece) in (0..).zip(&self.pieces) {
+            for cell in covered(&piece.flat, 0) {
+                let d = square_to(piece.ends, spots[cell].point);
+                if (d, i) < best[cell] {
+                    best[cell] = (d, i);
+                }
+            }
+        }
+        let pass = |best: &mut Vec<(f32, u32)>, cell: usize, others: &[usize]| {
+            for other in others {
+                let (_, i) = best[*other];
+                if i != NONE && i != best[cell].1 {
+                    let d = square_to(self.pieces[i as usize].ends, spots[cell].point);
+                    if (d, i) < best[cell] {
+                        best[cell] = (d, i);
+                    }
+                }
+            }
+        };
+        for _ in 0..2 {
+            for cell in CELLS + 1..CELLS * CELLS {
+                let above = cell - CELLS;
+                pass(&mut best, cell, &[cell - 1, above, above - 1, above + 1]);
+            }
+            for cell in (0..CELLS * CELLS - CELLS - 1).rev() {
+                let below = cell + CELLS;
+                pass(&mut best, cell, &[cell + 1, below, below + 1, below - 1]);
+            }
+        }
+        self.clear = best.iter().map(|(d, _)| d.sqrt()).collect();
+        self.nearest = best.into_iter().map(|(_, i)| i).collect();
     }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.pieces.len() * size_of::<Piece>()
+            + 4 * (self.starts.len() + self.listed.len() + self.nearest.len() + self.clear.len())
+            + self.places.values().map(|place| 4 * place.len() + 64).sum::<usize>()
+    }
+}
+
+fn place(p: Vec3) -> [i32; 3] {
+    (p / PLACE).floor().to_array().map(|x| x.clamp(-1e6, 1e6) as i32)
 }
 
 /// A scalp cut.
@@ -130,15 +206,16 @@ impl Tract {
     }
 }
 
-pub(super) fn cut(scalp: &Scalp, partings: Vec<Parting>) -> Cut {
-    let spread = scalp.chart().spread();
-    let lines = Lines::new(&spread, &partings);
-    let (mut labels, mut tracts) = flood(scalp, &lines);
+/// Cuts a scalp; `bare` is half of a parting's width.
+pub(super) fn cut(scalp: &Scalp, partings: Vec<Parting>, bare: f32) -> Cut {
+    let lines = Lines::new(scalp, &partings);
+    let mut labels = flood(scalp, &lines, bare.clamp(0.05, 0.2));
+    let mut tracts = measured(scalp, &lines, &labels);
     let joined = join(scalp, &lines, &partings, &labels, &mut tracts);
     for label in labels.iter_mut().filter(|label| **label != NONE) {
         *label = joined[*label as usize];
     }
-    let (partings, lines) = parting_something(&spread, partings, lines, &labels);
+    let (partings, lines) = parting_something(scalp, partings, lines, &labels);
     // What no parting bounds is a speck of the region's ragged edge.
     let specks: Vec<usize> = (0..CELLS * CELLS)
         .filter(|cell| tracts.get(labels[*cell] as usize).is_some_and(|tract| !tract.parted))
@@ -148,46 +225,66 @@ pub(super) fn cut(scalp: &Scalp, partings: Vec<Parting>) -> Cut {
     Cut { partings, lines, labels, slivers }
 }
 
-/// Joins cells where no parting is between them.
-fn flood(scalp: &Scalp, lines: &Lines) -> (Vec<u32>, Vec<Tract>) {
+/// Joins cells where no parting is between them: those off the lines first, then what lies beside these, then what is left.
+fn flood(scalp: &Scalp, lines: &Lines, off: f32) -> Vec<u32> {
     let spots = scalp.chart().spots();
-    let grows: Vec<bool> = spots.iter().map(|s| s.grows > 0.0).collect();
     let mut labels = vec![NONE; CELLS * CELLS];
-    let mut found: Vec<Tract> = vec![];
-    let mut members = vec![];
-    // Row by row from the forehead, so that numbers run from front to back.
-    let rows = (0..CELLS).rev().flat_map(|y| (0..CELLS).map(move |x| y * CELLS + x));
-    for seed in rows {
-        if !grows[seed] || labels[seed] != NONE {
-            continue;
-        }
-        members.clear();
-        members.push(seed);
-        let label = found.len() as u32;
-        labels[seed] = label;
-        let mut tract = Tract::default();
-        let mut next = 0;
-        while let Some(cell) = members.get(next).copied() {
-            next += 1;
-            tract.area += spots[cell].area * spots[cell].grows;
-            let side = spots[cell].area.sqrt();
+    let mut next = 0;
+    let spread = |labels: &mut [u32], mut front: Vec<usize>, least: f32| {
+        let mut at = 0;
+        while let Some(cell) = front.get(at).copied() {
+            at += 1;
             for other in around(cell).take(4) {
-                if !grows[other] {
-                    tract.border += side;
-                } else if labels[other] != label {
-                    if lines.between(cell, other).next().is_some() {
-                        tract.parted |= spots[cell].grows >= 0.5;
-                        tract.border += side;
-                    } else if labels[other] == NONE {
-                        labels[other] = label;
-                        members.push(other);
-                    }
+                let open = spots[other].grows > 0.0
+                    && labels[other] == NONE
+                    && lines.clear[other] >= least
+                    && lines.between(cell, other).next().is_none();
+                if open {
+                    labels[other] = labels[cell];
+                    front.push(other);
                 }
             }
         }
-        found.push(tract);
+    };
+    for least in [off, 0.0] {
+        let labelled = (0..CELLS * CELLS).filter(|cell| labels[*cell] != NONE).collect();
+        spread(&mut labels, labelled, least);
+        // Row by row from the forehead, so that numbers run from front to back.
+        for seed in (0..CELLS).rev().flat_map(|y| (0..CELLS).map(move |x| y * CELLS + x)) {
+            let grows = spots[seed].grows > 0.0;
+            if grows && labels[seed] == NONE && lines.clear[seed] >= least {
+                labels[seed] = next;
+                next += 1;
+                spread(&mut labels, vec![seed], least);
+            }
+        }
     }
-    (labels, found)
+    labels
+}
+
+/// Areas and borders.
+fn measured(scalp: &Scalp, lines: &Lines, labels: &[u32]) -> Vec<Tract> {
+    let spots = scalp.chart().spots();
+    let mut tracts: Vec<Tract> = vec![];
+    for (cell, label) in labels.iter().enumerate().filter(|(_, l)| **l != NONE) {
+        let slot = *label as usize;
+        tracts.resize(tracts.len().max(slot + 1), Tract::default());
+        let tract = &mut tracts[slot];
+        tract.area += spots[cell].area * spots[cell].grows;
+        for other in around(cell).take(4).filter(|o| labels[*o] != *label) {
+            tract.border += side(scalp, cell, other);
+            tract.parted |= spots[cell].grows >= 0.5
+                && spots[other].grows > 0.0
+                && lines.between(cell, other).next().is_some();
+        }
+    }
+    tracts
+}
+
+/// The length of the side between two cells, cm of scalp.
+fn side(scalp: &Scalp, cell: usize, other: usize) -> f32 {
+    let (p, q) = (middle(cell), middle(other));
+    scalp.chart().stretch((p + q) * 0.5, (q - p).perp())
 }
 
 /// Gives tracts that are too small to their neighbours beyond lines of patterns: for each the number of the tract that it is one
@@ -203,14 +300,13 @@ fn join(
     if !partings.iter().any(|parting| parting.of_pattern) {
         return one_with;
     }
-    let spots = scalp.chart().spots();
     let mut contacts: Vec<BTreeMap<u32, f32>> = vec![BTreeMap::new(); tracts.len()];
     for cell in (0..CELLS * CELLS).filter(|cell| labels[*cell] != NONE) {
         for other in around(cell).take(4).filter(|o| labels[*o] != NONE) {
             let (a, b) = (labels[cell], labels[other]);
             let mut between = lines.between(cell, other);
             if a != b && between.all(|piece| partings[piece.parting as usize].of_pattern) {
-                *contacts[a as usize].entry(b).or_default() += spots[cell].area.sqrt();
+                *contacts[a as usize].entry(b).or_default() += side(scalp, cell, other);
             }
         }
     }
@@ -258,15 +354,19 @@ fn join(
 
 /// The partings without what of patterns has one section on both sides.
 fn parting_something(
-    spread: &Spread,
+    scalp: &Scalp,
     partings: Vec<Parting>,
     lines: Lines,
     labels: &[u32],
 ) -> (Vec<Parting>, Lines) {
     let parts = |piece: &Piece| {
         let [a, b] = piece.flat;
-        let (middle, aside) = ((a + b) * 0.5, (b - a).perp().normalize_or_zero() * (0.3 * CELL));
-        let [left, right] = [aside, -aside].map(|off| lines.label_at(labels, middle + off));
+        let (middle, aside) = ((a + b) * 0.5, (b - a).perp().normalize_or_zero() * CELL);
+        // Where two lines run on top of each other nothing is between them.
+        let on_side = |way: Vec2| {
+            [0.3, 0.8, 1.5].iter().find_map(|far| lines.label_at(labels, middle + way * *far))
+        };
+        let [left, right] = [aside, -aside].map(on_side);
         left.is_none() || left != right
     };
     let keeps: Vec<bool> = lines
@@ -296,7 +396,7 @@ fn parting_something(
             kept.push(Parting { id, points, ..line });
         }
     }
-    let lines = Lines::new(spread, &kept);
+    let lines = Lines::new(scalp, &kept);
     (kept, lines)
 }
 

@@ -1,14 +1,19 @@
 //! Home: the section that a hair is rooted in, and how its way over the skin is kept there.
 //!
+//! A hair goes straight where its section lets it, and round corners by the shortest way through the cells of the map, pulled
+//! tight. What still comes too near to a parting is moved off it.
+//!
 //! Guarantees: a kept point lies in its section, half of a parting's bare skin or more off every line; points farther off than a
 //! parting's bare skin stay where they are; a line beside which hair is kept is approached smoothly, so that hair lies along it
 //! and does not pile up. Not promised: anything for hair higher off the skin than [`FREE`], which passes over partings.
 
-use super::chart::cell_of;
+use super::chart::{CELL, around, cell_of};
 use super::scalp::Scalp;
 use super::sections::Sections;
 use crate::maths::closest::Surface;
 use glam::Vec3;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
 
 /// Hair this high off the skin passes over partings; what is lower than half of it lies on the skin, cm.
 pub const FREE: f32 = 0.7;
@@ -16,6 +21,18 @@ pub const FREE: f32 = 0.7;
 const NEAR: f32 = 0.24;
 /// Rounds in which a point is moved off one line after the other: a corner has two.
 const ROUNDS: usize = 6;
+
+/// Points of a way round corners, and rounds in which it is pulled tight.
+const ON_WAY: usize = 17;
+const PULLS: usize = 24;
+
+/// The ways through a section to one of its points.
+pub struct Ways<'a> {
+    home: Home<'a>,
+    to: Vec3,
+    /// The next cell on the way from each.
+    next: BTreeMap<u32, u32>,
+}
 
 /// The section that a hair is rooted in.
 #[derive(Clone, Copy)]
@@ -113,5 +130,89 @@ impl Home<'_> {
         }
         // Narrower than a parting's bare skin: in the section at least.
         (self.within(at) > 0.0).then_some(at)
+    }
+
+    /// Whether a piece of hair on the skin crosses a parting.
+    pub fn crosses(&self, from: Vec3, to: Vec3) -> bool {
+        if self.is_clear(from) && self.is_clear(to) {
+            return false;
+        }
+        let skin = self.scalp.skin();
+        let below =
+            |p: Vec3| skin.closest(p).filter(|hit| hit.distance < FREE).map(|hit| hit.point);
+        let (Some(a), Some(b)) = (below(from), below(to)) else { return false };
+        self.sections.crosses(a, b)
+    }
+
+    /// Whether the straight way between two points of the scalp keeps to the section.
+    pub fn is_straight(&self, from: Vec3, to: Vec3) -> bool {
+        let chart = self.scalp.chart();
+        let (p, q) = (chart.flat(from), chart.flat(to));
+        let steps = (p.distance(q) / CELL).ceil().clamp(1.0, 400.0);
+        (0..=steps as u32).all(|k| {
+            let at = cell_of(p.lerp(q, k as f32 / steps));
+            at.is_some_and(|cell| self.sections.labels()[cell] == self.number)
+        })
+    }
+}
+
+impl<'a> Home<'a> {
+    /// The ways to a point of the section.
+    pub fn ways(&self, to: Vec3) -> Ways<'a> {
+        let (chart, labels) = (self.scalp.chart(), self.sections.labels());
+        let mut far: BTreeMap<u32, f32> = BTreeMap::new();
+        let mut next = BTreeMap::new();
+        let mut heap = BinaryHeap::new();
+        if let Some(cell) = cell_of(chart.flat(to)) {
+            heap.push(Reverse((0u32, cell as u32)));
+            far.insert(cell as u32, 0.0);
+        }
+        while let Some(Reverse((bits, cell))) = heap.pop() {
+            let d = f32::from_bits(bits);
+            if far.get(&cell).is_some_and(|known| d > *known) {
+                continue;
+            }
+            let here = chart.spots()[cell as usize].point;
+            for other in around(cell as usize).filter(|o| labels[*o] == self.number) {
+                // Along a parting the way is long.
+                let clear = self.sections.clear(other) > self.sections.half_width();
+                let step = here.distance(chart.spots()[other].point);
+                let to = d + step * if clear { 1.0 } else { 4.0 };
+                if far.get(&(other as u32)).is_none_or(|known| to < *known) {
+                    far.insert(other as u32, to);
+                    next.insert(other as u32, cell);
+                    // Distances are not negative, so their bits are in their order.
+                    heap.push(Reverse((to.to_bits(), other as u32)));
+                }
+            }
+        }
+        Ways { home: *self, to, next }
+    }
+}
+
+impl Ways<'_> {
+    /// The way from a point of the scalp, at even parts of it; none where none leads from there.
+    pub fn from(&self, from: Vec3) -> Option<Vec<Vec3>> {
+        let chart = self.home.scalp.chart();
+        let own = cell_of(chart.flat(from))?;
+        let known = |cell: &usize| self.next.contains_key(&(*cell as u32));
+        let mut cell = std::iter::once(own).chain(around(own)).find(known)? as u32;
+        let mut line = vec![from];
+        while let Some(on) = self.next.get(&cell).filter(|_| line.len() < 4096) {
+            line.push(chart.spots()[cell as usize].point);
+            cell = *on;
+        }
+        line.push(self.to);
+        let mut way = crate::scalp::lay::Polyline::new(line).evenly(ON_WAY);
+        let mut near = self.home.scalp.closest_root(from)?.triangle;
+        for _ in 0..PULLS {
+            for k in 1..ON_WAY - 1 {
+                let between = (way[k - 1] + way[k + 1]) * 0.5;
+                let hit = self.home.scalp.surface().closest_from(between, near)?;
+                near = hit.triangle;
+                way[k] = self.home.kept(hit.point, &mut near).unwrap_or(way[k]);
+            }
+        }
+        Some(way)
     }
 }

@@ -9,8 +9,8 @@
 //! their sides of it, so that moving a line, or cutting elsewhere, keeps them; names that were given stay where they were put. Not
 //! promised: a section narrower than a cell (1.1 mm), which is bare skin.
 
-use super::chart::{CELLS, Spread, around, cell_of, cross, middle};
-use super::cut::{Lines, covered, cut, square_to};
+use super::chart::{Spread, around, cell_of, cross, middle};
+use super::cut::{Lines, cut, square_to};
 use super::scalp::{Root, Scalp};
 use crate::maths::hash::{Key, KeyBuilder, curve_id};
 use glam::{Vec2, Vec3};
@@ -63,19 +63,20 @@ pub struct Sections {
     partings: Vec<Parting>,
     given: Vec<(String, Vec3)>,
     lines: Lines,
+    /// How far out the skin is in each cell, cm.
+    out: Vec<f32>,
     /// Number of each cell's section, or [`NONE`].
     labels: Vec<u32>,
-    /// The piece nearest to each cell's middle, or [`NONE`], and how far it is, cm.
-    nearest: Vec<u32>,
-    clear: Vec<f32>,
 }
 
 /// In no section; no piece.
 pub const NONE: u32 = u32::MAX;
+/// What lies so much farther out or in than the skin on the map is another layer, such as an ear, and in no section, cm.
+const LAYER: f32 = 1.0;
 /// A line bounds a section that it runs beside for so many cm: less is a corner.
 const CONTACT: f32 = 0.3;
 /// A distance where there are no partings, cm.
-const FAR: f32 = 1e4;
+pub(super) const FAR: f32 = 1e4;
 
 impl Sections {
     /// Cuts a scalp. `width` is that of the bare skin of a parting, `names` are given names, each with a point in what it names.
@@ -88,13 +89,16 @@ impl Sections {
     ) -> (Self, Vec<String>) {
         let mut key = KeyBuilder::new("sections").float(width);
         for parting in &partings {
-            key = key.int(parting.id).int(u64::from(parting.of_pattern)).column(bytemuck::cast_slice::<_, f32>(&parting.points));
+            key = key
+                .int(parting.id)
+                .int(u64::from(parting.of_pattern))
+                .column(bytemuck::cast_slice::<_, f32>(&parting.points));
         }
         for (name, anchor) in names {
             key = key.text(name).vec3(*anchor);
         }
         let spread = scalp.chart().spread();
-        let cut = cut(scalp, partings);
+        let cut = cut(scalp, partings, 0.5 * width);
         let mut sections = Self {
             key: key.finish(),
             whole: scalp.key(),
@@ -104,16 +108,14 @@ impl Sections {
             partings: cut.partings,
             given: names.to_vec(),
             lines: cut.lines,
+            out: scalp.chart().spots().iter().map(|spot| spread.out(spot.point)).collect(),
             labels: cut.labels,
-            nearest: vec![],
-            clear: vec![],
         };
         let mut said = vec![];
         if cut.slivers > 0 {
             let n = cut.slivers;
             said.push(format!("{n} slivers between partings are too small and stay bare"));
         }
-        sections.near(scalp);
         sections.describe(scalp);
         sections.give_names(scalp, names, &mut said);
         (sections, said)
@@ -164,10 +166,13 @@ impl Sections {
     pub fn distance(&self, root: &Root) -> f32 {
         self.distance_at(self.spread.flat(root.point), root.point)
     }
-    /// Section and distance in one; none where there is no section.
+    /// Section and distance of a point of the scalp; none where there is no section.
     pub fn at(&self, point: Vec3) -> Option<Place> {
         let q = self.spread.flat(point);
         let section = self.section_at(q)?;
+        if (self.spread.out(point) - self.out[cell_of(q)?]).abs() > LAYER {
+            return None;
+        }
         let distance = self.distance_at(q, point);
         Some(Place { section, distance, free: distance >= self.half_width })
     }
@@ -194,8 +199,9 @@ impl Sections {
         };
         // The list knows all pieces within a cell's width, the cells' own pieces those beyond.
         self.lines.near_cell(own).iter().for_each(|i| see(*i));
-        see(self.nearest[own]);
-        around(own).for_each(|cell| see(self.nearest[cell]));
+        self.lines.near_place(p).iter().for_each(|i| see(*i));
+        see(self.lines.nearest[own]);
+        around(own).for_each(|cell| see(self.lines.nearest[cell]));
         (best.1 != NONE).then_some(best)
     }
     /// The straight piece of a parting that is nearest to a point of the scalp.
@@ -209,7 +215,7 @@ impl Sections {
     }
     /// How far the middle of a cell of the map is from the nearest parting, cm.
     pub(super) fn clear(&self, cell: usize) -> f32 {
-        self.clear[cell]
+        self.lines.clear[cell]
     }
 
     /// The partings, by number in [`Self::partings`], that the straight way between two points of the scalp crosses, in order of
@@ -232,43 +238,6 @@ impl Sections {
     /// Whether the straight way between two points of the scalp crosses a parting.
     pub fn crosses(&self, from: Vec3, to: Vec3) -> bool {
         !self.crossed(from, to).is_empty()
-    }
-
-    /// Finds the nearest piece to every cell: each hands its own on to its neighbours, there and back.
-    fn near(&mut self, scalp: &Scalp) {
-        let spots = scalp.chart().spots();
-        let mut best = vec![(FAR * FAR, NONE); CELLS * CELLS];
-        for (i, piece) in (0..).zip(&self.lines.pieces) {
-            for cell in covered(&piece.flat, 0) {
-                let d = square_to(piece.ends, spots[cell].point);
-                if (d, i) < best[cell] {
-                    best[cell] = (d, i);
-                }
-            }
-        }
-        let pass = |best: &mut Vec<(f32, u32)>, cell: usize, others: &[usize]| {
-            for other in others {
-                let (_, i) = best[*other];
-                if i != NONE && i != best[cell].1 {
-                    let d = square_to(self.lines.pieces[i as usize].ends, spots[cell].point);
-                    if (d, i) < best[cell] {
-                        best[cell] = (d, i);
-                    }
-                }
-            }
-        };
-        for _ in 0..2 {
-            for cell in CELLS + 1..CELLS * CELLS {
-                let above = cell - CELLS;
-                pass(&mut best, cell, &[cell - 1, above, above - 1, above + 1]);
-            }
-            for cell in (0..CELLS * CELLS - CELLS - 1).rev() {
-                let below = cell + CELLS;
-                pass(&mut best, cell, &[cell + 1, below, below + 1, below - 1]);
-            }
-        }
-        self.clear = best.iter().map(|(d, _)| d.sqrt()).collect();
-        self.nearest = best.into_iter().map(|(_, i)| i).collect();
     }
 
     /// Areas, middles and ids.
@@ -361,7 +330,7 @@ impl Sections {
         let mut farthest: Vec<(f32, usize)> = vec![(-1.0, 0); sum.len()];
         for (cell, label) in self.labels.iter().enumerate().filter(|(_, l)| **l != NONE) {
             let spot = &chart.spots()[cell];
-            let d = match self.lines.pieces.get(self.nearest[cell] as usize) {
+            let d = match self.lines.pieces.get(self.lines.nearest[cell] as usize) {
                 Some(piece) => square_to(piece.ends, spot.point),
                 None => 0.0,
             };
@@ -416,7 +385,7 @@ impl Sections {
     pub fn bytes(&self) -> usize {
         self.lines.bytes()
             + self.partings.iter().map(|p| 12 * p.points.len() + 64).sum::<usize>()
-            + 4 * (self.labels.len() + self.nearest.len() + self.clear.len())
+            + 4 * (self.labels.len() + self.out.len())
             + self.list.len() * 128
     }
 }

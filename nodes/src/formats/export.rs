@@ -347,7 +347,7 @@ const TRIES: [(f32, bool); 5] =
 /// left is told.
 pub const MOST_POINTS: usize = 255;
 /// Rounds in which chords are made alike.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 16;
 /// Chords within this ratio are alike.
 const ALIKE: f32 = 1.01;
 

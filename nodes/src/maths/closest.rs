@@ -195,14 +195,35 @@ impl Surface {
         (b - a).cross(c - a)
     }
 
-    /// The distance of `p` from its closest point `hit`, negative inside.
+    /// The distance of `p` from its closest point `hit`, negative inside. Where a mesh ends, or folds into itself as scans do, an
+    /// edge or a corner does not tell the sides apart: what seems deep inside such a one is looked at from there.
     pub fn signed_distance(&self, p: Vec3, hit: &Hit) -> f32 {
         let side = (p - hit.point).dot(self.pseudo_normal(hit));
-        if side < 0.0 { -hit.distance } else { hit.distance }
+        if side >= 0.0 {
+            return hit.distance;
+        }
+        let at_edge = [1.0 - hit.bary.x - hit.bary.y, hit.bary.x, hit.bary.y];
+        let doubtful = hit.distance > DOUBTFUL && at_edge.iter().any(|w| *w <= ON);
+        if doubtful && !self.sees_backs(p) { hit.distance } else { -hit.distance }
+    }
+
+    /// Whether most ways from a point meet the back of the surface first, which is how it looks from inside.
+    fn sees_backs(&self, p: Vec3) -> bool {
+        const WAYS: [Vec3; 5] = [
+            Vec3::new(0.31, 0.87, 0.38),
+            Vec3::new(-0.83, 0.29, 0.47),
+            Vec3::new(0.62, -0.41, 0.67),
+            Vec3::new(-0.27, -0.58, -0.77),
+            Vec3::new(0.53, 0.39, -0.75),
+        ];
+        let backs = WAYS.iter().filter(|way| {
+            let hit = self.ray(p, **way, 1e4);
+            hit.is_some_and(|hit| self.area_vector(hit.triangle).dot(**way) > 0.0)
+        });
+        2 * backs.count() > WAYS.len()
     }
 
     fn pseudo_normal(&self, hit: &Hit) -> Vec3 {
-        const ON: f32 = 1e-5;
         let t = hit.triangle as usize;
         let weights = [1.0 - hit.bary.x - hit.bary.y, hit.bary.x, hit.bary.y];
         let zero = weights.map(|w| w <= ON);
@@ -217,6 +238,11 @@ impl Surface {
         }
     }
 }
+
+/// A point's weight of a corner in which it has none.
+const ON: f32 = 1e-5;
+/// Nearer than this (cm) edges and corners are believed.
+const DOUBTFUL: f32 = 0.2;
 
 /// The greater of two numbers that are no NaN: one instruction, where `f32::max` has to look for them.
 #[inline]

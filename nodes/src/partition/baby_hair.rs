@@ -354,9 +354,20 @@ impl Maker<'_> {
         let from = points.len();
         spline.resample(n, |p| points.push(p));
         points[from] = start.root.point;
-        let skin = self.scalp.skin();
+        // Asked of the surface itself: a distance field costs more than a hairline's worth of hair.
+        near = start.root.triangle;
         for p in &mut points[from + 1..] {
-            *p = skin.lift(*p, 0.5 * clear).0;
+            let Some(hit) = surface.closest_from(*p, near) else { return false };
+            near = hit.triangle;
+            if surface.signed_distance(*p, &hit) >= 0.5 * clear {
+                continue;
+            }
+            *p = hit.point + surface.smooth_normal(hit.triangle, hit.bary) * (0.5 * clear);
+            // In a fold the way out of one side leads into the other.
+            let again = surface.closest_from(*p, near);
+            if again.is_some_and(|hit| surface.signed_distance(*p, &hit) < 0.0) {
+                *p = self.scalp.skin().lift(*p, 0.5 * clear).0;
+            }
         }
         true
     }

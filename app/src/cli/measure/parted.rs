@@ -201,7 +201,8 @@ impl Piece {
         }
         let q = a.lerp(b, sa / (sa - sb)) - self.from;
         let t = q.dot(along) / along.length_squared().max(1e-12);
-        (0.0..1.0).contains(&t) && q.dot(self.up).abs() < ON
+        // Where a line climbs an ear its way is nearly the skin's normal, so only the distance from it tells how near it is.
+        (0.0..1.0).contains(&t) && q.distance(along * t) < ON
     }
 }
 
