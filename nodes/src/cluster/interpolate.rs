@@ -284,8 +284,10 @@ impl Maker<'_> {
             if let Some(skin) = &self.skin {
                 skin.clear(&mut points[first..], |k| Some(depths[k]));
             }
-            let made = points[first..].windows(2).take(at_home);
-            if home.is_some_and(|home| made.into_iter().any(|w| home.crosses(w[0], w[1]))) {
+            let crosses = |home: crate::data::home::Home| {
+                points[first..].windows(2).take(at_home).any(|w| home.crosses(w[0], w[1]))
+            };
+            if home.is_some_and(crosses) {
                 piece.trouble(
                     id,
                     "a hair that no way leads to its guide without crossing a parting was left out",
