@@ -470,7 +470,9 @@ impl Maker<'_> {
                 let corner = lane.row.spline.at(end + (foot - end) * sweep);
                 self.across_the_head(&mut points[first..], corner, &place.owner);
                 self.lay(&mut points[first..], high);
-                if is_smooth(&points[first..]) {
+                let way = &points[first..];
+                let far = place.owner.distance > self.far()[0];
+                if !far || is_smooth(way) && !self.goes_under(way) {
                     break;
                 }
             }
@@ -495,6 +497,13 @@ impl Maker<'_> {
         out.set(SCALP_NORMAL, Domain::Curve, roots.iter().map(|root| root.normal).collect());
         lay::bind(&mut out, &roots);
         Ok(out.build())
+    }
+    /// Whether a way leads through what stands off the head between its points.
+    fn goes_under(&self, way: &[Vec3]) -> bool {
+        way.windows(2).any(|w| {
+            let deep = |t: f32| self.skin.about(w[0].lerp(w[1], t)) < -0.25 * self.unit;
+            deep(0.33) || deep(0.67)
+        })
     }
     /// From where to where roots are far from their row; nowhere where rows share the scalp.
     fn far(&self) -> [f32; 2] {

@@ -90,10 +90,10 @@ impl<'a> Leader<'a> {
         }
         self.braided(braid, tube, (t, come, entry.q), wish, reached);
         // Out of the skin first, then even; over an edge, such as that of an ear, not all at once.
-        let on_its_way = self.beads.partition_point(|bead| bead.along <= section.along);
         for round in 0..ROUNDS {
             if round > 0 {
-                relax(&mut self.beads);
+                let way = self.beads.partition_point(|bead| bead.along <= section.along);
+                relax(&mut self.beads[..way]);
             }
             self.lift(CLEAR);
             self.even.out(&mut self.beads);
@@ -128,14 +128,23 @@ impl<'a> Leader<'a> {
     ) -> (f32, Vec2) {
         /// Places tried for one stitch, and stitches.
         const TRIED: (f32, f32) = (8.0, 3.0);
+        /// Ways shorter than this slide, cm on a head of average size.
+        const TURN: f32 = 3.0;
         /// Cosine of the largest angle between hair and strand.
         const FORWARDS: f32 = 0.7;
         if wish.fed {
             return (entry.t, entry.q * 0.4);
         }
+        // From afar there is room to turn.
+        let slides = if way[0].distance(way[way.len() - 1]) < TURN * self.manner.unit {
+            TRIED.0 * TRIED.1
+        } else {
+            0.0
+        };
         let last = (tube.tie - braid.per_stitch).max(entry.t);
         let (mut best, mut found) = (f32::MIN, (entry.t, entry.q));
-        for k in 0..=(TRIED.0 * TRIED.1) as usize {
+        let mut first = None;
+        for k in 0..=slides as usize {
             let t = (entry.t + k as f32 * braid.per_stitch / TRIED.0).min(last);
             let section = tube.section(t);
             let from = way[way.len() - 1] - section.centre;
@@ -149,11 +158,16 @@ impl<'a> Leader<'a> {
             if forwards > best + 1e-3 {
                 (best, found) = (forwards, (t, come));
             }
-            if best > FORWARDS || t >= last {
+            first.get_or_insert(found);
+            if best > FORWARDS {
+                return found;
+            }
+            if t >= last {
                 break;
             }
         }
-        found
+        // Behind the end of a row nothing leads forwards: round it, as the way goes.
+        first.unwrap_or(found)
     }
 
     /// The hair in its strand from the step `t` on, where it comes in at `come` to work its way to `q`; `reached` is how far
