@@ -178,7 +178,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         needed
     };
     let [curves, extension] = cx.each_tuft_with(&inputs.roots, &all, needs, |tuft, _, piece| {
-        let filler = Filler { inputs: &inputs, leader: Leader::new(&manner, skin) };
+        let filler = Filler { inputs: &inputs, leader: Leader::new(&manner, scalp, skin) };
         filler.fill(tuft, &of_row, piece)
     })?;
     Ok(Outputs { curves, extension })

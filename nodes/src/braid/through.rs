@@ -12,7 +12,7 @@
 use super::even::{Bead, Even, relax, smooth, spline_point, unevenness};
 use super::tube::{Braid, FINE, Tube, place};
 use super::wander::{Parted, Wander};
-use crate::data::scalp::Skin;
+use crate::data::scalp::{Scalp, Skin};
 use crate::maths::hash::Dice;
 use glam::{Vec2, Vec3};
 
@@ -65,14 +65,21 @@ pub(super) struct Entry {
 pub(super) struct Leader<'a> {
     pub(super) manner: &'a Manner,
     pub(super) skin: Option<&'a Skin<'a>>,
+    pub(super) scalp: Option<&'a Scalp>,
     /// The hair that was led last.
     pub(super) beads: Vec<Bead>,
     even: Even,
+    /// Where its points were before the skin moved them, up to where it joins.
+    way: Vec<Vec3>,
 }
 
 impl<'a> Leader<'a> {
-    pub(super) fn new(manner: &'a Manner, skin: Option<&'a Skin<'a>>) -> Self {
-        Self { manner, skin, beads: vec![], even: Even::default() }
+    pub(super) fn new(
+        manner: &'a Manner,
+        scalp: Option<&'a Scalp>,
+        skin: Option<&'a Skin<'a>>,
+    ) -> Self {
+        Self { manner, skin, scalp, beads: vec![], way: vec![], even: Even::default() }
     }
 
     /// Leads a hair; gives the front of the braid where it joins.
@@ -89,19 +96,34 @@ impl<'a> Leader<'a> {
             self.beads.iter_mut().for_each(|bead| bead.along = section.along);
         }
         self.braided(braid, tube, (t, come, entry.q), wish, reached);
-        // Out of the skin first, then even; over an edge, such as that of an ear, not all at once.
+        self.rest(section.along);
+        tube.front(t)
+    }
+
+    /// Sets a hair on the skin, evenly: out of it first, then even, over an edge not all at once; and one that an ear tears
+    /// is led round it. Before `joined` it is on its way.
+    fn rest(&mut self, joined: f32) {
+        let on_way = |beads: &[Bead]| beads.partition_point(|bead| bead.along <= joined);
+        let way = on_way(&self.beads);
+        self.way.clear();
+        self.way.extend(self.beads[..way].iter().map(|bead| bead.p));
         for round in 0..ROUNDS {
             if round > 0 {
-                let way = self.beads.partition_point(|bead| bead.along <= section.along);
+                let way = on_way(&self.beads);
                 relax(&mut self.beads[..way]);
             }
             self.lift(CLEAR);
             self.even.out(&mut self.beads);
             if !self.lift(LEAST) || unevenness(&self.beads) < 1.2 {
-                break;
+                return;
             }
         }
-        tube.front(t)
+        let Some(skin) = self.skin else { return };
+        if skin.clear(&mut self.way, |_| Some(-CLEAR)) {
+            self.beads[..way].iter_mut().zip(&self.way).for_each(|(bead, p)| bead.p = *p);
+            self.even.out(&mut self.beads);
+            self.lift(LEAST);
+        }
     }
 
     /// Lifts what may be nearer to the skin than `height`; tells whether anything was.
@@ -291,11 +313,18 @@ impl<'a> Leader<'a> {
         };
         let arriving = (end - combed(0.94)) / 0.06;
         let turn = along * (0.8 * chord.length()) - arriving;
+        // Bent to its strand it still keeps to the section that its way keeps to.
+        let home = self.scalp.and_then(|scalp| scalp.home(root));
+        let home = home.filter(|home| home.holds(way[n - 1]));
+        let mut near = 0;
         let mut fine = [Vec3::ZERO; SAMPLES + 1];
         let mut lengths = [0.0f32; SAMPLES + 1];
         for k in 0..=SAMPLES {
             let s = k as f32 / SAMPLES as f32;
             fine[k] = combed(s) + turn * (s * s * (s - 1.0));
+            if let (Some(home), true) = (home, 0 < k && k < SAMPLES) {
+                fine[k] = home.kept(fine[k], &mut near).unwrap_or(fine[k]);
+            }
             if k > 0 {
                 if let (Some(skin), true) = (self.skin, k < SAMPLES) {
                     fine[k] = over(skin, fine[k], (6.0 * s).min(1.0) * CLEAR);
