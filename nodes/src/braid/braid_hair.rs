@@ -480,6 +480,10 @@ impl Filler<'_> {
         let chord = end.distance(way[0]);
         let arriving = (last - on_way(0.94)) / 0.06;
         let turn = along * (0.8 * chord) - arriving;
+        // Bent to its strand it still keeps to the section that its way keeps to.
+        let home = self.inputs.scalp.as_deref().and_then(|scalp| scalp.home(way[0]));
+        let home = home.filter(|home| home.holds(last));
+        let mut near = 0;
         let mut fine = [Vec3::ZERO; SAMPLES + 1];
         let mut lengths = [0.0f32; SAMPLES + 1];
         for k in 0..=SAMPLES {
@@ -488,6 +492,8 @@ impl Filler<'_> {
             fine[k] = on_way(s) + aside * (3.0 * s2 - 2.0 * s3) + turn * (s3 - s2);
             if k > 0 {
                 if k < SAMPLES {
+                    let kept = home.and_then(|home| home.kept(fine[k], &mut near));
+                    fine[k] = kept.unwrap_or(fine[k]);
                     fine[k] = self.over(fine[k], (6.0 * s).min(1.0) * CLEAR);
                 }
                 lengths[k] = lengths[k - 1] + fine[k].distance(fine[k - 1]);
