@@ -329,14 +329,10 @@ impl Maker<'_> {
     /// A parting as a curve.
     fn parting(&self, parting: &Parting, sections: &Sections) -> Option<Tuft> {
         let line = Polyline::new(parting.points.clone());
-        // So close that a spline through them is the line that hair keeps off, even where it leaps over an ear.
+        // So close that a spline through them is the line that hair keeps off.
         let n = ((line.length() / 0.06).ceil() as usize).clamp(1, 4000) + 1;
-        let on_line = |p: &Vec3| {
-            let root = self.scalp.closest_root(*p)?;
-            let lies = root.point.distance(*p) < 0.02;
-            Some(if lies { root } else { Root { point: *p, ..root } })
-        };
-        let roots: Vec<Root> = line.evenly(n).iter().filter_map(on_line).collect();
+        let roots: Vec<Root> =
+            line.evenly(n).iter().filter_map(|p| self.scalp.closest_root(*p)).collect();
         if roots.len() < 2 {
             return None;
         }
