@@ -448,9 +448,9 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
     (Arc::new(out.build()), resampled, worst, left_out)
 }
 
-/// `last` + 1 points of the spline whose chords are all alike, and where they lie on it (arc length and place). Through
-/// such points both readings are one curve, however sharply it bends; points at even arc length have shorter
-/// chords where it bends. `point` gives the point of a place, which may have to keep clear of the skin.
+/// `last` + 1 points of the spline whose chords are so much alike that both readings agree, and where they lie on it (arc
+/// length and place): through such points both are one curve, however sharply it bends; points at even arc length have
+/// shorter chords where it bends. `point` gives the point of a place, which may have to keep clear of the skin.
 fn alike_chords(
     spline: &Spline,
     last: usize,
@@ -475,7 +475,7 @@ fn alike_chords(
     let mut best = (f32::MAX, wanted.clone());
     for _ in 0..ROUNDS {
         let ratio = sample(&wanted, stops, points);
-        if ratio <= ALIKE {
+        if ratio <= ALIKE || readings_differ(points) <= AGREE {
             return;
         }
         if ratio < best.0 {
