@@ -348,7 +348,8 @@ fn choice(
         .selected_text(shown)
         .show_ui(ui, |ui| {
             for (known, tip) in words {
-                let chosen = ui.selectable_label(!differ && *known == word, choice_name(known, tip));
+                let chosen =
+                    ui.selectable_label(!differ && *known == word, choice_name(known, tip));
                 if chosen.on_hover_text(tip.trim()).clicked() {
                     target.set(input, *known, How::Once);
                 }

@@ -21,7 +21,7 @@ pub(super) const MOST_POINTS: usize = 255;
 /// Nearer than this (cm) points are set off the skin by the distance field, whose error is less.
 const CLEAR: f32 = 0.025;
 /// Points that were made even may be so near (cm) and no nearer.
-const LEAST: f32 = 0.008;
+const LEAST: f32 = 0.015;
 
 /// Rounds in which a hair is led over the edges of the skin.
 const ROUNDS: usize = 4;

@@ -2,8 +2,8 @@
 
 pub mod attributes;
 pub mod chart;
-mod cut;
 pub mod curves;
+mod cut;
 pub mod field;
 pub mod home;
 mod lead;
