@@ -21,7 +21,7 @@ pub(super) const MOST_POINTS: usize = 255;
 /// Nearer than this (cm) points are set off the skin by the distance field, whose error is less.
 const CLEAR: f32 = 0.025;
 /// Points that were made even may be so near (cm) and no nearer.
-const LEAST: f32 = 0.015;
+const LEAST: f32 = 0.008;
 
 /// Rounds in which a hair is led over the edges of the skin.
 const ROUNDS: usize = 4;
@@ -69,8 +69,8 @@ pub(super) struct Leader<'a> {
     /// The hair that was led last.
     pub(super) beads: Vec<Bead>,
     even: Even,
-    /// Where its points were before the skin moved them, up to where it joins.
-    way: Vec<Vec3>,
+    /// Its points before the skin moved them.
+    raw: Vec<Bead>,
 }
 
 impl<'a> Leader<'a> {
@@ -79,7 +79,7 @@ impl<'a> Leader<'a> {
         scalp: Option<&'a Scalp>,
         skin: Option<&'a Skin<'a>>,
     ) -> Self {
-        Self { manner, skin, scalp, beads: vec![], way: vec![], even: Even::default() }
+        Self { manner, skin, scalp, beads: vec![], raw: vec![], even: Even::default() }
     }
 
     /// Leads a hair; gives the front of the braid where it joins.
@@ -104,9 +104,8 @@ impl<'a> Leader<'a> {
     /// is led round it. Before `joined` it is on its way.
     fn rest(&mut self, joined: f32) {
         let on_way = |beads: &[Bead]| beads.partition_point(|bead| bead.along <= joined);
-        let way = on_way(&self.beads);
-        self.way.clear();
-        self.way.extend(self.beads[..way].iter().map(|bead| bead.p));
+        self.raw.clear();
+        self.raw.extend_from_slice(&self.beads);
         for round in 0..ROUNDS {
             if round > 0 {
                 let way = on_way(&self.beads);
@@ -119,8 +118,14 @@ impl<'a> Leader<'a> {
             }
         }
         let Some(skin) = self.skin else { return };
-        if skin.clear(&mut self.way, |_| Some(-CLEAR)) {
-            self.beads[..way].iter_mut().zip(&self.way).for_each(|(bead, p)| bead.p = *p);
+        let mut way: Vec<Vec3> = self.raw[..on_way(&self.raw)].iter().map(|bead| bead.p).collect();
+        let Some(end) = way.last().copied() else { return };
+        let led = skin.clear(&mut way, |_| Some(-CLEAR));
+        // It joins where it would have joined.
+        if led && way[way.len() - 1].distance(end) < 0.1 * self.manner.unit {
+            std::mem::swap(&mut self.beads, &mut self.raw);
+            self.beads.iter_mut().zip(way).for_each(|(bead, p)| bead.p = p);
+            self.lift(CLEAR);
             self.even.out(&mut self.beads);
             self.lift(LEAST);
         }
