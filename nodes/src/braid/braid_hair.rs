@@ -299,7 +299,7 @@ impl Filler<'_> {
                 let t = braid.tubes[tube].step_at(joined);
                 // On its side of the strand; both sides together fill it.
                 let q = if fed { q } else { Vec2::new(q.x.abs() * side as f32, q.y) };
-                Entry { tube, t, stitch: stitch.number, q }
+                Entry { tube, t, stitch: stitch.number, q, slides: true }
             }
             None => {
                 let tube = match fed {
@@ -309,7 +309,7 @@ impl Filler<'_> {
                 // A braid without stitches is joined where the row says.
                 let t = braid.tubes[tube].step_at(along);
                 let t = t + 0.3 * braid.per_stitch * dice.unit(id, 2);
-                Entry { tube, t, stitch: 0, q }
+                Entry { tube, t, stitch: 0, q, slides: along > 0.0 }
             }
         }
     }

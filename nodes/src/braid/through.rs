@@ -59,6 +59,8 @@ pub(super) struct Entry {
     pub(super) stitch: i32,
     /// Its place in the unit disc.
     pub(super) q: Vec2,
+    /// Whether it may slide along its strand. Hair of a free braid is gathered where that begins.
+    pub(super) slides: bool,
 }
 
 /// Leads hairs, one after the other.
@@ -163,11 +165,8 @@ impl<'a> Leader<'a> {
             return (entry.t, entry.q * 0.4);
         }
         // From afar there is room to turn.
-        let slides = if way[0].distance(way[way.len() - 1]) < TURN * self.manner.unit {
-            TRIED.0 * TRIED.1
-        } else {
-            0.0
-        };
+        let short = way[0].distance(way[way.len() - 1]) < TURN * self.manner.unit;
+        let slides = if short && entry.slides { TRIED.0 * TRIED.1 } else { 0.0 };
         let last = (tube.tie - braid.per_stitch).max(entry.t);
         let (mut best, mut found) = (f32::MIN, (entry.t, entry.q));
         let mut first = None;
