@@ -14,6 +14,7 @@ use crate::data::attributes::{
     SCALP_NORMAL, SECTION, SIDE,
 };
 use crate::data::curves::{Curves, MOST_CURVES, Tuft, TuftBuilder};
+use crate::data::detour::Detour;
 use crate::data::field::Sampler;
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::{Root, Scalp, Skin};
@@ -167,12 +168,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let maker = Maker {
         inputs: &inputs,
         scalp,
-        skin,
         ground: &ground,
         parting: inputs.parting_width * unit,
         unit,
         dice: cx.dice(inputs.seed, "territory"),
         even: EvenRoots::new(scalp, cx.dice(inputs.seed, "roots")),
+        detour: Detour::new(scalp, &skin),
+        skin,
     };
     // So many of the list of even roots are hair; the probes may be more.
     let density = inputs.density / (unit * unit);
@@ -265,6 +267,7 @@ struct Maker<'a> {
     unit: f32,
     dice: Dice,
     even: EvenRoots<'a>,
+    detour: Detour<'a>,
 }
 
 /// What is asked of a row's hair, along it.
@@ -348,7 +351,9 @@ impl Maker<'_> {
             shift if shift > 0.0 => last,
             shift => (here + shift).clamp(0.0, last),
         };
-        let x = if x < self.inputs.start * self.unit { 0.0 } else { x.min(last) };
+        // What comes after the first section catches up, so that neighbours stay neighbours.
+        let start = self.inputs.start * self.unit;
+        let x = (2.0 * (x - start)).clamp(0.0, x.min(last));
         let length = wishes.length.along(wishes.tuft, wishes.curve, place.owner.u) * self.unit;
         let cut = 1.0 - self.inputs.length_variation * self.dice.unit(id, 1);
         (x / lane.length, length * cut)
@@ -455,8 +460,8 @@ impl Maker<'_> {
             let map = map(place.side);
             let from = map.locate(place.root.point, &mut found);
             // Roots under the braid are combed along under it.
-            let beside = (0.5 * self.inputs.braid_width * self.unit * girth_at(counted, u))
-                .min(0.8 * from.1);
+            let edge = 0.5 * self.inputs.braid_width * self.unit * girth_at(counted, u);
+            let beside = edge.min(0.8 * map.beside(from));
             let to = (map.column(u / on_scalp), beside);
             let high = (CLEAR.0 + CLEAR.1 * self.dice.unit(id, 2)) * self.unit;
             let end = u / on_scalp;
@@ -469,6 +474,7 @@ impl Maker<'_> {
                 map.way(&place.root, from, to, sweep, cvs, &mut points);
                 let corner = lane.row.spline.at(end + (foot - end) * sweep);
                 self.across_the_head(&mut points[first..], corner, &place.owner);
+                self.detour.lead(&mut points[first..]);
                 self.lay(&mut points[first..], high);
                 let way = &points[first..];
                 let far = place.owner.distance > self.far()[0];

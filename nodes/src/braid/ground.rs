@@ -2,8 +2,8 @@
 //!
 //! Which row a root belongs to is decided as in `partition/territory.rs`: the nearest one. The ways over the scalp are
 //! straight lines in a *map*: on each side of a row, columns of points march square away from it over the skin, and
-//! round its two ends they fan out. A place is then (column, cm from the row), and a hair that is combed along and
-//! into the braid is a parabola in these two numbers, however the head bends under it.
+//! round its two ends they fan out. Laid out with the row straight, a hair that is combed along and into the braid is a
+//! parabola, however the head bends under it.
 //!
 //! Guarantees: a way's points are within a few tenths of a millimetre of the skin; in ground that ends at a parting it
 //! never comes nearer to the parting than its root's side of the parting allows. Not promised: anything where the
@@ -13,10 +13,11 @@ use crate::data::scalp::{Root, Scalp};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::nearest::Nearest;
 use crate::maths::spline::Spline;
-use crate::maths::transcendental::{exp, sin_cos};
+use crate::maths::transcendental::{atan2, exp, sin_cos};
 use crate::partition::territory::Row;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
+use std::f32::consts::FRAC_PI_2;
 
 /// A row to braid along.
 pub(crate) struct Lane {
@@ -183,6 +184,8 @@ pub(crate) struct Map {
     /// Steps of a column.
     steps: usize,
     step: f32,
+    /// Distance between the starts of columns beside the row, cm.
+    pitch: f32,
     tree: Nearest,
     /// Distance from the row at which each column leaves the row's own ground.
     pub(crate) limit: Vec<f32>,
@@ -214,7 +217,7 @@ impl Map {
             let (along, normal) = lane.way(u);
             let sideways = along.cross(normal) * side as f32;
             // A quarter turn from straight ahead of the row to its side, and behind its end as much again.
-            let turned = |k: usize| (k as f32 / FAN as f32) * std::f32::consts::FRAC_PI_2;
+            let turned = |k: usize| (k as f32 / FAN as f32) * FRAC_PI_2;
             let (sin, cos) = match c {
                 c if c < FAN => sin_cos(turned(FAN - c)),
                 c if c >= columns - FAN => sin_cos(-turned(c + FAN + 1 - columns)),
@@ -242,11 +245,35 @@ impl Map {
             limit.push(last + 0.5 * step);
         }
         let tree = Nearest::new(found);
-        Self { points, columns, steps, step, tree, limit }
+        let pitch = (lane.row.length() / (stations - 1) as f32).max(1e-6);
+        Self { points, columns, steps, step, pitch, tree, limit }
     }
     /// The column that starts at a fraction of the row.
     pub(crate) fn column(&self, u: f32) -> f32 {
         FAN as f32 + u.clamp(0.0, 1.0) * (self.columns - 2 * FAN - 1) as f32
+    }
+    /// The row laid out straight: cm along it (less than 0 before it, more than its length behind it) and beside it.
+    fn plain(&self, (column, v): (f32, f32)) -> Vec2 {
+        let (first, last) = (FAN as f32, (self.columns - 1 - FAN) as f32);
+        let beyond = if column < first { column - first } else { (column - last).max(0.0) };
+        let (sin, cos) = sin_cos(beyond / FAN as f32 * FRAC_PI_2);
+        Vec2::new((column.clamp(first, last) - first) * self.pitch + v * sin, v * cos)
+    }
+    /// Column and distance of a place of [`Map::plain`].
+    fn unrolled(&self, p: Vec2) -> (f32, f32) {
+        let (first, last) = (FAN as f32, (self.columns - 1 - FAN) as f32);
+        let along = p.x / self.pitch + first;
+        let column = along.clamp(first, last);
+        let beyond = (along - column) * self.pitch;
+        if beyond == 0.0 {
+            return (column, p.y.max(0.0));
+        }
+        let turned = atan2(beyond, p.y.max(0.0)) / FRAC_PI_2;
+        (column + turned * FAN as f32, Vec2::new(beyond, p.y.max(0.0)).length())
+    }
+    /// How far (cm) a place on the map is beside the row, or the row thought longer.
+    pub(crate) fn beside(&self, place: (f32, f32)) -> f32 {
+        self.plain(place).y
     }
     /// The fraction of the row at which a column starts.
     fn fraction(column: f32, columns: usize) -> f32 {
@@ -306,14 +333,13 @@ impl Map {
     ) {
         const FINE: usize = 20;
         let mut fine = [Vec3::ZERO; FINE + 1];
-        let corner = (to.0 + (from.0 - to.0) * sweep, to.1);
+        let (a, b) = (self.plain(from), self.plain(to));
+        let corner = Vec2::new(b.x + (a.x - b.x) * sweep, b.y);
         let aside = root.point - self.point(from.0, from.1);
         for (k, p) in fine.iter_mut().enumerate() {
             let s = k as f32 / FINE as f32;
             let r = 1.0 - s;
-            let mix = |a: f32, b: f32, c: f32| r * r * a + 2.0 * r * s * b + s * s * c;
-            let c = mix(from.0, corner.0, to.0);
-            let v = mix(from.1, corner.1, to.1);
+            let (c, v) = self.unrolled(a * (r * r) + corner * (2.0 * r * s) + b * (s * s));
             *p = self.point(c, v.min(self.limit_at(c).max(to.1)).min(from.1.max(to.1)));
             *p += aside * (r * r);
         }

@@ -210,7 +210,9 @@ impl<'a> Leader<'a> {
         let beads = &mut self.beads;
         // How far it goes: to its own end, or through the brush.
         let brush = braid.brush.len() as f32;
-        let shorter = manner.tip_variation * manner.dice.unit(wish.id, 3);
+        // Most end early and few reach the end, so that a brush of any thickness thins out to nothing.
+        let drawn = [3, 30, 31].map(|salt| manner.dice.unit(wish.id, salt));
+        let shorter = manner.tip_variation * drawn.into_iter().fold(0.0, f32::max);
         let until = if brush > 0.0 {
             tube.tie + (brush - 1.0) * (1.0 - shorter)
         } else {

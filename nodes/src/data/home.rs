@@ -8,7 +8,7 @@
 //! and does not pile up. Not promised: anything for hair higher off the skin than [`FREE`], which passes over partings.
 
 use super::chart::{CELL, around, cell_of};
-use super::scalp::Scalp;
+use super::scalp::{Root, Scalp};
 use super::sections::Sections;
 use crate::maths::closest::Surface;
 use glam::Vec3;
@@ -49,6 +49,13 @@ impl Scalp {
         let number = sections.at(root)?.section;
         Some(Home { scalp: self, sections, number })
     }
+
+    /// The section that a root counts to, also where it lies beyond the edge of the map.
+    pub fn home_of(&self, root: &Root) -> Option<Home<'_>> {
+        let sections = self.sections()?;
+        let number = sections.of(root)?;
+        Some(Home { scalp: self, sections, number })
+    }
 }
 
 impl Home<'_> {
@@ -71,11 +78,16 @@ impl Home<'_> {
 
     /// Whether a glance tells that a point needs no keeping.
     fn is_clear(&self, p: Vec3) -> bool {
+        self.is_clear_by(0.0, p)
+    }
+
+    /// Whether a glance tells that no parting is nearer to a point than `more` (cm) and what hair keeps off it.
+    fn is_clear_by(&self, more: f32, p: Vec3) -> bool {
         let chart = self.scalp.chart();
         let Some(cell) = cell_of(chart.flat(p)) else { return true };
         let height = p.distance(chart.origin()) - chart.out(cell);
         // Off the skin what lies below is told by the skin's slope.
-        let least = self.sections.half_width() + NEAR + height.abs();
+        let least = self.sections.half_width() + NEAR + height.abs() + more;
         self.sections.labels()[cell] == self.number && self.sections.clear(cell) > least
     }
 
@@ -134,7 +146,9 @@ impl Home<'_> {
 
     /// Whether a piece of hair on the skin crosses a parting.
     pub fn crosses(&self, from: Vec3, to: Vec3) -> bool {
-        if self.is_clear(from) && self.is_clear(to) {
+        // A long piece may pass over a tongue of another section between two points that are far from it.
+        let half = 0.5 * from.distance(to);
+        if self.is_clear_by(half, from) && self.is_clear_by(half, to) {
             return false;
         }
         let skin = self.scalp.skin();

@@ -4,6 +4,7 @@ pub mod attributes;
 pub mod chart;
 pub mod curves;
 mod cut;
+pub mod detour;
 pub mod field;
 pub mod home;
 mod lead;

@@ -82,7 +82,8 @@ node! {
         scalp: Arc<Scalp>;
         /// The lines, lying on the scalp.
         partings: Curves;
-        /// The middle line of each section, from the hairline on, as wide as the section: to braid along.
+        /// The middle line of each section, from the hairline on, as wide as the section: to braid along. The round section
+        /// that gathered rows end at has none.
         rows: Curves;
         /// A short curve standing in the middle of each section: for free braids, twists and puffs.
         middles: Curves;
@@ -158,7 +159,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let maker = Maker { scalp: &parted, chart, unit, seed: inputs.seed as u64, part: &part };
     let lines = sections.partings()[before..].iter().map(|p| maker.parting(p, &sections));
     let partings = Curves::new(lines.flatten().map(Arc::new).collect());
-    let rows = maker.rows(cx, &sections, &middles)?;
+    // What rows are gathered to is no row.
+    let tied = (inputs.pattern == Pattern::Gathered)
+        .then(|| sections.at(scalp.frame().point_from_head(inputs.centre)))
+        .flatten()
+        .map(|place| place.section);
+    let rows = maker.rows(cx, &sections, &middles, tied)?;
     let middles = maker.middles(&sections);
     Ok(Outputs { scalp: parted, partings, rows, middles })
 }
@@ -348,6 +354,7 @@ impl Maker<'_> {
         cx: &EvalCx,
         sections: &Sections,
         drawn: &[Vec<Vec2>],
+        tied: Option<u32>,
     ) -> Result<Curves, NodeError> {
         // A pattern knows the middles of its rows better than what lies between its lines shows.
         let mut known: BTreeMap<u32, &[Vec2]> = BTreeMap::new();
@@ -362,7 +369,7 @@ impl Maker<'_> {
             cx.check()?;
             let cells = &members[number as usize];
             let mine = cells.iter().filter(|c| self.part[**c as usize]).count();
-            if 2 * mine < cells.len() {
+            if 2 * mine < cells.len() || tied == Some(number) {
                 continue;
             }
             let line = match known.get(&number) {

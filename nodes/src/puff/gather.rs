@@ -6,8 +6,8 @@
 //! hair rooted beyond, spread over the circle there.
 //!
 //! Guarantees: roots on the scalp and unmoved; no point under the skin; ends within the tie's ring; hairs of one tie that
-//! do not stray keep their order; more hair only adds hairs. Not promised: lines round what sticks out from the head (hair
-//! passes over ears), nor equal lengths.
+//! do not stray keep their order; more hair only adds hairs; hair of a tie that takes only its own section crosses no
+//! parting. Not promised: equal lengths.
 
 use super::dome::{Dome, Polar};
 use super::tie::Tie;
@@ -16,6 +16,8 @@ use crate::data::attributes::{
     SCALP_NORMAL, SECTION, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::detour::Detour;
+use crate::data::home::Home;
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::define::{FieldInput, NodeError, node};
@@ -116,6 +118,8 @@ const SAMPLES: usize = 40;
 /// Steps in which the share of hair within a distance is tabulated, and how long they are, cm.
 const SHARES: usize = 256;
 const SHARE_STEP: f32 = 0.2;
+/// Farther than this (cm on a head of average size) no point is moved to keep it off a parting.
+const FAR_OFF: f32 = 0.6;
 /// Closer than this to the skin by the field, the skin itself is asked, cm.
 const NEAR: f32 = 0.015;
 
@@ -127,10 +131,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     cx.check()?;
     let sections = scalp.sections().filter(|_| inputs.own_section);
     let even = EvenRoots::new(scalp, cx.dice(inputs.seed, "roots"));
+    let skin = cx.skin(scalp);
     let mut gatherer = Gatherer {
         inputs: &inputs,
         scalp,
-        skin: cx.skin(scalp),
+        detour: Detour::new(scalp, &skin),
+        skin,
         unit,
         even,
         ties: ties
@@ -260,6 +266,7 @@ impl Gathered {
 }
 
 /// A root, its stable id and the tie it goes to.
+#[derive(Clone, Copy)]
 struct Rooted {
     id: u64,
     root: Root,
@@ -273,6 +280,7 @@ struct Gatherer<'a> {
     skin: Skin<'a>,
     unit: f32,
     even: EvenRoots<'a>,
+    detour: Detour<'a>,
     /// Where ties take hair of their own section alone.
     sections: Option<&'a Sections>,
     ties: Vec<Gathered>,
@@ -422,16 +430,27 @@ impl Gatherer<'_> {
         let mut points = Vec::with_capacity(roots.len() * each);
         let mut lengths = Vec::with_capacity(roots.len());
         let mut way = Vec::with_capacity(SAMPLES + 1);
+        let mut kept = Vec::with_capacity(roots.len());
         for rooted in roots {
             piece.tick()?;
             let first = points.len();
             self.comb(rooted, &mut way, &mut points);
+            let home = self.sections.and_then(|_| self.scalp.home_of(&rooted.root));
+            let crosses = |home: Home| points[first..].windows(2).any(|w| home.crosses(w[0], w[1]));
+            if home.is_some_and(crosses) {
+                points.truncate(first);
+                let why = "a hair whose way to its tie crosses a parting was left out";
+                piece.trouble(rooted.id, why);
+                continue;
+            }
+            kept.push(*rooted);
             let length = points[first..].windows(2).map(|w: &[Vec3]| w[0].distance(w[1])).sum();
             lengths.push(length);
         }
         fn column<T>(roots: &[Rooted], of: impl Fn(&Rooted) -> T) -> Vec<T> {
             roots.iter().map(of).collect()
         }
+        let roots = &kept[..];
         let mut b = TuftBuilder::even(points, each);
         let tie = |rooted: &Rooted| self.ties[rooted.tie].tie.id;
         b.set(ID, Domain::Curve, column(roots, |r| r.id));
@@ -499,7 +518,10 @@ impl Gatherer<'_> {
         let side = out.cross(tie.axis);
         // The table's place of the root is a little off the root: the difference fades away along the hair.
         let off = rooted.root.point - dome.at(rooted.place).0;
-        let mut k = 1;
+        // A tie takes only hair of its section, and that goes no way through another.
+        let home = self.sections.and_then(|_| self.scalp.home(rooted.root.point));
+        let (mut k, mut by) = (1, rooted.root.triangle);
+        let from_here = points.len();
         points.push(rooted.root.point);
         for n in 1..=last {
             let u = n as f32 / last as f32;
@@ -528,10 +550,34 @@ impl Gatherer<'_> {
             let aside = 4.0 * u * rest * (sway + turn * (1.0 - 2.0 * u) * 1.5);
             let across = if near < 1.0 { up.cross(way_of(skin, tie)) } else { side };
             p += across * aside + off * (rest * rest * rest);
+            // What would have to go far is over an ear, or is left out.
+            let kept = home.and_then(|home| home.kept(p, &mut by));
+            p = kept.filter(|q| q.distance(p) < FAR_OFF * self.unit).unwrap_or(p);
             points.push(self.clear(p));
         }
+        self.past_ears(&mut points[from_here..]);
         if let Some(end) = points.last_mut() {
             *end = tie.foot.point + out * ring + tie.axis * tie.height;
+        }
+    }
+
+    /// Where a hair would lead over an ear it goes straight to where it is past it, and round what is in between.
+    fn past_ears(&self, hair: &mut [Vec3]) {
+        let Some(over) = hair.iter().skip(1).rposition(|p| !self.detour.is_free(*p)) else {
+            return;
+        };
+        let past = (over + 3).min(hair.len() - 1);
+        let (root, to) = (hair[0], hair[past]);
+        let middle = self.scalp.frame().origin;
+        let (near, far) = (root.distance(middle), to.distance(middle));
+        for (k, p) in hair.iter_mut().enumerate().take(past).skip(1) {
+            let t = k as f32 / past as f32;
+            let way = (root.lerp(to, t) - middle).normalize_or(root - middle);
+            *p = middle + way * (near + (far - near) * t);
+        }
+        self.detour.lead(&mut hair[..=past]);
+        for p in &mut hair[1..past] {
+            *p = self.clear(*p);
         }
     }
 
