@@ -116,8 +116,6 @@ const SAMPLES: usize = 40;
 /// Steps in which the share of hair within a distance is tabulated, and how long they are, cm.
 const SHARES: usize = 256;
 const SHARE_STEP: f32 = 0.2;
-/// Closer than this to the skin by the field, the skin itself is asked, cm.
-const NEAR: f32 = 0.015;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
@@ -538,7 +536,7 @@ impl Gatherer<'_> {
     /// `p`, out of the skin.
     #[inline]
     fn clear(&self, p: Vec3) -> Vec3 {
-        if self.skin.about(p) > NEAR { p } else { self.skin.push_out(p, 0.0).0 }
+        self.skin.push_out(p, 0.0).0
     }
 }
 
