@@ -57,8 +57,8 @@ pub struct RealHead {
 impl RealHead {
     /// Arguments of `coif eval` that put a groom on it.
     pub fn eval_args(&self) -> Vec<&str> {
-        let set = self.set.iter().flat_map(|set| ["--set", set]);
-        ["--scalp", &self.mesh].into_iter().chain(set).collect()
+        let set = self.set.iter().flat_map(|set| ["--set", *set]);
+        ["--scalp", self.mesh.as_str()].into_iter().chain(set).collect()
     }
 }
 

@@ -95,7 +95,7 @@ fn measured(name: &str, head: Option<&RealHead>, more: &[&str]) -> (Json, Vec<Js
     let out = folder.path("groom.usdc").display().to_string();
     let on = head.map_or(vec![], RealHead::eval_args);
     let report = eval(name, &[&["--out", &out], &on[..], more].concat());
-    let mesh = head.map_or("builtin", |head| &head.mesh);
+    let mesh = head.map_or("builtin", |head| head.mesh.as_str());
     let ran = run(["measure", &out, "--json", "--scalp", mesh]);
     assert_eq!(ran.code, 0, "{name}: {}", ran.err);
     let all: Vec<Json> = serde_json::from_str(&ran.out).unwrap();

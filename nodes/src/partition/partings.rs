@@ -327,8 +327,11 @@ impl Maker<'_> {
 
     /// A parting as a curve.
     fn parting(&self, parting: &Parting, sections: &Sections) -> Option<Tuft> {
+        // It begins where it lies on the scalp.
+        let off =
+            |p: &&Vec3| self.scalp.closest_root(**p).is_none_or(|r| r.point.distance(**p) > 1e-3);
         let root = |p: &Vec3| Some(Root { point: *p, ..self.scalp.closest_root(*p)? });
-        let roots: Vec<Root> = parting.points.iter().filter_map(root).collect();
+        let roots: Vec<Root> = parting.points.iter().skip_while(off).filter_map(root).collect();
         if roots.len() < 2 {
             return None;
         }
