@@ -2,7 +2,7 @@
 
 use coif_graphs::document::graph::check;
 use coif_graphs::{file, grooms};
-use coif_tests::{Folder, HEADS, eval, lean, run, shared, usd_python};
+use coif_tests::{Folder, RealHead, eval, lean, real_heads, run, usd_python};
 use expect_test::expect_file;
 use serde_json::Value as Json;
 
@@ -20,15 +20,13 @@ fn every_shipped_document_reads_checks_and_writes_back_unchanged() {
 
 /// Evaluates a groom, and measures what was written against the head it stands on.
 #[track_caller]
-fn check_on(name: &str, head: Option<&std::path::Path>) {
+fn check_on(name: &str, head: Option<&RealHead>) {
     let folder = Folder::new(&format!("groom-{name}-{}", head.is_some()));
     let file = folder.path("groom.usdc");
     let out = file.display().to_string();
-    let mesh = head.map(|h| h.display().to_string());
+    let mesh = head.map(|head| head.mesh.clone());
     let mut more = vec!["--out", &out];
-    if let Some(mesh) = &mesh {
-        more.extend(["--scalp", mesh]);
-    }
+    more.extend(head.iter().flat_map(|head| head.eval_args()));
     let report = eval(name, &more);
     assert!(
         report["outputs"].as_array().unwrap().iter().all(|o| o["curves"].as_u64().unwrap() > 0)
@@ -42,8 +40,8 @@ fn check_on(name: &str, head: Option<&std::path::Path>) {
         .collect();
     assert!(failed.is_empty(), "{name} {mesh:?}: {failed:?}");
     let mut args = vec!["measure".to_owned(), out.clone(), "--json".to_owned()];
-    if let Some(mesh) = mesh {
-        args.extend(["--scalp".to_owned(), mesh]);
+    if let Some(mesh) = &mesh {
+        args.extend(["--scalp".to_owned(), mesh.clone()]);
     }
     let measured = run(&args);
     assert_eq!(measured.code, 0, "{}", measured.err);
@@ -61,7 +59,7 @@ fn check_on(name: &str, head: Option<&std::path::Path>) {
             let in_the_air = prim["path"].as_str().unwrap().contains("free");
             assert!(
                 *holds != Json::Bool(false) || (in_the_air && law.starts_with("roots")),
-                "{name} on {head:?}: {law} is broken\n{prim:#}"
+                "{name} on {mesh:?}: {law} is broken\n{prim:#}"
             );
         }
     }
@@ -79,11 +77,8 @@ fn every_groom_evaluates_on_the_built_in_head() {
 
 #[test]
 fn every_groom_sits_on_real_heads() {
-    for (head, path) in HEADS {
-        let Some(path) = shared(&format!("every_groom_sits_on_real_heads:{head}"), path) else {
-            continue;
-        };
-        light().for_each(|name| check_on(name, Some(&path)));
+    for head in real_heads("every_groom_sits_on_real_heads") {
+        light().for_each(|name| check_on(name, Some(&head)));
     }
 }
 

@@ -105,6 +105,15 @@ impl<'a> Leader<'a> {
     /// Sets a hair on the skin, evenly: out of it first, then even, over an edge not all at once; and one that an ear tears
     /// is led round it. Before `joined` it is on its way.
     fn rest(&mut self, joined: f32) {
+        self.settle(joined);
+        let Some(skin) = self.skin else { return };
+        for bead in self.beads.iter_mut().skip(1).filter(|bead| bead.near) {
+            bead.p = skin.push_out(bead.p, 0.0).0;
+        }
+    }
+
+    /// [`Self::rest`], as far as the distance field knows.
+    fn settle(&mut self, joined: f32) {
         let on_way = |beads: &[Bead]| beads.partition_point(|bead| bead.along <= joined);
         self.raw.clear();
         self.raw.extend_from_slice(&self.beads);

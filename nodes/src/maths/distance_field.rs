@@ -52,7 +52,13 @@ pub struct DistanceField {
 enum Block {
     Inside,
     Outside,
-    Samples(Box<[f32; SAMPLES]>),
+    Samples(Box<Samples>),
+}
+
+struct Samples {
+    at: [f32; SAMPLES],
+    /// How much farther off than it is thought to be what lies between samples was found, cm: nothing where skin is smooth.
+    more: f32,
 }
 
 impl DistanceField {
@@ -95,11 +101,17 @@ impl DistanceField {
             Block::Outside => return Depth::Outside,
             Block::Samples(samples) => samples,
         };
+        let (d, gradient, doubt) = self.between(samples, i, q - cell);
+        Depth::Near(d, gradient, doubt + samples.more)
+    }
+
+    /// Distance, gradient and doubt at a fraction of a cell of a block.
+    #[inline]
+    fn between(&self, samples: &Samples, i: IVec3, f: Vec3) -> (f32, Vec3, f32) {
         let at = (((i.z & 7) as usize * SIDE) + (i.y & 7) as usize) * SIDE + (i.x & 7) as usize;
-        let f = q - cell;
         const Y: usize = SIDE;
         const Z: usize = SIDE * SIDE;
-        let s = |o: usize| samples[at + o];
+        let s = |o: usize| samples.at[at + o];
         let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;
         let (x00, x10) = (lerp(s(0), s(1), f.x), lerp(s(Y), s(Y + 1), f.x));
         let (x01, x11) = (lerp(s(Z), s(Z + 1), f.x), lerp(s(Z + Y), s(Z + Y + 1), f.x));
@@ -119,7 +131,7 @@ impl DistanceField {
             + (s(0) + s(Y) - s(1) - s(Y + 1) - s(Z) - s(Z + Y) + s(Z + 1) + s(Z + Y + 1)).abs();
         let steep = (gradient.length_squared() - 1.0).abs();
         let doubt = (0.05 * self.cell + bent + 0.6 * self.cell * steep).min(0.5 * self.cell);
-        Depth::Near(lerp(y0, y1, f.z), gradient, doubt)
+        (lerp(y0, y1, f.z), gradient, doubt)
     }
 
     #[cold]
@@ -133,7 +145,7 @@ impl DistanceField {
             let inside = surface.signed_distance(middle, &hit) < 0.0;
             return if inside { Block::Inside } else { Block::Outside };
         }
-        let mut samples = Box::new([0.0; SAMPLES]);
+        let mut samples = Box::new(Samples { at: [0.0; SAMPLES], more: 0.0 });
         let mut last = hit.triangle;
         for z in 0..SIDE {
             for y in 0..SIDE {
@@ -144,11 +156,34 @@ impl DistanceField {
                     let p = first + Vec3::new(x as f32, y as f32, z as f32) * self.cell;
                     let Some(hit) = surface.closest_from(p, last) else { continue };
                     last = hit.triangle;
-                    samples[(z * SIDE + y) * SIDE + x] = surface.signed_distance(p, &hit);
+                    samples.at[(z * SIDE + y) * SIDE + x] = surface.signed_distance(p, &hit);
                 }
             }
         }
+        samples.more = self.off(surface, first, &samples, last);
         Block::Samples(samples)
+    }
+
+    /// How much farther off than it is thought to be a block is between its samples: looked for in every other cell near the
+    /// surface. What is thinner than a cell, such as the locks of a scan, does not show in the samples themselves.
+    fn off(&self, surface: &Surface, first: Vec3, samples: &Samples, mut last: u32) -> f32 {
+        let mut more = 0.0f32;
+        for z in 0..BLOCK {
+            for y in 0..BLOCK {
+                for x in (0..BLOCK).filter(|x| (x + y + z) % 2 == 0) {
+                    let i = IVec3::new(x, y, z);
+                    let (d, _, doubt) = self.between(samples, i, Vec3::splat(0.5));
+                    if d.abs() > 1.5 * self.cell {
+                        continue;
+                    }
+                    let p = first + (i.as_vec3() + 0.5) * self.cell;
+                    let Some(hit) = surface.closest_from(p, last) else { continue };
+                    last = hit.triangle;
+                    more = more.max((surface.signed_distance(p, &hit) - d).abs() - doubt);
+                }
+            }
+        }
+        more
     }
 
     /// How far outside the surface everything is that the field calls outside, cm.
@@ -167,7 +202,7 @@ impl DistanceField {
     pub fn bytes(&self) -> usize {
         let made =
             self.blocks.iter().filter(|b| matches!(b.get(), Some(Block::Samples(_)))).count();
-        self.blocks.len() * size_of::<OnceLock<Block>>() + made * SAMPLES * 4
+        self.blocks.len() * size_of::<OnceLock<Block>>() + made * size_of::<Samples>()
     }
 }
 
@@ -248,7 +283,7 @@ mod tests {
         let field = DistanceField::new(&surface);
         let empty = field.bytes();
         field.depth(&surface, Vec3::Y * 6.0);
-        assert_eq!(field.bytes(), empty + SAMPLES * 4);
+        assert_eq!(field.bytes(), empty + size_of::<Samples>());
     }
 
     #[test]

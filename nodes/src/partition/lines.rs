@@ -1,10 +1,13 @@
-//! Parting lines on the flat map: zig-zag and the hand's wobble, and ends that are brought to what they were meant to meet.
+//! Parting lines on the flat map: zig-zag and the hand's wobble, ends that are brought to what they were meant to meet, and how
+//! they are laid on the scalp.
 
 use super::pattern::{Flat, lengths};
 use crate::data::chart::{CELL, Chart, cross};
+use crate::data::scalp::Scalp;
 use crate::maths::hash::Dice;
 use crate::maths::transcendental::sin;
-use glam::Vec2;
+use crate::scalp::lay::{Polyline, filter};
+use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
 /// What makes straight lines uneven, cm.
@@ -41,6 +44,40 @@ fn evenly(chart: &Chart, points: &[Vec2], n: usize) -> Vec<Vec2> {
 pub(crate) fn fine(chart: &Chart, points: &[Vec2]) -> Vec<Vec2> {
     let flat: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
     evenly(chart, points, ((flat / STEP).ceil() as usize).clamp(1, 4096))
+}
+
+/// Points of a line of the map on the scalp, so close and so even that a spline through its points is the line that hair keeps off.
+/// Over what is too rough or too thin to lie on, such as the locks of a scan, it goes straight on.
+pub(crate) fn laid(scalp: &Scalp, chart: &Chart, line: &[Vec2]) -> Vec<Vec3> {
+    /// Distance of its points, and how far the scalp may be from a smooth line, cm.
+    const STEP: f32 = 0.06;
+    const ROUGH: f32 = 0.008;
+    let down = |points: &[Vec3]| -> Vec<Vec3> {
+        points.iter().filter_map(|p| Some(scalp.closest_root(*p)?.point)).collect()
+    };
+    let evenly = |points: Vec<Vec3>, step: f32| {
+        let line = Polyline::new(points);
+        let n = ((line.length() / step).ceil() as usize).clamp(1, 8000) + 1;
+        line.evenly(n)
+    };
+    let flat = fine(chart, line);
+    let points: Vec<Vec3> =
+        flat.iter().filter_map(|q| Some(chart.root(scalp, *q)?.point)).collect();
+    if points.len() < 2 {
+        return points;
+    }
+    let mut points = down(&evenly(points, STEP));
+    for _ in 0..2 {
+        points = evenly(points, 0.5 * STEP);
+        filter(&mut points, 8);
+        points = evenly(points, STEP);
+        for p in &mut points {
+            let Some(on) = scalp.closest_root(*p).map(|root| root.point) else { continue };
+            let smooth = (2.0 - 2.0 * p.distance(on) / ROUGH).clamp(0.0, 1.0);
+            *p = p.lerp(on, smooth);
+        }
+    }
+    points
 }
 
 /// Makes a line uneven. Its ends stay where they are.

@@ -20,8 +20,6 @@ use crate::maths::low_discrepancy::disc;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::{Vec2, Vec3};
 
-/// Closer than this to the skin by the field, the skin itself is asked, cm.
-const NEAR: f32 = 0.02;
 /// Distance between samples of a course, cm.
 pub(super) const STEP: f32 = 0.2;
 /// The most locks of a bundle.
@@ -254,7 +252,7 @@ impl Bundle<'_> {
 
     #[inline]
     fn clear(&self, p: Vec3) -> Vec3 {
-        if self.skin.about(p) > NEAR { p } else { self.skin.push_out(p, 0.0).0 }
+        self.skin.push_out(p, 0.0).0
     }
 }
 

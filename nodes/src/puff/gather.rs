@@ -120,8 +120,6 @@ const SHARES: usize = 256;
 const SHARE_STEP: f32 = 0.2;
 /// Farther than this (cm on a head of average size) no point is moved to keep it off a parting.
 const FAR_OFF: f32 = 0.6;
-/// Closer than this to the skin by the field, the skin itself is asked, cm.
-const NEAR: f32 = 0.015;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
@@ -584,7 +582,7 @@ impl Gatherer<'_> {
     /// `p`, out of the skin.
     #[inline]
     fn clear(&self, p: Vec3) -> Vec3 {
-        if self.skin.about(p) > NEAR { p } else { self.skin.push_out(p, 0.0).0 }
+        self.skin.push_out(p, 0.0).0
     }
 }
 

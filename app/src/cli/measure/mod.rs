@@ -273,7 +273,7 @@ impl Measured {
         if let Some(curls) = &self.curls {
             laws.extend(curls.as_asked(0.05));
         }
-        if let Some(puffs) = &self.puffs {
+        if let Some(puffs) = self.puffs.as_ref().filter(|puffs| puffs.can_be_judged()) {
             laws.insert(
                 "outlines of puffs are clean",
                 puffs.within >= 0.95 && puffs.coverage >= 60.0,
@@ -415,6 +415,29 @@ pub(super) mod tests {
                 assert!((0.5..1.1).contains(&found.worst_overlap), "{}", found.worst_overlap);
             }
         }
+    }
+
+    #[test]
+    fn strands_whose_hair_comes_from_farther_are_read_at_the_same_places() {
+        let read = braid(9.0, 40, 1.0, false);
+        let ReadValues::Float(along) = &read.primvars[2].values else { panic!() };
+        // The hair of the first strand comes a long way in many points.
+        let (mut points, mut alongs, mut counts, mut first) = (vec![], vec![], vec![], 0);
+        for (i, count) in read.counts.iter().enumerate() {
+            let way = if i < 40 { 60 } else { 2 };
+            let (from, u) = (read.points[first], along[first]);
+            points.extend((0..way).map(|k| from + Vec3::X * (0.05 * (way - k) as f32)));
+            alongs.extend(std::iter::repeat_n(u, way));
+            let all = first..first + *count as usize;
+            points.extend_from_slice(&read.points[all.clone()]);
+            alongs.extend_from_slice(&along[all.clone()]);
+            counts.push(count + way as u32);
+            first = all.end;
+        }
+        let mut read = ReadCurves { points, counts, ..read };
+        read.primvars[2].values = ReadValues::Float(alongs);
+        let found = measured(&read).braids.unwrap();
+        assert_eq!((found.braids, found.broken_words, found.kinds[0].weave), (1, 0, Some(2)));
     }
 
     #[test]

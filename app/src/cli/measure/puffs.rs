@@ -5,7 +5,7 @@
 //! of its outermost point. A cell is clean that holds a hair which ends at the sphere (methods.md 5), as long as no more than a
 //! tenth of its hairs, or one, stand over it: single hairs do so at every puff, and make no outline. Rings of cells about the axis
 //! away from the head belong to the outline as long as most of their cells are filled to the sphere; one ring further in, nearly
-//! all must be clean.
+//! all must be clean. A puff of too few hairs is not judged.
 
 use super::prim::Prim;
 use glam::Vec3;
@@ -17,6 +17,8 @@ use std::f32::consts::{PI, TAU};
 pub(super) struct Puffs {
     pub(super) puffs: usize,
     pub(super) hairs: usize,
+    /// Hairs of the puff with the fewest.
+    pub(super) fewest: usize,
     pub(super) radius_cm: [f32; 2],
     /// Degrees from the axis up to which the outline holds: the puff with the least.
     pub(super) coverage: f32,
@@ -34,6 +36,15 @@ pub(super) struct Puffs {
 /// Width of a cell, radians.
 const CELL: f32 = PI / 36.0;
 const RINGS: usize = 36;
+/// Fewer hairs than this for each cell of the sphere make no outline: of 3, a cell in 20 is empty by chance.
+const JUDGED: f32 = 5.0;
+
+impl Puffs {
+    /// Whether each puff has hair enough to tell its outline.
+    pub(super) fn can_be_judged(&self) -> bool {
+        self.fewest as f32 >= JUDGED * 4.0 * PI / (CELL * CELL)
+    }
+}
 
 pub(super) fn measure(prim: &Prim) -> Option<Puffs> {
     let puff = prim.whole("puff")?;
@@ -47,6 +58,7 @@ pub(super) fn measure(prim: &Prim) -> Option<Puffs> {
     let mut out = Puffs {
         puffs: members.len(),
         hairs: members.values().map(Vec::len).sum(),
+        fewest: members.values().map(Vec::len).min().unwrap_or(0),
         radius_cm: [f32::MAX, 0.0],
         coverage: 180.0,
         a_cell: f32::MAX,
@@ -204,6 +216,25 @@ mod tests {
         let few = fuzzy(40);
         assert!(few.within > 0.97 && (few.over - 0.025).abs() < 0.005, "{}", few.within);
         assert!(fuzzy(4).within < 0.2, "{}", fuzzy(4).within);
+    }
+
+    #[test]
+    fn a_tenth_of_the_hair_is_not_judged() {
+        use super::super::tests::prim_of;
+        use coif_nodes::formats::usd::read::ReadValues;
+        let judged = |every: usize| {
+            let hairs: Vec<[Vec3; 2]> =
+                sphere(120.0, |_| 5.0).iter().step_by(every).map(|p| [Vec3::ONE, *p]).collect();
+            let hairs: Vec<&[Vec3]> = hairs.iter().map(|hair| &hair[..]).collect();
+            let primvars = [
+                ("puff", ReadValues::Int(vec![3])),
+                ("puff_centre", ReadValues::Float3(vec![Vec3::ONE])),
+                ("puff_radius", ReadValues::Float(vec![5.0])),
+            ];
+            let read = prim_of(&hairs, &primvars);
+            measure(&Prim::new(&read)).unwrap().can_be_judged()
+        };
+        assert_eq!((judged(1), judged(10)), (true, false));
     }
 
     #[test]

@@ -91,7 +91,9 @@ impl Columns<'_> {
             let each = |c: &Vec<usize>| self.tube(prim, c[0], most * 8);
             curves.iter().map(each).collect::<Option<_>>()?
         } else {
-            curves.iter().map(|c| self.bundle(prim, c)).collect()
+            // All strands at the same places, however long the ways of their hair are.
+            let longest = curves.iter().flatten().map(|i| prim.curve(*i).len()).max()?;
+            curves.iter().map(|c| self.bundle(prim, c, longest)).collect()
         };
         // The longest run of places at which all strands are there.
         let n = strands.iter().map(Vec::len).min()?;
@@ -141,15 +143,14 @@ impl Columns<'_> {
         Some((0..count).map(section).collect())
     }
 
-    /// The middle of many hairs at even places along them.
-    fn bundle(&self, prim: &Prim, curves: &[usize]) -> Vec<Option<Section>> {
+    /// The middle of many hairs of at most `longest` points at even places along them.
+    fn bundle(&self, prim: &Prim, curves: &[usize], longest: usize) -> Vec<Option<Section>> {
         let mut chosen = curves.to_vec();
         if let Some(stitch) = &self.stitch {
             chosen.sort_by_key(|i| (stitch[*i], *i));
         }
         let every = chosen.len().div_ceil(MOST_HAIRS).max(1);
         let chosen: Vec<usize> = chosen.into_iter().step_by(every).collect();
-        let longest = chosen.iter().map(|i| prim.curve(*i).len()).max().unwrap_or(2);
         // Hairs that are all sampled at the same places are best taken there.
         let count = if self.along.is_some() { (2 * longest).clamp(64, 510) } else { longest };
         let hairs: Vec<Vec<(f32, Vec3, Vec3)>> =
