@@ -6,7 +6,7 @@ pub mod curves;
 mod cut;
 pub mod field;
 pub mod home;
-mod lead;
+pub mod lead;
 pub mod mesh;
 pub mod ramp;
 pub mod scalp;
