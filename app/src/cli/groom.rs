@@ -22,6 +22,7 @@ use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{NodeError, Type, Value};
 use coif_nodes::eval::Quality;
+use coif_nodes::formats::conform::conform;
 use coif_nodes::formats::export;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -283,7 +284,7 @@ impl Wanted {
             [only] => Some(only.skin()),
             _ => None,
         };
-        let conformed = export::conform(&curves, skin, &|n, f| evaluator.for_each(n, f));
+        let conformed = conform(&curves, skin, &|n, f| evaluator.for_each(n, f));
         drop(curves);
         let socket = &self.socket;
         if conformed.left_out > 0 {

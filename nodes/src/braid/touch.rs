@@ -29,16 +29,21 @@ pub(crate) const OF_CURVATURE: f32 = 0.9;
 /// which in the densest weaves is up to 3 % nearer.
 const FILLED: f32 = 0.98;
 
-/// Points of a strand at its CVs and at places between, as columns.
+/// Points of a strand at its CVs and at places between, as columns, and the boxes that hold [`BLOCK`] of them each, up
+/// to the first of the next.
 struct Fine {
     at: [Vec<f32>; 3],
     s: Vec<f32>,
+    boxes: Vec<(Vec3, Vec3)>,
 }
+
+/// Samples that are skipped together where their box tells that they are too far away.
+const BLOCK: usize = 16;
 
 impl Fine {
     fn new(line: &Line, per_span: usize) -> Self {
         let n = line.spline.span_count();
-        let mut fine = Self { at: [vec![], vec![], vec![]], s: vec![] };
+        let mut fine = Self { at: [vec![], vec![], vec![]], s: vec![], boxes: vec![] };
         for span in 0..n {
             for sub in 0..per_span {
                 let t = sub as f32 / per_span as f32;
@@ -50,6 +55,13 @@ impl Fine {
         fine
     }
     fn push(&mut self, p: Vec3, s: f32) {
+        // The chord between two blocks is in the box of the first.
+        if let Some((low, high)) = self.boxes.last_mut() {
+            (*low, *high) = (low.min(p), high.max(p));
+        }
+        if self.s.len().is_multiple_of(BLOCK) {
+            self.boxes.push((p, p));
+        }
         self.at[0].push(p.x);
         self.at[1].push(p.y);
         self.at[2].push(p.z);
@@ -61,47 +73,116 @@ impl Fine {
     fn point(&self, k: usize) -> Vec3 {
         Vec3::new(self.at[0][k], self.at[1][k], self.at[2][k])
     }
-    /// Square of the least distance of `p` from this strand between the samples `from` and `to`.
-    fn nearest2(&self, p: Vec3, from: usize, to: usize, buffer: &mut Vec<f32>) -> f32 {
-        let [xs, ys, zs] = [0, 1, 2].map(|axis| &self.at[axis][from..to]);
-        buffer.clear();
-        buffer.extend(xs.iter().zip(ys).zip(zs).map(|((x, y), z)| {
-            let (x, y, z) = (x - p.x, y - p.y, z - p.z);
-            x * x + y * y + z * z
-        }));
-        let least = least(buffer);
-        buffer.iter().position(|d| *d == least).map_or(least, |k| at_its_least(buffer, k))
+    /// Square of the distance of `p` from a sample.
+    fn square(&self, p: Vec3, k: usize) -> f32 {
+        let (x, y, z) = (self.at[0][k] - p.x, self.at[1][k] - p.y, self.at[2][k] - p.z);
+        x * x + y * y + z * z
+    }
+    /// The chords from a sample to its neighbours.
+    fn chords(&self, k: usize) -> impl Iterator<Item = [Vec3; 2]> {
+        (k.max(1)..(k + 2).min(self.len())).map(|k| [self.point(k - 1), self.point(k)])
+    }
+    /// Square of the least distance of `p` from this strand between the samples `from` and `to`, where it may be less than
+    /// `bound`; anything above that elsewhere. Gives the sample as well.
+    fn nearest2(&self, p: Vec3, from: usize, to: usize, bound: f32) -> (f32, usize) {
+        let (mut best, mut at) = (f32::MAX, from);
+        for block in from / BLOCK..=(to - 1) / BLOCK {
+            let (low, high) = self.boxes[block];
+            let beside = (low - p).max(p - high).max(Vec3::ZERO);
+            // A parabola between samples takes at most half of a square; the rest is for rounding.
+            if 0.499 * beside.length_squared() > bound {
+                continue;
+            }
+            let (first, end) = ((block * BLOCK).max(from), ((block + 1) * BLOCK).min(to));
+            let mut squares = [f32::MAX; BLOCK];
+            let [xs, ys, zs] = [0, 1, 2].map(|axis| &self.at[axis][first..end]);
+            for (square, ((x, y), z)) in squares.iter_mut().zip(xs.iter().zip(ys).zip(zs)) {
+                let (x, y, z) = (x - p.x, y - p.y, z - p.z);
+                *square = x * x + y * y + z * z;
+            }
+            let least = least(&squares);
+            if least < best {
+                let found = squares.iter().position(|square| *square == least);
+                (best, at) = (least, first + found.unwrap_or(0));
+            }
+        }
+        if best < f32::MAX && at > from && at + 1 < to {
+            best =
+                lowest(self.square(p, at - 1), best, self.square(p, at + 1)).unwrap_or_else(|| {
+                    self.chords(at).map(|chord| beside(p, chord)).fold(best, f32::min)
+                });
+        }
+        (best, at)
     }
 }
 
 /// Squares of distances along a strand have the shape of a parabola near a minimum, exactly so for straight strands: what
-/// it is at its lowest, when sample `k` is not higher than its neighbours, and else the sample.
-fn at_its_least(squares: &[f32], k: usize) -> f32 {
-    let here = squares[k];
-    if k == 0 || k + 1 == squares.len() {
-        return here;
-    }
-    let (before, after) = (squares[k - 1], squares[k + 1]);
+/// it is at its lowest between three samples, or the middle one where that is not the least. None where it is less than
+/// half of the sample: strands that close to each other, for how far apart samples are, have to be looked at.
+fn lowest(before: f32, here: f32, after: f32) -> Option<f32> {
     let bend = before + after - 2.0 * here;
     if before < here || after < here || bend <= 0.0 {
-        return here;
+        return Some(here);
     }
     let slope = after - before;
-    // Never below half the sampled square: where samples are too coarse the parabola lies.
-    (here - slope * slope / (8.0 * bend)).max(0.5 * here)
+    let low = here - slope * slope / (8.0 * bend);
+    (low >= 0.5 * here).then_some(low)
 }
 
-/// The least of the values, eight lanes at a time.
-fn least(values: &[f32]) -> f32 {
+/// Square of the distance of `p` from a chord.
+fn beside(p: Vec3, [a, b]: [Vec3; 2]) -> f32 {
+    let along = b - a;
+    let t = (p - a).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
+    p.distance_squared(a + along * t.clamp(0.0, 1.0))
+}
+
+/// Square of the least distance of two chords.
+fn apart(one: [Vec3; 2], other: [Vec3; 2]) -> f32 {
+    let (u, v, w) = (one[1] - one[0], other[1] - other[0], one[0] - other[0]);
+    let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
+    let across = uu * vv - uv * uv;
+    // Where they cross within both; else an end of one is nearest.
+    let s = (uv * v.dot(w) - vv * u.dot(w)) / across;
+    let t = (uu * v.dot(w) - uv * u.dot(w)) / across;
+    if across > 1e-6 * uu * vv && (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
+        return (w + u * s - v * t).length_squared();
+    }
+    let ends = [
+        beside(one[0], other),
+        beside(one[1], other),
+        beside(other[0], one),
+        beside(other[1], one),
+    ];
+    ends.into_iter().fold(f32::MAX, f32::min)
+}
+
+/// The least of a block.
+fn least(values: &[f32; BLOCK]) -> f32 {
     let mut lanes = [f32::MAX; 8];
-    let chunks = values.chunks_exact(8);
-    let rest = chunks.remainder();
-    for chunk in chunks {
+    for chunk in values.chunks_exact(8) {
         for (lane, value) in lanes.iter_mut().zip(chunk) {
             *lane = if *value < *lane { *value } else { *lane };
         }
     }
-    lanes.iter().chain(rest).fold(f32::MAX, |least, value| least.min(*value))
+    lanes.iter().fold(f32::MAX, |least, value| least.min(*value))
+}
+
+/// Square of the least distance between what lies about sample `k` of a strand and what is nearest to it.
+fn least_about<'f>(
+    own: &Fine,
+    k: usize,
+    nearest2: &[f32],
+    whose: impl Fn(usize) -> Option<(&'f Fine, usize)>,
+) -> f32 {
+    let here = nearest2[k];
+    if k == 0 || k + 1 == nearest2.len() {
+        return here;
+    }
+    lowest(nearest2[k - 1], here, nearest2[k + 1]).unwrap_or_else(|| {
+        let Some((other, at)) = whose(k) else { return here };
+        let pairs = own.chords(k).flat_map(|one| other.chords(at).map(move |two| apart(one, two)));
+        pairs.fold(here, f32::min)
+    })
 }
 
 /// Where to look for neighbours.
@@ -124,18 +205,17 @@ pub(crate) fn touching_radii(
     let per_span = (SAMPLES / wave).ceil().clamp(2.0, 4.0) as usize;
     let fine: Vec<Fine> = lines.iter().map(|line| Fine::new(line, per_span)).collect();
     let round = (per_span as f32 * ROUND * stitch).round().max(1.0) as usize;
-    let mut buffer = vec![];
     let mut out = vec![];
     for (i, own) in fine.iter().enumerate() {
         // For each strand the range of its samples that lie within the window.
         let mut ranges = vec![(0, 1); fine.len()];
         let mut nearest2 = Vec::with_capacity(own.len());
+        // The strand and the sample that are nearest to each; they are likely so to the next as well.
+        let mut whose: Vec<Option<(usize, usize)>> = Vec::with_capacity(own.len());
         for (k, s) in own.s.iter().enumerate() {
             piece.tick()?;
             let p = own.point(k);
-            let mut nearest = f32::MAX;
-            for (j, other) in fine.iter().enumerate().filter(|(j, _)| *j != i) {
-                let (from, to) = &mut ranges[j];
+            for ((from, to), other) in ranges.iter_mut().zip(&fine) {
                 while *from + 1 < other.s.len() && other.s[*from] < s - window {
                     *from += 1;
                 }
@@ -143,14 +223,28 @@ pub(crate) fn touching_radii(
                     *to += 1;
                 }
                 *to = (*to).max(*from + 1);
-                nearest = nearest.min(other.nearest2(p, *from, *to, &mut buffer));
+            }
+            let mut nearest = f32::MAX;
+            let mut found = None;
+            let mut bound = match whose.last().copied().flatten() {
+                Some((j, at)) if at >= ranges[j].0 => fine[j].square(p, at),
+                _ => f32::MAX,
+            };
+            for (j, other) in fine.iter().enumerate().filter(|(j, _)| *j != i) {
+                let (square, at) = other.nearest2(p, ranges[j].0, ranges[j].1, bound);
+                if square < nearest {
+                    (nearest, found) = (square, Some((j, at)));
+                }
+                bound = bound.min(nearest);
             }
             nearest2.push(nearest);
+            whose.push(found);
         }
         let raw: Vec<f32> = (0..own.len())
             .map(|k| {
-                let gap = at_its_least(&nearest2, k).sqrt();
-                (0.5 * FILLED * gap).min(OF_CURVATURE * turn_radius(own, k))
+                let gap =
+                    least_about(own, k, &nearest2, |k| whose[k].map(|(j, at)| (&fine[j], at)));
+                (0.5 * FILLED * gap.sqrt()).min(OF_CURVATURE * turn_radius(own, k))
             })
             .collect();
         let mut radii = smooth_below(&raw, round, per_span);
@@ -250,10 +344,44 @@ mod tests {
     }
 
     #[test]
-    fn the_least_is_the_least() {
-        for n in 0..40usize {
-            let values: Vec<f32> = (0..n).map(|k| ((k * 7 + 3) % 11) as f32).collect();
-            assert_eq!(least(&values), values.iter().copied().fold(f32::MAX, f32::min));
+    fn chords_are_as_far_apart_as_their_nearest_places() {
+        let dice = crate::maths::hash::Dice::new(3, 0, "chords");
+        let at = |[a, b]: [Vec3; 2], k: u8| a + (b - a) * (f32::from(k) / 50.0);
+        for id in 0..200 {
+            let p = |k: u64| Vec3::from([0, 1, 2].map(|axis| dice.signed(id, 3 * k + axis)));
+            let (one, two) = ([p(0), p(1)], [p(2), if id % 5 == 0 { p(2) } else { p(3) }]);
+            let all = (0..=50).flat_map(|k| (0..=50).map(move |l| (k, l)));
+            let least = all.map(|(k, l)| at(one, k).distance(at(two, l))).fold(f32::MAX, f32::min);
+            let got = apart(one, two).sqrt();
+            assert!(got <= least + 1e-5 && got > least - 0.06, "{id}: {got} {least}");
+        }
+        let cross = [[Vec3::NEG_X, Vec3::X], [Vec3::new(0.3, -1.0, 0.1), Vec3::new(0.3, 1.0, 0.1)]];
+        assert!((apart(cross[0], cross[1]).sqrt() - 0.1).abs() < 1e-6);
+    }
+
+    #[test]
+    fn nothing_nearer_is_skipped() {
+        let wave = |k: usize, turn: f32| {
+            let (sin, cos) = crate::maths::transcendental::sin_cos_turns(k as f32 * 0.037 + turn);
+            Vec3::new(sin, 0.6 * cos * sin, 0.05 * k as f32)
+        };
+        let mut fine = Fine { at: [vec![], vec![], vec![]], s: vec![], boxes: vec![] };
+        (0..203).for_each(|k| fine.push(wave(k, 0.0), k as f32));
+        for k in 0..203 {
+            let p = wave(k, 0.3);
+            for (from, to) in [(0, 203), (k, k + 1), (k / 2, k + 1), (k, 203), (k / 3, 150 + k / 4)]
+            {
+                let all: Vec<f32> = (from..to).map(|k| fine.square(p, k)).collect();
+                let least = all.iter().copied().fold(f32::MAX, f32::min);
+                let at = all.iter().position(|square| *square == least).unwrap();
+                let inside = at > 0 && at + 1 < all.len();
+                let want = inside.then(|| lowest(all[at - 1], least, all[at + 1]));
+                let Some(want) = want.unwrap_or(Some(least)) else { continue };
+                for bound in [f32::MAX, want, 1.5 * want, fine.square(p, 100)] {
+                    let (got, place) = fine.nearest2(p, from, to, bound);
+                    assert!((got, place) == (want, from + at) || want > bound && got > bound);
+                }
+            }
         }
     }
 }

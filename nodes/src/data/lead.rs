@@ -19,8 +19,18 @@ const STEP: f32 = 0.1;
 const CLEARANCE: f32 = 0.15;
 /// A hair begins to give way so many times as far from the edge, along itself, as it is led aside there.
 const SOFTLY: f32 = 3.0;
-/// Two neighbours are torn apart when they come to lie this many times as far from each other as before, and this far (cm).
-const TORN: (f32, f32) = (1.5, 0.1);
+/// When the skin has torn two neighbours apart: they have come to lie more than so many times as far from each other as
+/// before, and so much farther (cm).
+#[derive(Clone, Copy, Debug)]
+pub struct Torn(f32, f32);
+
+impl Torn {
+    /// What anyone would see.
+    pub const APART: Self = Self(1.5, 0.1);
+    /// What makes chords uneven.
+    pub const UNEVEN: Self = Self(1.1, 0.01);
+}
+
 /// So deep (cm) in the skin between two points a hair passes through a thin part, if its points lie nearer than that.
 const THROUGH: f32 = 0.08;
 const ATTEMPTS: usize = 4;
@@ -29,6 +39,16 @@ impl Skin<'_> {
     /// Sets a hair clear of the skin, all but its first point. `depth` says how deep (cm) each may lie; none where a point
     /// is known to be clear. Tells whether any point was moved.
     pub fn clear(&self, points: &mut [Vec3], depth: impl Fn(usize) -> Option<f32>) -> bool {
+        self.clear_beyond(Torn::APART, points, depth)
+    }
+
+    /// [`Self::clear`] that leads round whatever tears the hair so far.
+    pub fn clear_beyond(
+        &self,
+        far: Torn,
+        points: &mut [Vec3],
+        depth: impl Fn(usize) -> Option<f32>,
+    ) -> bool {
         // Where points were, for those that were moved.
         let mut was: Vec<(usize, Vec3)> = vec![];
         self.push_all(points, &depth, &mut was);
@@ -38,7 +58,7 @@ impl Skin<'_> {
         // The least torn so far.
         let (mut best, mut lost): (Option<(f32, Vec<Vec3>)>, bool) = (None, false);
         for _ in 0..ATTEMPTS {
-            let Some((excess, torn)) = self.tear(points, &was) else { return true };
+            let Some((excess, torn)) = self.tear(far, points, &was) else { return true };
             if best.as_ref().is_none_or(|(least, _)| excess < *least) {
                 best = Some((excess, points.to_vec()));
             }
@@ -56,7 +76,7 @@ impl Skin<'_> {
             // What was known of its points is so no more.
             self.push_all(points, &|k| depth(k).or(Some(0.0)), &mut was);
         }
-        let left = if lost { Some(f32::MAX) } else { self.tear(points, &was).map(|(e, _)| e) };
+        let left = if lost { Some(f32::MAX) } else { self.tear(far, points, &was).map(|(e, _)| e) };
         if let (Some((least, best)), Some(left)) = (best, left)
             && left >= least
         {
@@ -82,7 +102,12 @@ impl Skin<'_> {
     }
 
     /// How far beyond what is let pass a hair is torn where it is worst, and where: the later of the two points.
-    fn tear(&self, points: &[Vec3], was: &[(usize, Vec3)]) -> Option<(f32, usize)> {
+    fn tear(
+        &self,
+        Torn(times, more): Torn,
+        points: &[Vec3],
+        was: &[(usize, Vec3)],
+    ) -> Option<(f32, usize)> {
         let mut worst: Option<(f32, usize)> = None;
         let before = |k: usize| match was.binary_search_by_key(&k, |(k, _)| *k) {
             Ok(n) => was[n].1,
@@ -91,7 +116,7 @@ impl Skin<'_> {
         let mut look = |k: usize| {
             let (a, b) = (points[k - 1], points[k]);
             let (now, then) = (b.distance(a), before(k).distance(before(k - 1)));
-            let mut excess = now - (TORN.0 * then).max(then + TORN.1);
+            let mut excess = now - (times * then).max(then + more);
             if excess <= 0.0 && k > 1 {
                 let deep = -self.about((a + b) * 0.5);
                 let ends = (-self.about(a)).max(-self.about(b)).max(0.0);

@@ -7,7 +7,7 @@ mod cut;
 pub mod detour;
 pub mod field;
 pub mod home;
-mod lead;
+pub mod lead;
 pub mod mesh;
 pub mod ramp;
 pub mod scalp;

@@ -1,6 +1,7 @@
 //! Bytes to data and data to bytes. Nothing here opens a file or knows a path.
 
 pub mod chunks;
+pub mod conform;
 pub mod error;
 pub mod export;
 pub mod gltf;

@@ -22,7 +22,7 @@ use coif_graphs::schedule::files::{DiskFiles, Files};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::Value;
 use coif_nodes::eval::{EvalCx, Log, PlainHost, Quality};
-use coif_nodes::formats::export::{AGREE, readings_differ};
+use coif_nodes::formats::conform::{AGREE, readings_differ};
 use coif_nodes::formats::usd::read::read_curves;
 use coif_nodes::maths::hash::Key;
 use coif_nodes::maths::spline::Spline;
