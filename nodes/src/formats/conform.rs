@@ -142,15 +142,17 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
                 if led.rebuild(&points).is_err() {
                     break;
                 }
-                let (of, to) = (spline.length(), led.length());
-                // Its points are evenly spaced.
-                let place_of =
-                    |place: Place| spline.locate((place.span as f32 + place.t) / last as f32);
+                let was: Vec<f32> = stops.iter().map(|(s, _)| *s).collect();
+                let before = |place: Place| {
+                    let (a, b) = (was[place.span], was[place.span + 1]);
+                    a + (b - a) * place.t
+                };
+                let place_of = |place: Place| spline.locate_length(before(place));
                 let led_to =
                     |k, place| ends(k).unwrap_or_else(|| clear(led.point(place), place_of(place)));
                 alike_chords(&led, last, &mut stops, &mut points, led_to);
                 stops.iter_mut().for_each(|(s, place)| {
-                    *s *= of / to;
+                    *s = before(*place);
                     *place = spline.locate_length(*s);
                 });
             } else {

@@ -511,6 +511,17 @@ fn row_hairs(
         {
             continue;
         }
+        let stays = rules.crossing
+            || (rules.scalp.home_of(root)).is_none_or(|home| {
+                // Nor just behind its end, where the braid crosses.
+                let [.., a, b] = points[..] else { return true };
+                let behind = b + (b - a).normalize_or_zero() * (0.1 * unit);
+                let on = points.iter().copied().chain([behind]);
+                !points.iter().zip(on.skip(1)).any(|(a, b)| home.crosses(*a, b))
+            });
+        if !stays {
+            continue;
+        }
         made.hair.push_curve(&points);
         made.ids.push(id);
         made.rows.push(row.id);
