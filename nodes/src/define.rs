@@ -498,6 +498,24 @@ impl Input for FieldInput {
     }
 }
 
+impl Input for Arc<Ramp> {
+    const TYPE: Type = Type::Ramp;
+    fn read(cx: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+        let Value::Ramp(ramp) = one(values, def)? else {
+            return Err(wrong(def, &one(values, def)?));
+        };
+        let Some((lo, hi)) = def.hard else { return Ok(ramp) };
+        let within = |y: f32| y >= lo as f32 && y <= hi as f32;
+        match ramp.stops().iter().find(|(_, y)| !within(*y)) {
+            Some((_, y)) => {
+                clamped(cx, def, f64::from(*y));
+                Ok(Arc::new(ramp.clamped(lo as f32, hi as f32)))
+            }
+            None => Ok(ramp),
+        }
+    }
+}
+
 macro_rules! plain_inputs {
     ($($ty:ty, $of:ident <= $($variant:ident)|+;)*) => {$(
         impl Input for $ty {
@@ -515,7 +533,6 @@ plain_inputs! {
     bool, Bool <= Bool;
     Vec3, Vec3 <= Vec3;
     Arc<str>, Text <= Text;
-    Arc<Ramp>, Ramp <= Ramp;
     Arc<ShapeList>, Shapes <= Shapes;
     Arc<Strokes>, Strokes <= Strokes;
     Curves, Curves <= Curves;

@@ -14,7 +14,7 @@ use crate::define::NodeError;
 use crate::maths::hash::{Dice, Key, KeyBuilder};
 use std::any::Any;
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// How much hair is made.
@@ -69,6 +69,9 @@ impl std::fmt::Display for Message {
         }
     }
 }
+
+/// The most points that one node may make: four times what all hair of a film groom has.
+const MOST_POINTS: usize = 1 << 26;
 
 /// What an evaluation of one node counted and said.
 #[derive(Debug, Default)]
@@ -258,11 +261,23 @@ impl EvalCx<'_> {
     ) -> Result<[Curves; N], NodeError> {
         let made: Vec<OnceLock<Result<Arc<Made>, NodeError>>> =
             (0..n).map(|_| OnceLock::new()).collect();
-        let done = AtomicU32::new(0);
+        let (done, points) = (AtomicU32::new(0), AtomicUsize::new(0));
         self.host.for_each(n, &|i| {
-            let _ = made[i].set(self.piece(key(i).key(self.node).finish(), i, &make));
+            if points.load(Ordering::Relaxed) <= MOST_POINTS {
+                let piece = self.piece(key(i).key(self.node).finish(), i, &make);
+                let tufts = piece.iter().flat_map(|made| made.tufts.iter().flatten());
+                points.fetch_add(tufts.map(|t| t.points().len()).sum(), Ordering::Relaxed);
+                let _ = made[i].set(piece);
+            }
             self.host.progress(done.fetch_add(1, Ordering::Relaxed) as usize + 1, n);
         });
+        // So much is made, or not, whatever the order of pieces.
+        if points.into_inner() > MOST_POINTS {
+            return Err(NodeError::failed(
+                "it would make more than 64 million points, which no memory is sure to hold: ask for less hair, or for \
+                 fewer points on each",
+            ));
+        }
         let mut outputs = [const { Vec::new() }; N];
         for made in made {
             let made = made.into_inner().unwrap_or(Err(NodeError::Cancelled))?;

@@ -14,6 +14,8 @@ pub mod define;
 pub mod eval;
 pub mod formats;
 mod guides;
+#[cfg(test)]
+mod hostile;
 pub mod maths;
 mod output;
 mod partition;

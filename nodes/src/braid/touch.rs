@@ -82,6 +82,11 @@ impl Fine {
     fn chords(&self, k: usize) -> impl Iterator<Item = [Vec3; 2]> {
         (k.max(1)..(k + 2).min(self.len())).map(|k| [self.point(k - 1), self.point(k)])
     }
+    /// How far the strand bulges over its chords about a sample.
+    fn sagitta(&self, k: usize) -> f32 {
+        let k = k.clamp(1, self.len() - 2);
+        (self.point(k - 1) + self.point(k + 1) - self.point(k) * 2.0).length() * 0.125
+    }
     /// Square of the least distance of `p` from this strand between the samples `from` and `to`, where it may be less than
     /// `bound`; anything above that elsewhere. Gives the sample as well.
     fn nearest2(&self, p: Vec3, from: usize, to: usize, bound: f32) -> (f32, usize) {
@@ -89,7 +94,7 @@ impl Fine {
         for block in from / BLOCK..=(to - 1) / BLOCK {
             let (low, high) = self.boxes[block];
             let beside = (low - p).max(p - high).max(Vec3::ZERO);
-            // A parabola between samples takes at most half of a square; the rest is for rounding.
+            // What lies between samples takes at most half of a square; the rest is for rounding.
             if 0.499 * beside.length_squared() > bound {
                 continue;
             }
@@ -109,7 +114,8 @@ impl Fine {
         if best < f32::MAX && at > from && at + 1 < to {
             best =
                 lowest(self.square(p, at - 1), best, self.square(p, at + 1)).unwrap_or_else(|| {
-                    self.chords(at).map(|chord| beside(p, chord)).fold(best, f32::min)
+                    let least = self.chords(at).map(|chord| beside(p, chord)).fold(best, f32::min);
+                    bulged(least, self.sagitta(at))
                 });
         }
         (best, at)
@@ -127,6 +133,13 @@ fn lowest(before: f32, here: f32, after: f32) -> Option<f32> {
     let slope = after - before;
     let low = here - slope * slope / (8.0 * bend);
     (low >= 0.5 * here).then_some(low)
+}
+
+/// Square of what is left of a distance between chords where strands bulge over them, at least half of the distance.
+fn bulged(square: f32, sagitta: f32) -> f32 {
+    let distance = square.sqrt();
+    let left = (distance - sagitta).max(0.5 * distance);
+    left * left
 }
 
 /// Square of the distance of `p` from a chord.
@@ -181,7 +194,7 @@ fn least_about<'f>(
     lowest(nearest2[k - 1], here, nearest2[k + 1]).unwrap_or_else(|| {
         let Some((other, at)) = whose(k) else { return here };
         let pairs = own.chords(k).flat_map(|one| other.chords(at).map(move |two| apart(one, two)));
-        pairs.fold(here, f32::min)
+        bulged(pairs.fold(here, f32::min), own.sagitta(k) + other.sagitta(at))
     })
 }
 

@@ -51,7 +51,7 @@ node! {
         radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()),
             hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), words("thickness size"), handle(Handle::Radius);
         /// Multiplies the radius from root to tip: let it fall for locks that end in a point.
-        profile: Arc<Ramp> = Ramp::constant(1.0), words("taper shape lock wisp tip falloff");
+        profile: Arc<Ramp> = Ramp::constant(1.0), hard(0.0, 100.0), soft(0.0, 1.0), words("taper shape lock wisp tip falloff");
         /// Thickness of the cross-section by its width: 1 is round, less is flat. The flat side lies to the head, or as the
         /// cluster's own normal says.
         flatness: FieldInput = 1.0, hard(0.02, 1.0), unit(Ratio), words("ellipse elliptic oval flat ribbon section");
@@ -110,6 +110,8 @@ node! {
 
 /// The most strands one cluster may have.
 const MOST: f32 = 262_144.0;
+/// The most points all of them may have: what is made at once has to be held.
+const MOST_POINTS: f32 = 16_777_216.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
@@ -154,6 +156,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         };
         if wanted > MOST {
             return left_out("a cluster that asks for more than 262144 strands was left out");
+        }
+        if wanted * sections.at.len() as f32 > MOST_POINTS {
+            return left_out(
+                "a cluster whose strands ask for more than 16 million points was left out",
+            );
         }
         let count = cx.thinned(wanted.round() as usize);
         let mut strands = filler.fill(id, count, &sections, piece)?;

@@ -52,6 +52,12 @@ impl Ramp {
     pub fn linear(from: f32, to: f32) -> Self {
         Self { blend: Blend::Linear, stops: vec![(0.0, from), (1.0, to)] }
     }
+    /// The same ramp with values from `lo` to `hi`.
+    pub fn clamped(&self, lo: f32, hi: f32) -> Self {
+        let mut ramp = self.clone();
+        ramp.stops.iter_mut().for_each(|(_, y)| *y = y.clamp(lo, hi));
+        ramp
+    }
     /// The stops.
     pub fn stops(&self) -> &[(f32, f32)] {
         &self.stops

@@ -141,6 +141,12 @@ impl Bundle<'_> {
                 Some(t) => {
                     let (tied, locks) = (&self.ties[t], &locks[t][..]);
                     parent = self.hair(id, base, (tied, locks), &mut points, parent);
+                    if points.iter().any(|p| !p.is_finite()) {
+                        points.clear();
+                        points.extend_from_slice(base);
+                        piece
+                            .trouble(id, "hair too far away to go on from a tie was left as it is");
+                    }
                 }
                 None => {
                     points.clear();

@@ -185,7 +185,7 @@ fn ties(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<Tie>, NodeError> 
     let (scalp, frame) = (&*inputs.scalp, inputs.scalp.frame());
     let mut feet: Vec<(Root, u64)> = vec![];
     match &inputs.placements {
-        Some(placements) => feet.extend(super::placed(cx, scalp, placements)),
+        Some(placements) => feet.extend(super::placed(cx, scalp, placements)?),
         None => {
             let mut place = inputs.position;
             feet.extend(super::picked(scalp, place).map(|foot| (foot, 0)));

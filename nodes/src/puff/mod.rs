@@ -15,14 +15,25 @@ mod tie;
 
 use crate::data::curves::Curves;
 use crate::data::scalp::{Root, Scalp};
-use crate::define::NodeDef;
+use crate::define::{NodeDef, NodeError};
 use crate::eval::EvalCx;
 use glam::Vec3;
 
 pub(crate) const NODES: &[&NodeDef] = &[&gather::NODE, &sphere_puff::NODE, &tail::NODE, &bun::NODE];
 
+/// The most places that puffs or ties can be put at: each looks for its own way over the whole head.
+const MOST_PLACES: usize = 256;
+
 /// The roots of placements and their ids.
-fn placed(cx: &EvalCx, scalp: &Scalp, placements: &Curves) -> Vec<(Root, u64)> {
+fn placed(cx: &EvalCx, scalp: &Scalp, placements: &Curves) -> Result<Vec<(Root, u64)>, NodeError> {
+    let count = placements.curve_count();
+    if count > MOST_PLACES {
+        return Err(NodeError::BadValue {
+            input: "placements",
+            value: format!("{count} curves"),
+            reason: format!("are more than {MOST_PLACES} places: wire fewer curves"),
+        });
+    }
     let mut out = vec![];
     for (tuft, i) in placements.each() {
         let at = tuft.curve(i).first().copied().unwrap_or(Vec3::NAN);
@@ -31,7 +42,7 @@ fn placed(cx: &EvalCx, scalp: &Scalp, placements: &Curves) -> Vec<(Root, u64)> {
             None => cx.trouble(tuft.id(i), "a placement without a root was left out"),
         }
     }
-    out
+    Ok(out)
 }
 
 /// The scalp in a direction (head units) from the middle of the cranium: the outermost surface there, else the closest.

@@ -150,7 +150,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             ties.iter().map(|tie| Puff::tied(&inputs, skin, unit, tie)).collect()
         }
         (_, Some(placements)) => {
-            let middles = super::placed(cx, scalp, placements);
+            let middles = super::placed(cx, scalp, placements)?;
             middles
                 .into_iter()
                 .map(|(m, parent)| Puff::new(&inputs, skin, unit, m, parent))

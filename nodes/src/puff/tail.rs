@@ -41,7 +41,7 @@ node! {
         /// How far over skin the middle of the tail hangs at least, in its own radii there.
         clearance: f32 = 0.8, hard(0.0, 10.0), soft(0.3, 2.0), words("collide rest head neck shoulders");
         /// Thickness along the tail, from tie to tip, in thicknesses of the tie.
-        profile: Arc<Ramp> = profile(), soft(0.0, 2.0), words("taper fullness shape");
+        profile: Arc<Ramp> = profile(), hard(0.0, 100.0), soft(0.0, 2.0), words("taper fullness shape");
         /// How much sooner hair ends that came from farther away: 1 leaves all hair as long as it grew, 0 is cut level.
         layers: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("cut taper length");
         /// How much shorter locks and hairs may be than others, drawn for each.
