@@ -250,6 +250,9 @@ fn alike_chords(
 const REACHES: [usize; 4] = [4, 8, 16, 32];
 /// Easing goes on for so many times the square of that, as far as evening out spreads.
 const SPREAD: usize = 2;
+/// No curve has more points moved than this while it is eased: what the folds of a rough scan kink in many places is not
+/// worth seconds.
+const MOST_MOVES: usize = 24_000;
 
 /// Eases the points about the spans where readings differ towards the middle of their neighbours, the nearer the more, and
 /// out of the skin: chords and turns are then shared by many spans. Where that does not make readings agree, the points
@@ -257,7 +260,8 @@ const SPREAD: usize = 2;
 fn ease(points: &mut Vec<Vec3>, depth: impl Fn(usize) -> f32, skin: Option<&Skin>) {
     let n = points.len();
     let mut best = (readings_differ(points), points.clone());
-    for reach in REACHES {
+    let mut moves = 0;
+    'all: for reach in REACHES {
         let mut weights = vec![0.0f32; n];
         each_span(points, |span, difference| {
             if difference <= AGREE {
@@ -270,7 +274,11 @@ fn ease(points: &mut Vec<Vec3>, depth: impl Fn(usize) -> f32, skin: Option<&Skin
             }
         });
         for round in 1..=SPREAD * reach * reach {
+            if moves > MOST_MOVES {
+                break 'all;
+            }
             for k in (1..n - 1).filter(|k| weights[*k] > 0.0) {
+                moves += 1;
                 let middle = (points[k - 1] + points[k + 1]) * 0.5;
                 let p = points[k] + (middle - points[k]) * (0.5 * weights[k]);
                 points[k] = skin.map_or(p, |skin| skin.push_out(p, depth(k)).0);
