@@ -29,6 +29,10 @@ pub(crate) const OF_CURVATURE: f32 = 0.9;
 /// which in the densest weaves is up to 3 % nearer.
 const FILLED: f32 = 0.98;
 
+/// How much wider the room may be at the sample beside the one that is nearest to another strand: what radii are too large
+/// half way between is what [`FILLED`] leaves.
+const BESIDE: f32 = 1.04;
+
 /// Points of a strand at its CVs and at places between, as columns, and the boxes that hold [`BLOCK`] of them each, up
 /// to the first of the next.
 struct Fine {
@@ -253,12 +257,21 @@ pub(crate) fn touching_radii(
             nearest2.push(nearest);
             whose.push(found);
         }
-        let raw: Vec<f32> = (0..own.len())
-            .map(|k| {
-                let gap =
-                    least_about(own, k, &nearest2, |k| whose[k].map(|(j, at)| (&fine[j], at)));
-                (0.5 * FILLED * gap.sqrt()).min(OF_CURVATURE * turn_radius(own, k))
-            })
+        let mut gaps: Vec<f32> = (0..own.len())
+            .map(|k| least_about(own, k, &nearest2, |k| whose[k].map(|(j, at)| (&fine[j], at))))
+            .collect();
+        // Strands that are nearest between two samples are so for both: radii are straight between CVs.
+        for k in 1..own.len() - 1 {
+            let (before, here, after) = (nearest2[k - 1], nearest2[k], nearest2[k + 1]);
+            if here <= before && here <= after {
+                let beside = if before < after { k - 1 } else { k + 1 };
+                gaps[beside] = gaps[beside].min(gaps[k] * (BESIDE * BESIDE));
+            }
+        }
+        let raw: Vec<f32> = gaps
+            .iter()
+            .enumerate()
+            .map(|(k, gap)| (0.5 * FILLED * gap.sqrt()).min(OF_CURVATURE * turn_radius(own, k)))
             .collect();
         let mut radii = smooth_below(&raw, round, per_span);
         keep_below_between(&mut radii, &raw, per_span);
