@@ -70,6 +70,11 @@ pub fn real_heads(test: &str) -> impl Iterator<Item = RealHead> {
     })
 }
 
+/// The same without the scan, whose skin is as rough as what it was scanned from.
+pub fn smooth_heads(test: &str) -> impl Iterator<Item = RealHead> {
+    real_heads(test).filter(|head| head.name != "snowden_scan")
+}
+
 /// What to evaluate a shipped groom with where the number of its strands does not matter: every tenth of a hero's.
 pub fn lean(groom: &str) -> &'static [&'static str] {
     if grooms::HEROES.contains(&groom) { &["--quality", "preview"] } else { &[] }

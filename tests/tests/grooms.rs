@@ -2,7 +2,7 @@
 
 use coif_graphs::document::graph::check;
 use coif_graphs::{file, grooms};
-use coif_tests::{Folder, RealHead, eval, lean, real_heads, run, usd_python};
+use coif_tests::{Folder, RealHead, eval, lean, run, smooth_heads, usd_python};
 use expect_test::expect_file;
 use serde_json::Value as Json;
 
@@ -77,7 +77,7 @@ fn every_groom_evaluates_on_the_built_in_head() {
 
 #[test]
 fn every_groom_sits_on_real_heads() {
-    for head in real_heads("every_groom_sits_on_real_heads") {
+    for head in smooth_heads("every_groom_sits_on_real_heads") {
         light().for_each(|name| check_on(name, Some(&head)));
     }
 }

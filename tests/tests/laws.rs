@@ -1,7 +1,7 @@
 //! Laws of methods.md on whole grooms, on the built-in head and on real ones, measured on what was written.
 
 use coif_nodes::formats::usd::read::{ReadCurves, read_curves};
-use coif_tests::{Folder, eval, real_heads, run};
+use coif_tests::{Folder, eval, run, smooth_heads};
 use glam::DVec3;
 use serde_json::Value as Json;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Calls `check` for the built-in head and for every real one, with the arguments that choose it.
 fn on_every_head(test: &str, check: impl Fn(&str, &[&str])) {
     check("adult", &[]);
-    for head in real_heads(test) {
+    for head in smooth_heads(test) {
         check(head.name, &head.eval_args());
     }
 }
