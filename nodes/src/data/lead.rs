@@ -5,8 +5,7 @@
 //!
 //! Guarantees: the first point stays; every other ends where [`Skin::push_out`] lets it be; a hair that nothing tears comes
 //! out as if each of its points had been pushed alone. Not promised: that a way round every thin part is found. Four are
-//! tried, each at most [`FARTHEST`] cm long; the least torn
-//! counts.
+//! tried, each at most 3 cm long; the least torn counts.
 
 use super::scalp::Skin;
 use glam::Vec3;
