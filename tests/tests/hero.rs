@@ -39,7 +39,6 @@ const HEROES: &[(&str, &[Ask])] = &[
         "cornrows_puffs",
         &[
             Ask::Braids { at_least: 14, strands: 3, crossing: "under" },
-            Ask::Partings(2),
             Ask::Sections(2),
             Ask::Puffs(2),
             Ask::Curls,
