@@ -1,8 +1,8 @@
 //! Hostile inputs: whatever a document, a file or another node can hand to a node gives a sane result or an error.
 //!
 //! Each node of [`NODES`] runs with every single value of [`hostile`] and then with hundreds of throws of several at once.
-//! It must not panic, must come to an end when asked to stop, must not make what no memory holds, and what it gives must be finite numbers. Values
-//! that are not finite are refused before anything runs, by documents and by readers of files; so none is tried here.
+//! It must not panic, must come to an end when asked to stop, must not make what no memory holds, and what it gives must be
+//! finite numbers. Values that are not finite are refused before anything runs, by documents and by readers of files; so none is tried here.
 
 use crate::data::attributes::{self as attr, Attribute, Domain, Item};
 use crate::data::curves::{Curves, TuftBuilder};
@@ -37,8 +37,8 @@ const NODES: &[(&str, &[(&str, f32)])] = &[
 const THROWS: u64 = 60;
 /// After so long a node is asked to stop, as people do whom much hair takes too long.
 const ASKED: Duration = Duration::from_secs(2);
-/// A node that still runs then hangs.
-const LONG: Duration = Duration::from_secs(10);
+/// A node that still runs then hangs; so long that a busy machine is not taken for one.
+const LONG: Duration = Duration::from_secs(60);
 /// The most that a node may make.
 const MOST_BYTES: usize = 1 << 30;
 

@@ -35,14 +35,17 @@ pub fn shared(test: &str, path: &str) -> Option<PathBuf> {
     None
 }
 
-/// The heads that every shipped groom must sit on: a name, its mesh, and what a groom's node `head` must be told of it. A head
+/// The heads that grooms must sit on, heroes on all of them, the others on all but [`SCAN`]: a name, its mesh, and what a groom's node `head` must be told of it. A head
 /// that is turned keeps its place, so that whoever measures needs the mesh alone.
 pub const HEADS: &[(&str, &str, &[&str])] = &[
     ("lps_head", "data/lps_head/LeePerrySmith.glb", &[]),
     ("ict_head", "data/ict_head/generic_neutral_mesh.obj", &[]),
     ("sintel", "data/sintel/sintel.obj", &[]),
-    ("snowden_scan", "data/snowden_scan/snowden.obj", &["head.turn=-44"]),
+    (SCAN, "data/snowden_scan/snowden.obj", &["head.turn=-44"]),
 ];
+
+/// The scan of a bust, whose hair is a rough surface of folds and whose face is turned.
+pub const SCAN: &str = "snowden_scan";
 
 /// A head of [`HEADS`] that is on this machine.
 pub struct RealHead {
@@ -72,7 +75,7 @@ pub fn real_heads(test: &str) -> impl Iterator<Item = RealHead> {
 
 /// The same without the scan, whose skin is as rough as what it was scanned from.
 pub fn smooth_heads(test: &str) -> impl Iterator<Item = RealHead> {
-    real_heads(test).filter(|head| head.name != "snowden_scan")
+    real_heads(test).filter(|head| head.name != SCAN)
 }
 
 /// What to evaluate a shipped groom with where the number of its strands does not matter: every tenth of a hero's.

@@ -14,7 +14,6 @@ use crate::data::attributes::{
     SCALP_NORMAL, SECTION, SIDE,
 };
 use crate::data::curves::{Curves, MOST_CURVES, Tuft, TuftBuilder};
-use crate::data::detour::Detour;
 use crate::data::field::Sampler;
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::{Root, Scalp, Skin};
@@ -25,6 +24,7 @@ use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::low_discrepancy::r2;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{exp, tan};
+use crate::scalp::detour::Detour;
 use crate::scalp::lay;
 use glam::Vec3;
 use std::sync::{Arc, OnceLock};
@@ -353,7 +353,7 @@ impl Maker<'_> {
         };
         // What comes after the first section catches up, so that neighbours stay neighbours.
         let start = self.inputs.start * self.unit;
-        let x = (2.0 * (x - start)).clamp(0.0, x.min(last));
+        let x = (2.0 * (x - start)).min(x).min(last).max(0.0);
         let length = wishes.length.along(wishes.tuft, wishes.curve, place.owner.u) * self.unit;
         let cut = 1.0 - self.inputs.length_variation * self.dice.unit(id, 1);
         (x / lane.length, length * cut)

@@ -9,7 +9,7 @@
 
 use super::chart::{CELL, around, cell_of};
 use super::scalp::{Root, Scalp};
-use super::sections::Sections;
+use super::sections::{Place, Sections};
 use crate::maths::closest::Surface;
 use glam::Vec3;
 use std::cmp::Reverse;
@@ -19,6 +19,8 @@ use std::collections::{BTreeMap, BinaryHeap};
 pub const FREE: f32 = 0.7;
 /// Beyond this (cm) a cell's own distance tells that no parting is near a point in it: its diagonal, and a half more.
 const NEAR: f32 = 0.24;
+/// A piece of hair nearer to a parting than such a share of half its bare skin touches it.
+const TOUCHING: f32 = 0.25;
 /// Rounds in which a point is moved off one line after the other: a corner has two.
 const ROUNDS: usize = 6;
 
@@ -144,7 +146,7 @@ impl Home<'_> {
         (self.within(at) > 0.0).then_some(at)
     }
 
-    /// Whether a piece of hair on the skin crosses a parting.
+    /// Whether a piece of hair on the skin crosses a parting, or comes so near to it that who looks may say so.
     pub fn crosses(&self, from: Vec3, to: Vec3) -> bool {
         // A long piece may pass over a tongue of another section between two points that are far from it.
         let half = 0.5 * from.distance(to);
@@ -155,7 +157,13 @@ impl Home<'_> {
         let below =
             |p: Vec3| skin.closest(p).filter(|hit| hit.distance < FREE).map(|hit| hit.point);
         let (Some(a), Some(b)) = (below(from), below(to)) else { return false };
-        self.sections.crosses(a, b)
+        // On a bent scalp the straight piece does not lie over the straight way between its ends, so that its middle may touch a
+        // corner of a line that the way passes.
+        let touches = |place: Place| {
+            place.section != self.number || place.distance < TOUCHING * self.sections.half_width()
+        };
+        let middle = below((from + to) * 0.5).and_then(|p| self.sections.at(p));
+        self.sections.crosses(a, b) || middle.is_some_and(touches)
     }
 
     /// Whether the straight way between two points of the scalp keeps to the section.

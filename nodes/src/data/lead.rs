@@ -4,10 +4,11 @@
 //! next behind. Such a hair is led round the edge first, as it would hang in the world, and pushed then.
 //!
 //! Guarantees: the first point stays; every other ends where [`Skin::push_out`] lets it be; a hair that nothing tears comes
-//! out as if each of its points had been pushed alone. Not promised: that a way round every thin part is found. Four are
-//! tried, each at most 3 cm long; the least torn counts.
+//! out as if each of its points had been pushed alone. Four ways aside are tried, each at most 3 cm long; where the least
+//! torn of them is torn still, the hair is laid on the shortest way round (`way_round.rs`). Not promised: that there is one.
 
 use super::scalp::Skin;
+use super::way_round::way_round;
 use glam::Vec3;
 
 /// How far the edge of a thin part is looked for, cm: more than half an ear.
@@ -33,6 +34,10 @@ impl Torn {
 /// So deep (cm) in the skin between two points a hair passes through a thin part, if its points lie nearer than that.
 const THROUGH: f32 = 0.08;
 const ATTEMPTS: usize = 4;
+/// So far (cm) along a hair to both sides of a tear what the skin has moved is laid anew.
+const ABOUT: f32 = 2.0;
+/// The most by which chords grow where a hair is laid on a longer way.
+const CROWDED: f32 = 1.25;
 
 impl Skin<'_> {
     /// Sets a hair clear of the skin, all but its first point. `depth` says how deep (cm) each may lie; none where a point
@@ -55,11 +60,14 @@ impl Skin<'_> {
             return false;
         }
         // The least torn so far.
-        let (mut best, mut lost): (Option<(f32, Vec<Vec3>)>, bool) = (None, false);
-        for _ in 0..ATTEMPTS {
+        let mut best: Option<(f32, Vec<Vec3>, Vec<(usize, Vec3)>)> = None;
+        for attempt in 0..=ATTEMPTS {
             let Some((excess, torn)) = self.tear(far, points, &was) else { return true };
-            if best.as_ref().is_none_or(|(least, _)| excess < *least) {
-                best = Some((excess, points.to_vec()));
+            if best.as_ref().is_none_or(|(least, ..)| excess < *least) {
+                best = Some((excess, points.to_vec(), was.clone()));
+            }
+            if attempt == ATTEMPTS {
+                break;
             }
             let (a, b) = (points[torn - 1], points[torn]);
             for (k, p) in was.drain(..) {
@@ -67,19 +75,77 @@ impl Skin<'_> {
             }
             let along = (points[torn] - points[torn - 1]).normalize_or_zero();
             let through = (b - a).normalize_or_zero();
-            let Some(aside) = self.way_out((a + b) * 0.5, through, along) else {
-                lost = true;
-                break;
-            };
+            let Some(aside) = self.way_out((a + b) * 0.5, through, along) else { break };
             give_way(points, torn, aside);
             // What was known of its points is so no more.
             self.push_all(points, &|k| depth(k).or(Some(0.0)), &mut was);
         }
-        let left = if lost { Some(f32::MAX) } else { self.tear(far, points, &was).map(|(e, _)| e) };
-        if let (Some((least, best)), Some(left)) = (best, left)
-            && left >= least
-        {
+        if let Some((_, best, best_was)) = best {
             points.copy_from_slice(&best);
+            was = best_was;
+        }
+        for _ in 0..ATTEMPTS {
+            let Some((_, torn)) = self.tear(Torn::APART, points, &was) else { break };
+            if !self.lay_round(points, torn, &mut was, &depth) {
+                break;
+            }
+        }
+        true
+    }
+
+    /// Lays the points about a tear, as far as the skin has moved them, evenly on the way round what tore them.
+    fn lay_round(
+        &self,
+        points: &mut [Vec3],
+        torn: usize,
+        was: &mut Vec<(usize, Vec3)>,
+        depth: &impl Fn(usize) -> Option<f32>,
+    ) -> bool {
+        let moved = |k: usize| was.binary_search_by_key(&k, |(k, _)| *k).is_ok();
+        let (mut first, mut come) = (torn - 1, 0.0);
+        while first > 0 && moved(first) && come < ABOUT {
+            come += points[first].distance(points[first - 1]);
+            first -= 1;
+        }
+        let (mut last, mut come) = (torn, 0.0);
+        while last + 1 < points.len() && moved(last) && come < ABOUT {
+            come += points[last].distance(points[last + 1]);
+            last += 1;
+        }
+        if last - first < 2 {
+            return false;
+        }
+        let Some(mut way) = way_round(self, points[first], points[last]) else { return false };
+        // The way is longer than what it replaces: points before and behind move up, so that no chord grows much.
+        let length = |line: &[Vec3]| line.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
+        let more = length(&way);
+        let (mut from, mut to) = (first, last);
+        let crowded = |from: usize, to: usize| {
+            let plain = length(&points[from..=first]) + length(&points[last..=to]);
+            let spans = (first - from + to - last) as f32;
+            plain + more > CROWDED * plain / spans.max(1.0) * (to - from) as f32
+        };
+        while crowded(from, to) && (from > 0 || to + 1 < points.len()) {
+            from = from.saturating_sub(1);
+            to = (to + 1).min(points.len() - 1);
+        }
+        way.splice(..1, points[from..=first].iter().copied());
+        way.extend_from_slice(&points[last + 1..=to]);
+        let mut come = vec![0.0];
+        for w in way.windows(2) {
+            come.push(come[come.len() - 1] + w[0].distance(w[1]));
+        }
+        let total = come[come.len() - 1];
+        let mut k = 0;
+        was.retain(|(k, _)| *k <= from || *k >= to);
+        for (n, point) in points[from + 1..to].iter_mut().enumerate() {
+            let s = total * (n + 1) as f32 / (to - from) as f32;
+            while k + 2 < come.len() && come[k + 1] < s {
+                k += 1;
+            }
+            let t = (s - come[k]) / (come[k + 1] - come[k]).max(f32::MIN_POSITIVE);
+            let p = way[k].lerp(way[k + 1], t.clamp(0.0, 1.0));
+            *point = self.push_out(p, depth(from + 1 + n).unwrap_or(0.0)).0;
         }
         true
     }
@@ -175,12 +241,12 @@ fn give_way(points: &mut [Vec3], torn: usize, aside: Vec3) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::data::scalp::{HeadFrame, REGION, Scalp};
     use crate::maths::closest::Surface;
 
-    fn bust() -> Scalp {
+    pub(crate) fn bust() -> Scalp {
         let mesh = crate::scalp::bust::adult();
         let surface = Surface::new(mesh.points, mesh.triangles);
         let everywhere = vec![1.0; surface.points.len()];

@@ -66,6 +66,8 @@ const TRIES: [(f32, Option<Torn>); 6] = [
     (1.0, Some(Torn::UNEVEN)),
     (1.25, Some(Torn::UNEVEN)),
 ];
+/// How often a curve is eased and made even again.
+const EASINGS: usize = 3;
 /// As few segments as chords of the length of the longest need are tried last, but no fewer than such a share.
 const FEWEST: f32 = 0.6;
 /// The most points that resampling gives a curve: what game engines take. Where that is not enough, the difference that is
@@ -124,41 +126,47 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
             let near = first as usize + place.span + usize::from(place.t > 0.5);
             allowed.at(i, near)
         };
+        let clear = |p: Vec3, place| skin.map_or(p, |skin| skin.push_out(p, depth(place)).0);
+        // Points of the curve that others stand for, which lie where `stops` say, made even along these others.
+        let mut evened = |points: &mut Vec<Vec3>, stops: &mut Vec<(f32, Place)>| {
+            if led.rebuild(points).is_err() {
+                return false;
+            }
+            let (root, tip, last) = (old[0], old[old.len() - 1], points.len() - 1);
+            let was: Vec<f32> = stops.iter().map(|(s, _)| *s).collect();
+            let before = |place: Place| {
+                let (a, b) = (was[place.span], was[place.span + 1]);
+                a + (b - a) * place.t
+            };
+            alike_chords(&led, last, stops, points, |k, place| match k {
+                0 => root,
+                k if k == last => tip,
+                _ => clear(led.point(place), spline.locate_length(before(place))),
+            });
+            stops.iter_mut().for_each(|(s, place)| {
+                *s = before(*place);
+                *place = spline.locate_length(*s);
+            });
+            true
+        };
         let mut best = (f32::MAX, vec![], vec![]);
         for (finer, lead) in TRIES.into_iter().chain([(0.0, Some(Torn::UNEVEN))]) {
             let finer = if finer > 0.0 { finer } else { mean_of_longest(&points).max(FEWEST) };
             let last = ((old.len() - 1) as f32 * finer) as usize;
             let last = last.min((MOST_POINTS - 1).max(old.len() - 1));
-            let ends = |k: usize| match k {
-                0 => Some(old[0]),
-                k if k == last => Some(old[old.len() - 1]),
-                _ => None,
-            };
-            let clear = |p: Vec3, place| skin.map_or(p, |skin| skin.push_out(p, depth(place)).0);
             if let (Some(torn), Some(skin)) = (lead, skin) {
                 let plain = |_, place| spline.point(place);
                 alike_chords(&spline, last, &mut stops, &mut points, plain);
                 skin.clear_beyond(torn, &mut points, |k| Some(depth(stops[k].1)));
-                if led.rebuild(&points).is_err() {
+                if !evened(&mut points, &mut stops) {
                     break;
                 }
-                let was: Vec<f32> = stops.iter().map(|(s, _)| *s).collect();
-                let before = |place: Place| {
-                    let (a, b) = (was[place.span], was[place.span + 1]);
-                    a + (b - a) * place.t
-                };
-                let place_of = |place: Place| spline.locate_length(before(place));
-                let led_to =
-                    |k, place| ends(k).unwrap_or_else(|| clear(led.point(place), place_of(place)));
-                alike_chords(&led, last, &mut stops, &mut points, led_to);
-                stops.iter_mut().for_each(|(s, place)| {
-                    *s = before(*place);
-                    *place = spline.locate_length(*s);
-                });
             } else {
-                let pushed =
-                    |k, place| ends(k).unwrap_or_else(|| clear(spline.point(place), place));
-                alike_chords(&spline, last, &mut stops, &mut points, pushed);
+                alike_chords(&spline, last, &mut stops, &mut points, |k, place| match k {
+                    0 => old[0],
+                    k if k == last => old[old.len() - 1],
+                    _ => clear(spline.point(place), place),
+                });
             }
             let left = readings_differ(&points);
             if left < best.0 {
@@ -168,10 +176,24 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
                 break;
             }
         }
-        (_, points, stops) = best;
-        if readings_differ(&points) > AGREE {
+        // Easing moves points together, which makes chords uneven again.
+        (points, stops) = (best.1.clone(), best.2.clone());
+        for _ in 0..EASINGS {
+            if best.0 <= AGREE {
+                break;
+            }
             ease(&mut points, |k| depth(stops[k].1), skin);
+            for even in [false, true] {
+                if even && !evened(&mut points, &mut stops) {
+                    break;
+                }
+                let left = readings_differ(&points);
+                if left < best.0 {
+                    best = (left, points.clone(), stops.clone());
+                }
+            }
         }
+        (_, points, stops) = best;
         places.extend(stops.iter().map(|(_, place)| (first + place.span as u32, place.t)));
         worst = worst.max(readings_differ(&points));
         out.push_curve(&points);
@@ -246,13 +268,14 @@ fn alike_chords(
     }
 }
 
-/// How many points to either side of a place where readings differ are eased: tried in turn until they agree.
-const REACHES: [usize; 4] = [4, 8, 16, 32];
+/// How many points to either side of a place where readings differ are eased, and how far they are lifted off the skin there
+/// (cm), over edges that would hold them apart: tried in turn until they agree.
+const REACHES: [(usize, f32); 4] = [(4, 0.0), (8, 0.06), (16, 0.15), (32, 0.3)];
 /// Easing goes on for so many times the square of that, as far as evening out spreads.
 const SPREAD: usize = 2;
 /// No curve has more points moved than this while it is eased: what the folds of a rough scan kink in many places is not
 /// worth seconds.
-const MOST_MOVES: usize = 24_000;
+const MOST_MOVES: usize = 32_000;
 
 /// Eases the points about the spans where readings differ towards the middle of their neighbours, the nearer the more, and
 /// out of the skin: chords and turns are then shared by many spans. Where that does not make readings agree, the points
@@ -261,7 +284,7 @@ fn ease(points: &mut Vec<Vec3>, depth: impl Fn(usize) -> f32, skin: Option<&Skin
     let n = points.len();
     let mut best = (readings_differ(points), points.clone());
     let mut moves = 0;
-    'all: for reach in REACHES {
+    'all: for (reach, lift) in REACHES {
         let mut weights = vec![0.0f32; n];
         each_span(points, |span, difference| {
             if difference <= AGREE {
@@ -281,7 +304,8 @@ fn ease(points: &mut Vec<Vec3>, depth: impl Fn(usize) -> f32, skin: Option<&Skin
                 moves += 1;
                 let middle = (points[k - 1] + points[k + 1]) * 0.5;
                 let p = points[k] + (middle - points[k]) * (0.5 * weights[k]);
-                points[k] = skin.map_or(p, |skin| skin.push_out(p, depth(k)).0);
+                let least = depth(k) - lift * weights[k];
+                points[k] = skin.map_or(p, |skin| skin.push_out(p, least).0);
             }
             if round % reach != 0 {
                 continue;

@@ -5,9 +5,9 @@
 //!
 //! Guarantees: roots lie on the scalp and are bound to it; ends lie within the braid's radius about its row;
 //! hairs stay out of the skin; ends of a group lie within the group's radius; without `cross_partings` every
-//! root keeps half a parting's width from the parting and no hair crosses it. A row's hairs depend on that row and the
-//! rows it meets, so that editing one row makes anew its own hairs and its neighbours'; on a parted scalp they depend on
-//! the row and its section, and no hair crosses a parting. Not promised:
+//! root keeps half a parting's width from the parting and no hair crosses it, be it half-way between two rows or a line
+//! that the scalp is parted along. A row's hairs depend on that row and the rows it meets (on a parted scalp, those of its
+//! own section), so that editing one row makes anew its own hairs and its neighbours'. Not promised:
 //! that hairs of one row never lie over each other, for combed hair does.
 
 use super::pulled::{self, Ground, Home, Middle, Reach, Rules, Wish};
@@ -33,8 +33,8 @@ node! {
     ///
     /// Wire the rows that braids are laid along. For each row the nearest rows on its left and right are found; half-way
     /// to them is the parting, where the hairs are rooted, and from there they are combed over the scalp along and into the
-    /// braid, evenly or gathered at each stitch. On a parted scalp (node Partings) hairs are rooted up to the partings of the
-    /// row's own section and stay in it.
+    /// braid, evenly or gathered at each stitch. On a parted scalp (node Partings) a row meets the rows of its own section;
+    /// where the section ends sooner its border is the parting, and hairs stay in it.
     "edge_partition", version 1, label "Edge partition", words "parting part side middle hairs section cornrow canerow braid edge guide partition segments pulled comb line", thins;
     inputs {
         /// The rows, root first: the same curves that the braids are laid along.
@@ -190,7 +190,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
     }
     let all = Curves::new(all);
-    let map = Map::new(cx, &inputs, &all)?;
+    let map = Map::new(cx, &inputs, &rules, &all)?;
     let needs = |i: usize, tuft: &Tuft| map.needs(&rules, inputs.lead * unit, i, tuft);
     let [curves] = cx.each_tuft_with(&inputs.source, &all, needs, |tuft, read, piece| {
         Ok([hairs(cx, &inputs, &rules, unit, tuft, read, piece)?])
@@ -202,10 +202,18 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 /// that the flat triangles of a head do not cut through.
 const CLEAR: f32 = 0.012;
 
+/// A row of the list of all.
+struct Known {
+    /// Number of its tuft.
+    tuft: usize,
+    role: i32,
+    row: Row,
+    section: Option<u32>,
+}
+
 /// Who is where, for finding what each row must read.
 struct Map {
-    /// Number of the tuft in the list of all, role, row.
-    rows: Vec<(usize, i32, Row)>,
+    rows: Vec<Known>,
     /// Number of the tuft, and the braids' sources that its stitches belong to.
     stitches: Vec<(usize, Vec<u64>)>,
     /// Number of the tuft, and the source tufts whose rows its points are nearest to.
@@ -215,7 +223,7 @@ struct Map {
 }
 
 impl Map {
-    fn new(cx: &EvalCx, inputs: &Inputs, all: &Curves) -> Result<Self, NodeError> {
+    fn new(cx: &EvalCx, inputs: &Inputs, rules: &Rules, all: &Curves) -> Result<Self, NodeError> {
         let sources: Vec<(usize, Row)> = inputs
             .source
             .tufts()
@@ -240,7 +248,10 @@ impl Map {
                     let points = (0..tuft.len()).map(|i| tuft.curve(i)[0]);
                     picked.push((n, points.filter_map(nearest).collect()));
                 }
-                role => rows.extend(rows_of(tuft).map(|row| (n, role, row))),
+                role => rows.extend(rows_of(tuft).map(|row| {
+                    let section = home(rules, &row).map(|home| home.number);
+                    Known { tuft: n, role, row, section }
+                })),
             }
         }
         Ok(Self { rows, stitches, picked, among_themselves: inputs.adjacent.is_none() })
@@ -249,11 +260,14 @@ impl Map {
     /// Numbers of the tufts that a row's hairs depend on, rising.
     fn needs(&self, rules: &Rules, lead: f32, own: usize, tuft: &Tuft) -> Vec<u32> {
         let is_self = |n: usize| self.among_themselves && n == own;
-        let given = |role: i32| self.rows.iter().any(|(_, r, _)| *r == role);
+        let given = |role: i32| self.rows.iter().any(|known| known.role == role);
         let mut needed = BTreeSet::new();
-        // On a parted scalp rows mind their section and nobody else.
-        let rows = rows_of(tuft).filter(|_| rules.scalp.sections().is_none() || rules.crossing);
-        for row in rows {
+        for row in rows_of(tuft) {
+            let section = home(rules, &row).map(|home| home.number);
+            let others = || {
+                let others = self.rows.iter().enumerate();
+                others.filter(|(_, other)| !is_self(other.tuft) && other.section == section)
+            };
             let lead = lead / row.length();
             let looks = (row.length() * (1.0 + lead) / LOOK).ceil().clamp(4.0, 512.0) as usize;
             for k in 0..=looks {
@@ -261,12 +275,10 @@ impl Map {
                 let station = Station::new(&row, rules.scalp, u);
                 for (side, list) in [(-1, LEFT), (1, RIGHT)] {
                     let list = if given(list) { list } else { BESIDE };
-                    let rows = self.rows.iter().enumerate();
-                    let rows = rows
-                        .filter(|(_, (n, role, _))| *role == list && !is_self(*n))
-                        .map(|(i, (.., row))| (i, row));
+                    let rows = others().filter(|(_, other)| other.role == list);
+                    let rows = rows.map(|(i, other)| (i, &other.row));
                     let met = neighbour(&station, side, rows, rules.reach);
-                    needed.extend(met.map(|(i, _)| self.rows[i].0));
+                    needed.extend(met.map(|(i, _)| self.rows[i].tuft));
                     // Rows that are not beside this place but take some of the ground there, such as one that
                     // begins where this one ends.
                     let to = met.map_or(station.side(side) * (2.0 * rules.open_side), |(_, q)| {
@@ -274,9 +286,9 @@ impl Map {
                     });
                     let middle = station.point + to * 0.5;
                     let home = 1.1 * middle.distance(station.point) + rules.parting;
-                    for (n, _, other) in &self.rows {
-                        if !is_self(*n) && other.distance_under(middle, home) < home {
-                            needed.insert(*n);
+                    for (_, other) in others() {
+                        if other.row.distance_under(middle, home) < home {
+                            needed.insert(other.tuft);
                         }
                     }
                 }
@@ -353,21 +365,28 @@ fn hairs(
             None => rows.iter().filter(|row| row.id != own.id).collect(),
             Some(_) => vec![],
         };
-        let free: Vec<&Row> = beside.iter().chain(siblings).collect();
+        let home_of_own = home(rules, &own);
+        let section = home_of_own.map(|home| home.number);
+        let shares = |row: &&Row| home(rules, row).map(|home| home.number) == section;
+        let free: Vec<&Row> = beside.iter().chain(siblings).filter(shares).collect();
+        let of_side = |wired: &Option<Curves>, rows| match wired {
+            Some(_) => rows,
+            None => free.clone(),
+        };
         let ground = Ground {
-            left: if inputs.left.is_some() { left.iter().collect() } else { free.clone() },
-            right: if inputs.right.is_some() { right.iter().collect() } else { free },
+            left: of_side(&inputs.left, left.iter().filter(shares).collect()),
+            right: of_side(&inputs.right, right.iter().filter(shares).collect()),
             own: &own,
-            home: if rules.crossing { None } else { home(rules.scalp, &own) },
+            home: home_of_own,
         };
         row_hairs(cx, inputs, rules, unit, (tuft, i), &ground, read, &mut made, piece)?;
     }
     made.tuft(inputs)
 }
 
-/// The section that most of a row lies in.
-fn home<'a>(scalp: &'a Scalp, row: &Row) -> Option<Home<'a>> {
-    let sections = scalp.sections()?;
+/// The section that most of a row lies in; none where hairs may cross, or nothing is parted.
+fn home<'a>(rules: &Rules<'a>, row: &Row) -> Option<Home<'a>> {
+    let sections = rules.scalp.sections().filter(|_| !rules.crossing)?;
     let mut votes: BTreeMap<u32, u32> = BTreeMap::new();
     for k in 1..16 {
         let at = sections.at(row.spline.at(k as f32 / 16.0));
@@ -480,47 +499,53 @@ fn row_hairs(
             round: (ROUND + 50.0 * vary(2)).to_radians(),
         };
         let Some(start) = pulled::start(rules, ground, &reach, &wish) else { continue };
-        let (mut end_u, mut group) = (start.end_u, None);
-        if let Some((at, number)) = gather.as_ref().and_then(|g| g.nearest(end_u, side)) {
-            (end_u, group) = (at, Some(2 * number + i32::from(side > 0)));
-        }
-        let radius = radius_at(end_u);
-        let middle = group.and_then(|group| {
-            *middles.entry(group).or_insert_with(|| {
-                let wish = Wish {
-                    u: end_u,
-                    side,
-                    mediate: mediate.along(tuft, curve, end_u),
-                    pull: pull.along(tuft, curve, end_u).to_radians(),
-                    lift: 0.0,
-                    round: ROUND.to_radians(),
-                };
-                pulled::middle(rules, ground, &reach, &wish, radius)
-            })
-        });
-        let point = match middle {
-            Some(middle) => {
-                let spread = [3, 4, 5].map(|i| dice.signed(id, i));
-                middle.end.within(rules, Vec3::from_array(spread))
-            }
-            None => pulled::end(rules, row, &start.root, end_u, (side, wish.round), radius).point,
-        };
-        let direction = row.spline.tangent_at(end_u);
-        let (root, lift) = (&start.root, wish.lift);
-        if !pulled::way(rules, ground, root, (point, direction), lift, middle.as_ref(), &mut points)
-        {
-            continue;
-        }
-        let stays = rules.crossing
-            || (rules.scalp.home_of(root)).is_none_or(|home| {
+        let root = &start.root;
+        let section = rules.scalp.home_of(root).filter(|_| !rules.crossing);
+        let stays = |points: &[Vec3]| {
+            section.is_none_or(|section| {
                 // Nor just behind its end, where the braid crosses.
                 let [.., a, b] = points[..] else { return true };
                 let behind = b + (b - a).normalize_or_zero() * (0.1 * unit);
                 let on = points.iter().copied().chain([behind]);
-                !points.iter().zip(on.skip(1)).any(|(a, b)| home.crosses(*a, b))
+                !points.iter().zip(on.skip(1)).any(|(a, b)| section.crosses(*a, b))
+            })
+        };
+        let mut combed = |end_u: f32, group: Option<i32>, points: &mut Vec<Vec3>| {
+            let radius = radius_at(end_u);
+            let middle = group.and_then(|group| {
+                *middles.entry(group).or_insert_with(|| {
+                    let wish = Wish {
+                        u: end_u,
+                        side,
+                        mediate: mediate.along(tuft, curve, end_u),
+                        pull: pull.along(tuft, curve, end_u).to_radians(),
+                        lift: 0.0,
+                        round: ROUND.to_radians(),
+                    };
+                    pulled::middle(rules, ground, &reach, &wish, radius)
+                })
             });
-        if !stays {
-            continue;
+            let point = match middle {
+                Some(middle) => {
+                    let spread = [3, 4, 5].map(|i| dice.signed(id, i));
+                    middle.end.within(rules, Vec3::from_array(spread))
+                }
+                None => pulled::end(rules, row, root, end_u, (side, wish.round), radius).point,
+            };
+            let end = (point, row.spline.tangent_at(end_u));
+            pulled::way(rules, ground, root, end, wish.lift, middle.as_ref(), points)
+                && stays(points)
+        };
+        let (mut end_u, mut group) = (start.end_u, None);
+        if let Some((at, number)) = gather.as_ref().and_then(|g| g.nearest(end_u, side)) {
+            (end_u, group) = (at, Some(2 * number + i32::from(side > 0)));
+        }
+        if !combed(end_u, group, &mut points) {
+            // Where a parting is near, the hair goes straight into the braid beside it.
+            (end_u, group) = (along, None);
+            if section.is_none() || !combed(end_u, group, &mut points) {
+                continue;
+            }
         }
         made.hair.push_curve(&points);
         made.ids.push(id);
@@ -529,7 +554,7 @@ fn row_hairs(
         made.sides.push(side);
         made.groups.push(group.unwrap_or(0));
         made.ends.push(end_u);
-        made.roots.push(start.root);
+        made.roots.push(*root);
     }
     if count > 0 && made.ids.len() == before {
         piece.trouble(
@@ -799,6 +824,54 @@ mod tests {
             assert!(w.spacing < 1.2, "{name} {what}: {w:?}");
             assert!(w.margin > 0.15 - 2e-3, "{name} {what}: {w:?}");
             assert!(w.trespass < 0.01, "{name} {what}: {w:?}");
+        }
+    }
+
+    #[test]
+    fn on_a_parted_scalp_rows_mind_their_neighbours_and_their_section() {
+        let Value::Scalp(scalp) = run(crate::by_id("head").unwrap(), &[]).0.remove(0) else {
+            panic!("a head")
+        };
+        let partings = crate::by_id("partings").unwrap();
+        let set = [
+            ("scalp", scalp.clone().into()),
+            ("pattern", "straight_back".into()),
+            ("count", Value::Int(3)),
+        ];
+        let (out, _) = run(partings, &set);
+        let [Value::Scalp(cut), Value::Curves(lines), ..] = &out[..] else { panic!("a scalp") };
+        let rows = rows(&scalp, 6);
+        let lines_of = |rows: &[Arc<Tuft>]| rows.iter().flat_map(|t| rows_of(t)).collect();
+        let lines: [Vec<Row>; 2] = [lines_of(&rows), lines_of(lines.tufts())];
+        let near = |of: &[Row], p: Vec3| of.iter().map(|l| l.nearest(p).1).fold(9.0, f32::min);
+        let sections = cut.sections().unwrap();
+        assert!(
+            lines[1].len() >= 2 && rows.len() > sections.list().len(),
+            "{} partings, {} sections",
+            lines[1].len(),
+            sections.list().len()
+        );
+        for grouping in ["none", "every_k"] {
+            let set = [("per_cm", Value::Float(12.0)), ("grouping", grouping.into())];
+            let curves = parted(cut, &rows, &set);
+            let mut of: BTreeMap<u64, usize> = BTreeMap::new();
+            for (tuft, i) in curves.each() {
+                let points = tuft.curve(i);
+                let own = tuft.view(PARENT).at(i, tuft.range(i).start);
+                *of.entry(own).or_default() += 1;
+                let (mine, others): (Vec<_>, Vec<_>) = lines[0].iter().partition(|l| l.id == own);
+                assert!(near(&lines[1], points[0]) > sections.half_width() - 2e-3);
+                // Rows of other sections count no more than the line that lies between.
+                let home = cut.home(points[0]).unwrap();
+                for l in others.iter().filter(|l| home.holds(l.spline.at(0.5))) {
+                    let ahead = l.nearest(points[0]).1 - mine[0].nearest(points[0]).1;
+                    assert!(ahead > 0.15 - 2e-3, "{grouping}: {ahead}");
+                }
+                let crossed = points.windows(2).filter(|w| home.crosses(w[0], w[1])).count();
+                assert_eq!(crossed, 0, "{grouping}");
+            }
+            assert_eq!(of.len(), rows.len(), "{grouping}: every row has hair");
+            println!("{grouping}: {of:?}");
         }
     }
 

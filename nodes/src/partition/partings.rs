@@ -80,7 +80,7 @@ node! {
     outputs {
         /// The head with its sections, for every node that asks for a scalp.
         scalp: Arc<Scalp>;
-        /// The lines, lying on the scalp.
+        /// The lines, lying on the scalp; over an ear or what is too rough to lie on, straight on.
         partings: Curves;
         /// The middle line of each section, from the hairline on, as wide as the section: to braid along. The round section
         /// that gathered rows end at has none.
@@ -160,7 +160,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let partings = Curves::new(lines.flatten().map(Arc::new).collect());
     // What rows are gathered to is no row.
     let tied = (inputs.pattern == Pattern::Gathered)
-        .then(|| sections.at(scalp.frame().point_from_head(inputs.centre)))
+        .then(|| sections.at(scalp.frame().point_from_head(gathered_to(&inputs) * HEAD_RADIUS)))
         .flatten()
         .map(|place| place.section);
     let rows = maker.rows(cx, &sections, &middles, tied)?;
@@ -242,7 +242,7 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Drawn {
             cell: inputs.cell_length * unit,
             brick: inputs.brick,
             turn: inputs.turn.to_radians(),
-            centre: inputs.centre.try_normalize().unwrap_or(Vec3::Y),
+            centre: gathered_to(inputs),
             gather: inputs.gather_radius * unit,
             mirror: inputs.symmetric,
             tag: curve_id(0, inputs.seed as u64, 0x9A77),
@@ -262,6 +262,11 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Drawn {
         line.points = fine(chart, &line.points);
     }
     drawn
+}
+
+/// Where rows gather, as a direction of the head frame.
+fn gathered_to(inputs: &Inputs) -> Vec3 {
+    inputs.centre.try_normalize().unwrap_or(Vec3::Y)
 }
 
 /// How far a line of a pattern is led on, cm.

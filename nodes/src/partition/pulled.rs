@@ -37,7 +37,7 @@ pub(crate) struct Rules<'a> {
     pub(crate) clear: f32,
 }
 
-/// A row with what its hairs must mind: the section it lies in, or where there are none, other rows.
+/// A row with what its hairs must mind: other rows, and where the scalp is parted, the section that they share.
 pub(crate) struct Ground<'a> {
     pub(crate) own: &'a Row,
     pub(crate) left: Vec<&'a Row>,
@@ -103,15 +103,13 @@ impl Ground<'_> {
     }
     /// How far `p` is within its own ground; twice that (or less) it may move without leaving it.
     fn margin(&self, p: Vec3) -> f32 {
-        match &self.home {
-            Some(home) => 2.0 * home.slack(p).max(0.0),
-            None => self.ahead(p),
-        }
+        let section = self.home.as_ref().map_or(f32::MAX, |home| 2.0 * home.slack(p).max(0.0));
+        section.min(self.ahead(p))
     }
-    /// Whether `p` is in its own section, or nearer to its own row than to any other by `slack`.
+    /// Whether `p` is in its own section, and nearer to its own row than to any other by `slack`.
     fn is_home(&self, p: Vec3, slack: f32) -> bool {
-        if let Some(home) = &self.home {
-            return home.slack(p) >= 0.0;
+        if self.home.as_ref().is_some_and(|home| home.slack(p) < 0.0) {
+            return false;
         }
         let limit = self.own.nearest(p).1 + slack;
         let mut others = self.left.iter().chain(&self.right);
@@ -180,6 +178,9 @@ impl Reach {
 fn beside(rules: &Rules, ground: &Ground, u: f32, side: i32) -> Option<Beside> {
     let station = Station::new(ground.own, rules.scalp, u);
     let way = station.side(side);
+    let rows = ground.beside(side).iter().copied().enumerate();
+    let met = neighbour(&station, side, rows, rules.reach);
+    let met = met.map(|(who, q)| (q - station.point, true, who));
     let (to, shared, who) = if let Some(home) = &ground.home {
         // The border of the section stands where the parting half-way to a neighbour would.
         let inside = |d: &f32| {
@@ -188,13 +189,17 @@ fn beside(rules: &Rules, ground: &Ground, u: f32, side: i32) -> Option<Beside> {
                 home.slack(root.point) >= 0.0 && grows(rules.scalp, &root) >= 0.5
             })
         };
-        let steps = (1..=64).map(|k| k as f32 * 0.1).take_while(|d| *d <= rules.reach);
-        let far = steps.take_while(inside).last()?;
-        (way * (2.0 * (far + 0.1)), true, 0)
+        let reach = met.map_or(rules.reach, |(to, ..)| 0.5 * to.length());
+        let steps = (1..=64).map(|k| k as f32 * 0.1).take_while(|d| *d <= reach);
+        let far = steps.clone().take_while(inside).count();
+        match met.filter(|_| far == steps.count()) {
+            Some(met) => met,
+            None if far == 0 => return None,
+            None => (way * (0.2 * (far + 1) as f32), true, BORDER),
+        }
     } else {
-        let rows = ground.beside(side).iter().copied().enumerate();
-        match neighbour(&station, side, rows, rules.reach) {
-            Some((who, q)) => (q - station.point, true, who),
+        match met {
+            Some(met) => met,
             None if rules.open_side > 0.0 => (way * (2.0 * rules.open_side), false, 0),
             None => return None,
         }
@@ -207,6 +212,9 @@ fn beside(rules: &Rules, ground: &Ground, u: f32, side: i32) -> Option<Beside> {
     }
     Some(found)
 }
+
+/// Number of the border of a section where it is met sooner than a row.
+const BORDER: usize = usize::MAX;
 
 fn grows(scalp: &Scalp, root: &Root) -> f32 {
     scalp.mask_at(scalp.region(), root.triangle, root.bary)
@@ -224,7 +232,7 @@ fn place(
     let slack = if rules.crossing {
         f32::MAX
     } else if let Some(home) = &ground.home {
-        home.slack(root.point)
+        home.slack(root.point).min(ground.ahead(root.point) - rules.parting)
     } else if beside.shared {
         ground.ahead(root.point) - rules.parting
     } else {

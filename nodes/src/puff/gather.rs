@@ -16,7 +16,6 @@ use crate::data::attributes::{
     SCALP_NORMAL, SECTION, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
-use crate::data::detour::Detour;
 use crate::data::home::Home;
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::data::sections::Sections;
@@ -26,6 +25,7 @@ use crate::guides::even_roots::EvenRoots;
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::transcendental::{sin, sin_cos, sin_cos_turns};
+use crate::scalp::detour::Detour;
 use glam::Vec3;
 use std::f32::consts::PI;
 use std::sync::Arc;

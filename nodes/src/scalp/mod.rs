@@ -1,6 +1,7 @@
 //! The head: where hair grows, and curves brought to it.
 
 pub mod bust;
+pub(crate) mod detour;
 mod fit;
 mod head;
 pub(crate) mod lay;

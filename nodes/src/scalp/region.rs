@@ -1,13 +1,14 @@
 //! Where on a head hair grows, as a mask with one value a vertex.
 //!
 //! methods.md 0.1: the default region is outer surface above a plane that rises towards the face, in a shell
-//! about the cranium; a drawn hairline is a closed line in the azimuthal projection about the up axis,
+//! about the cranium, without ears and a little skin about them; a drawn hairline is a closed line in the azimuthal projection about the up axis,
 //! and its inside, the crown's side, is the region.
 
 use crate::data::scalp::HeadFrame;
 use crate::data::strokes::Strokes;
 use crate::define::NodeError;
 use crate::maths::closest::Surface;
+use crate::maths::nearest::Nearest;
 use crate::maths::transcendental::{acos, atan2, cos, sin_cos};
 use glam::{Vec2, Vec3};
 
@@ -18,6 +19,17 @@ const RISE: f32 = 40.0 / 180.0 * std::f32::consts::PI;
 /// The shell of the default region, in radii from the centre.
 const SHELL: (f32, f32) = (0.8, 1.2);
 
+/// Ears are looked for among what lies so far to the side, between these heights and depths, in radii ...
+const BESIDE: f32 = 0.6;
+const EAR_LOW: Vec3 = Vec3::new(BESIDE, -0.8, -0.7);
+const EAR_HIGH: Vec3 = Vec3::new(2.0, 0.4, 0.4);
+/// ... and are thinner than this, cm on a head of average size.
+const THIN: f32 = 1.2;
+/// Bare skin about an ear, cm on a head of average size.
+const BARE: f32 = 0.35;
+/// Where more than this share of all that lies there is thin, the mesh has an inside of its own and tells nothing of ears.
+const MOST_THIN: f32 = 0.6;
+
 /// The default region; `softness` (cm) is the width of its edge.
 pub(crate) fn default_region(
     surface: &Surface,
@@ -26,13 +38,49 @@ pub(crate) fn default_region(
     check: &dyn Fn() -> Result<(), NodeError>,
 ) -> Result<Vec<f32>, NodeError> {
     let (sin, cos) = sin_cos(RISE);
+    let ears = Nearest::new(ears(surface, frame, check)?);
+    let mut found = vec![];
     mask(surface, frame, check, |v| {
         let p = frame.head_from_vector(v);
         let r = frame.radius;
         let over = (p.y + DROP * r) * cos - p.z * sin;
         let within = (p.length() - SHELL.0 * r).min(SHELL.1 * r - p.length());
-        soft(over.min(within), softness)
+        let inside = over.min(within);
+        if inside <= -0.5 * softness {
+            return 0.0;
+        }
+        ears.find(frame.origin + v, 1, &mut found);
+        let off_ears = found.first().map_or(f32::MAX, |(d, _)| d.sqrt() - BARE * frame.unit());
+        soft(inside.min(off_ears), softness)
     })
+}
+
+/// The vertices of both ears: what is thin at the sides of a head.
+fn ears(
+    surface: &Surface,
+    frame: &HeadFrame,
+    check: &dyn Fn() -> Result<(), NodeError>,
+) -> Result<Vec<Vec3>, NodeError> {
+    let (thin, mut looked, mut ears) = (THIN * frame.unit(), 0usize, vec![]);
+    for (i, (p, normal)) in surface.points.iter().zip(&surface.normals).enumerate() {
+        if i % 256 == 0 {
+            check()?;
+        }
+        let at = frame.head_from_vector(*p - frame.origin) / frame.radius;
+        let at = Vec3::new(at.x.abs(), at.y, at.z);
+        if at.cmplt(EAR_LOW).any() || at.cmpgt(EAR_HIGH).any() {
+            continue;
+        }
+        looked += 1;
+        let start = *p - *normal * (0.002 * frame.radius);
+        if surface.ray(start, -*normal, thin).is_some() {
+            ears.push(*p);
+        }
+    }
+    if ears.len() as f32 > MOST_THIN * looked as f32 {
+        ears.clear();
+    }
+    Ok(ears)
 }
 
 /// The inside of hairlines, each stroke closed by itself; `softness` (cm) is the width of the edge.
@@ -70,7 +118,7 @@ fn mask(
     surface: &Surface,
     frame: &HeadFrame,
     check: &dyn Fn() -> Result<(), NodeError>,
-    value: impl Fn(Vec3) -> f32,
+    mut value: impl FnMut(Vec3) -> f32,
 ) -> Result<Vec<f32>, NodeError> {
     let mut out = Vec::with_capacity(surface.points.len());
     for (i, p) in surface.points.iter().enumerate() {

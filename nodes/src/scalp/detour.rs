@@ -1,14 +1,15 @@
 //! Ways over the scalp that would lead over what is none, above all an ear, go round it on the side of the crown.
 //!
-//! A way is a taut string on the flat map of the scalp: where it lies over bare skin, or over scalp that an ear stands before, it is
-//! lifted towards the middle of the map until it is over open scalp, and what comes before and after is lifted with it so far
+//! A way is a taut string on the flat map of the scalp: where it lies over bare skin, or over scalp that an ear stands before,
+//! it is lifted towards the middle of the map until it is over open scalp, and what comes before and after is lifted with it so far
 //! that the string has no hollow.
 //!
 //! Guarantees: both ends stay; a way over open scalp stays as it is. Not promised: anything where no scalp lies between a place
 //! and the middle of the map; such a way stays as it is. Points are not on the skin afterwards, only over or under it.
 
-use super::chart::{CELL, Chart, cell_of};
-use super::scalp::{Scalp, Skin};
+use super::lay::Polyline;
+use crate::data::chart::{CELL, Chart, cell_of};
+use crate::data::scalp::{Scalp, Skin};
 use glam::{Vec2, Vec3};
 
 /// Farther from the skin than this (cm on a head of average size) nothing is said to stand before it.
@@ -23,14 +24,14 @@ const FARTHEST: f32 = 0.8;
 const FINE: usize = 4;
 
 /// Where scalp is open.
-pub struct Detour<'a> {
+pub(crate) struct Detour<'a> {
     chart: &'a Chart,
     open: Vec<bool>,
 }
 
 impl<'a> Detour<'a> {
     /// Looks at all of a scalp.
-    pub fn new(scalp: &'a Scalp, skin: &Skin) -> Self {
+    pub(crate) fn new(scalp: &'a Scalp, skin: &Skin) -> Self {
         let (chart, unit) = (scalp.chart(), scalp.frame().unit());
         let open = chart.spots().iter().map(|spot| {
             let out = (spot.point - chart.origin()).normalize_or_zero();
@@ -48,7 +49,7 @@ impl<'a> Detour<'a> {
     }
 
     /// Whether a point is over open scalp.
-    pub fn is_free(&self, p: Vec3) -> bool {
+    pub(crate) fn is_free(&self, p: Vec3) -> bool {
         self.is_open(self.chart.flat(p))
     }
 
@@ -70,7 +71,7 @@ impl<'a> Detour<'a> {
     }
 
     /// Leads a way round what is not open; tells whether it had to. Its points are even then.
-    pub fn lead(&self, way: &mut [Vec3]) -> bool {
+    pub(crate) fn lead(&self, way: &mut [Vec3]) -> bool {
         let Some(last) = way.len().checked_sub(1).filter(|last| *last > 1) else { return false };
         let mut fine: Vec<Vec3> = Vec::with_capacity(last * FINE + 1);
         for w in way.windows(2) {
@@ -95,26 +96,8 @@ impl<'a> Detour<'a> {
             };
             fine[i] = self.chart.origin() + self.chart.direction(q) * out;
         }
-        resample(&fine, way);
+        way.copy_from_slice(&Polyline::new(fine).evenly(last + 1));
         true
-    }
-}
-
-/// Even points of a line, from its first to its last.
-fn resample(line: &[Vec3], out: &mut [Vec3]) {
-    let mut come = vec![0.0];
-    for w in line.windows(2) {
-        come.push(come[come.len() - 1] + w[0].distance(w[1]));
-    }
-    let (last, total) = (out.len() - 1, come[come.len() - 1]);
-    let mut k = 0;
-    for (i, p) in out.iter_mut().enumerate().take(last).skip(1) {
-        let s = total * i as f32 / last as f32;
-        while k + 2 < line.len() && come[k + 1] < s {
-            k += 1;
-        }
-        let t = (s - come[k]) / (come[k + 1] - come[k]).max(1e-9);
-        *p = line[k].lerp(line[k + 1], t.clamp(0.0, 1.0));
     }
 }
 

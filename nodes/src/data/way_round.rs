@@ -1,0 +1,156 @@
+//! The way round: the shortest way through the air from one place to another, past whatever skin lies between.
+//!
+//! Found on a lattice by A* (Hart, Nilsson and Raphael 1968) and pulled tight.
+//!
+//! Guarantees: every piece of a way keeps off the skin as far as the distance field tells, but for its two ends; the same way on
+//! every machine. Not promised: a way that leaves the box about both ends by more than [`MARGIN`], or through gaps narrower than
+//! the lattice; there is none then.
+
+use super::scalp::Skin;
+use glam::Vec3;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Spacing of the lattice, cm: that of the distance field.
+const STEP: f32 = 0.2;
+/// A way leaves the box about its ends by no more than this, cm: over an ear.
+const MARGIN: f32 = 3.0;
+/// Ends farther apart than this (cm) are not looked at: their box has too many places.
+const FARTHEST: f32 = 5.0;
+/// How far a way keeps off the skin, cm, where it can.
+const OFF: f32 = 0.06;
+/// How many times as long a way may be to do so: past half of an ear, and out of the fold that an end lies in.
+const HARD: f32 = 30.0;
+
+/// The corners of the shortest way, both ends included; none where there is none.
+pub(super) fn way_round(skin: &Skin, from: Vec3, to: Vec3) -> Option<Vec<Vec3>> {
+    if from.distance(to) > FARTHEST {
+        return None;
+    }
+    let low = from.min(to) - Vec3::splat(MARGIN);
+    let size = ((from.max(to) + Vec3::splat(MARGIN) - low) / STEP).to_array().map(|x| x as i32 + 1);
+    let place = |at: [i32; 3]| low + Vec3::from_array(at.map(|x| x as f32)) * STEP;
+    let index = |at: [i32; 3]| ((at[0] * size[1] + at[1]) * size[2] + at[2]) as usize;
+    let nearest = |p: Vec3| {
+        let at = ((p - low) / STEP).to_array();
+        [0, 1, 2].map(|axis| ((at[axis] + 0.5) as i32).min(size[axis] - 1))
+    };
+    let (start, goal) = (nearest(from), nearest(to));
+    let is_free = |p: Vec3| skin.about(p) > OFF;
+    let left = |at: [i32; 3]| place(at).distance(place(goal));
+
+    let count = (size[0] * size[1] * size[2]) as usize;
+    let mut cost = vec![f32::MAX; count];
+    let mut before = vec![start; count];
+    // Positive floats have the order of their bits.
+    let mut open = BinaryHeap::new();
+    cost[index(start)] = 0.0;
+    open.push(Reverse((left(start).to_bits(), start)));
+    while let Some(Reverse((guess, at))) = open.pop() {
+        let come = cost[index(at)];
+        if at == goal {
+            break;
+        }
+        if guess > (come + left(at)).to_bits() {
+            continue;
+        }
+        for step in STEPS {
+            let next = [0, 1, 2].map(|axis| at[axis] + step[axis]);
+            if (0..3).any(|axis| !(0..size[axis]).contains(&next[axis])) {
+                continue;
+            }
+            let (a, b) = (place(at), place(next));
+            if come + a.distance(b) >= cost[index(next)] {
+                continue;
+            }
+            let hard = if is_free(b) && is_free((a + b) * 0.5) { 1.0 } else { HARD };
+            let come = come + hard * a.distance(b);
+            if come >= cost[index(next)] {
+                continue;
+            }
+            cost[index(next)] = come;
+            before[index(next)] = at;
+            open.push(Reverse(((come + left(next)).to_bits(), next)));
+        }
+    }
+    if cost[index(goal)] == f32::MAX {
+        return None;
+    }
+    let mut way = vec![to];
+    let mut at = goal;
+    while at != start {
+        at = before[index(at)];
+        if at != start {
+            way.push(place(at));
+        }
+    }
+    way.push(from);
+    way.reverse();
+    Some(tight(&way, is_free))
+}
+
+/// The 26 neighbours of a place.
+const STEPS: [[i32; 3]; 26] = {
+    let (mut out, mut n, mut k) = ([[0; 3]; 26], 0, 0);
+    while k < 27 {
+        if k != 13 {
+            out[n] = [k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1];
+            n += 1;
+        }
+        k += 1;
+    }
+    out
+};
+
+/// The way without the corners that it can do without.
+fn tight(way: &[Vec3], is_free: impl Fn(Vec3) -> bool) -> Vec<Vec3> {
+    let sees = |a: Vec3, b: Vec3| {
+        let pieces = (a.distance(b) / (0.5 * STEP)).ceil().max(2.0) as usize;
+        (1..pieces).all(|k| is_free(a.lerp(b, k as f32 / pieces as f32)))
+    };
+    let mut out = vec![way[0]];
+    let mut k = 0;
+    while k + 1 < way.len() {
+        let far = (k + 2..way.len()).rev().find(|far| sees(way[k], way[*far]));
+        k = far.unwrap_or(k + 1);
+        out.push(way[k]);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::lead::tests::bust;
+
+    #[test]
+    fn a_way_leads_round_an_ear_and_keeps_off_it() {
+        let scalp = bust();
+        let skin = scalp.skin();
+        let mut led = 0;
+        for k in 0..20 * 16 * 20 {
+            let [x, y, z] = [k / 320, k / 20 % 16, k % 20].map(|k| 0.2 * k as f32);
+            let at = Vec3::new(7.0 + x, y - 2.5, z - 3.0);
+            let (from, to) = (at + Vec3::Z * 2.0, at - Vec3::Z * 2.0);
+            let blocked = skin.about(at) < -0.02;
+            if !blocked || skin.about(from) < OFF || skin.about(to) < OFF {
+                continue;
+            }
+            let way = way_round(&skin, from, to).unwrap();
+            assert_eq!((way[0], way[way.len() - 1]), (from, to));
+            let length: f32 = way.windows(2).map(|w| w[0].distance(w[1])).sum();
+            assert!(length < 10.0, "{at}: {length}");
+            for w in way.windows(2) {
+                for k in 0..=20 {
+                    let p = w[0].lerp(w[1], k as f32 / 20.0);
+                    assert!(skin.distance(p) > 0.0, "{p} is {}", skin.distance(p));
+                }
+            }
+            led += 1;
+        }
+        assert!(led > 20, "{led}");
+        assert_eq!(way_round(&skin, Vec3::Y * 20.0, Vec3::Y * 30.0), None);
+        let near = [Vec3::Y * 20.0, Vec3::Y * 20.01];
+        assert_eq!(way_round(&skin, near[0], near[1]), Some(near.to_vec()));
+    }
+}
