@@ -78,7 +78,6 @@ const NOT_YET_ON: &[NotYetOn] = &[
     ("ict_head", "finger_coils", &[READINGS], &[]),
     ("ict_head", "waves_2b", &[READINGS], &[]),
     ("sintel", "cornrows_gathered", &[READINGS, CROSSING], &[]),
-    ("sintel", "cornrows_puffs", &[CROSSING], &[]),
     ("sintel", "box_braids", &[READINGS, WOVEN], &[]),
     ("sintel", "french_braid", &[READINGS], &[]),
     (SCAN, "cornrows_puffs", &[READINGS, WOVEN, DEPTH], &[DEPTH]),

@@ -20,7 +20,7 @@ pub const FREE: f32 = 0.7;
 /// Beyond this (cm) a cell's own distance tells that no parting is near a point in it: its diagonal, and a half more.
 const NEAR: f32 = 0.24;
 /// A piece of hair nearer to a parting than such a share of half its bare skin touches it.
-const TOUCHING: f32 = 0.25;
+const TOUCHING: f32 = 0.5;
 /// Rounds in which a point is moved off one line after the other: a corner has two.
 const ROUNDS: usize = 6;
 

@@ -27,6 +27,12 @@ const EAR_HIGH: Vec3 = Vec3::new(2.0, 0.4, 0.4);
 const THIN: f32 = 1.2;
 /// Bare skin about an ear, cm on a head of average size.
 const BARE: f32 = 0.35;
+/// What has an ear on all sides within so far (cm on a head of average size) is part of it: the mean of the directions to the ear
+/// is shorter than this. Beside a straight edge it is 0.64.
+const WITHIN: f32 = 2.0;
+const SURROUNDED: f32 = 0.5;
+/// The most vertices that stand for both ears; on a fine scan some do.
+const MOST_RIMS: usize = 4000;
 /// Where more than this share of all that lies there is thin, the mesh has an inside of its own and tells nothing of ears.
 const MOST_THIN: f32 = 0.6;
 
@@ -38,20 +44,34 @@ pub(crate) fn default_region(
     check: &dyn Fn() -> Result<(), NodeError>,
 ) -> Result<Vec<f32>, NodeError> {
     let (sin, cos) = sin_cos(RISE);
-    let ears = Nearest::new(ears(surface, frame, check)?);
+    let rims = ears(surface, frame, check)?;
+    let ears = Nearest::new(rims.iter().copied());
+    let within = WITHIN * frame.unit();
     let mut found = vec![];
     mask(surface, frame, check, |v| {
         let p = frame.head_from_vector(v);
         let r = frame.radius;
         let over = (p.y + DROP * r) * cos - p.z * sin;
-        let within = (p.length() - SHELL.0 * r).min(SHELL.1 * r - p.length());
-        let inside = over.min(within);
+        let shell = (p.length() - SHELL.0 * r).min(SHELL.1 * r - p.length());
+        let inside = over.min(shell);
         if inside <= -0.5 * softness {
             return 0.0;
         }
-        ears.find(frame.origin + v, 1, &mut found);
-        let off_ears = found.first().map_or(f32::MAX, |(d, _)| d.sqrt() - BARE * frame.unit());
-        soft(inside.min(off_ears), softness)
+        let p = frame.origin + v;
+        ears.find(p, 1, &mut found);
+        let Some((square, _)) = found.first() else { return soft(inside, softness) };
+        let far = square.sqrt();
+        if far < within {
+            // What an ear surrounds, such as its hollow, belongs to it though it is not thin.
+            let near = rims.iter().map(|rim| *rim - p).filter(|to| to.length() < within);
+            let (sum, count) = near.fold((Vec3::ZERO, 0.0f32), |(sum, count), to| {
+                (sum + to.normalize_or_zero(), count + 1.0)
+            });
+            if sum.length() < SURROUNDED * count {
+                return 0.0;
+            }
+        }
+        soft(inside.min(far - BARE * frame.unit()), softness)
     })
 }
 
@@ -80,7 +100,8 @@ fn ears(
     if ears.len() as f32 > MOST_THIN * looked as f32 {
         ears.clear();
     }
-    Ok(ears)
+    let every = ears.len().div_ceil(MOST_RIMS).max(1);
+    Ok(ears.into_iter().step_by(every).collect())
 }
 
 /// The inside of hairlines, each stroke closed by itself; `softness` (cm) is the width of the edge.
