@@ -168,7 +168,17 @@ fn hostile(input: &InputDef) -> Vec<Value> {
         }
         Type::Ramp => ramps().map(|ramp| Value::Ramp(Arc::new(ramp))).collect(),
         Type::Choice(words) => words.iter().map(|(word, _)| Value::Text((*word).into())).collect(),
-        Type::Text => ["", "\0", "a,,;1e99 nan"].map(|text| Value::Text(text.into())).to_vec(),
+        Type::Text => {
+            // The last two name hair without ids.
+            let all = [
+                "",
+                "\0",
+                "a,,;1e99 nan",
+                "0 turn 20, lift -170, length 3; 0 width 2, colour 1 0 0",
+                "0 remove",
+            ];
+            all.map(|text| Value::Text(text.into())).to_vec()
+        }
         Type::Shapes => {
             let flat = Section::Custom(vec![Vec2::ZERO, Vec2::X * 999.0, Vec2::X * 5.0]);
             let lists = [

@@ -1,9 +1,10 @@
-//! Nodes that change curves and keep their number: length, place, width, colour.
+//! Nodes that change curves: length, place, width, colour; by hand, single ones, or take these out.
 
 use crate::define::NodeDef;
 
 mod along;
 mod hair_colour;
+mod override_strands;
 pub(crate) mod resample;
 mod set_colour;
 mod set_width;
@@ -12,6 +13,7 @@ mod trim;
 
 pub(crate) const NODES: &[&NodeDef] = &[
     &hair_colour::NODE,
+    &override_strands::NODE,
     &resample::NODE,
     &set_colour::NODE,
     &set_width::NODE,
