@@ -219,7 +219,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             return key.int(from as u64).int(to as u64).finish();
         }
         for place in &places[i][from..to] {
-            key = key.int(u64::from(place.index)).float(place.owner.ahead);
+            let owner = &place.owner;
+            key = key.int(u64::from(place.index)).float(owner.ahead).float(owner.distance);
         }
         key.finish()
     };
@@ -302,7 +303,7 @@ impl Maker<'_> {
             let own = self.ground.lanes[lane as usize].section;
             section.is_none() || own.is_none() || own == section
         };
-        let owner = self.ground.owner(p, of_section)?;
+        let owner = self.ground.owner(self.scalp, p, of_section)?;
         let reach = self.inputs.reach * self.unit;
         (owner.ahead >= self.parting && (reach <= 0.0 || owner.distance <= reach)).then_some(owner)
     }

@@ -1,6 +1,6 @@
 //! The ground that belongs to each row of braiding, and the ways over it into the braid.
 //!
-//! Which row a root belongs to is decided as in `partition/territory.rs`: the nearest one. The ways over the scalp are
+//! Which row a root belongs to is decided as in `partition/territory.rs`: the nearest one by the way over the scalp. The ways over the scalp are
 //! straight lines in a *map*: on each side of a row, columns of points march square away from it over the skin, and
 //! round its two ends they fan out. Laid out with the row straight, a hair that is combed along and into the braid is a
 //! parabola, however the head bends under it.
@@ -14,9 +14,9 @@ use crate::maths::frame::{across, any_normal};
 use crate::maths::nearest::Nearest;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{atan2, exp, sin_cos};
-use crate::partition::territory::Row;
+use crate::partition::territory::{MOST_OVER, Row};
 use glam::{Vec2, Vec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::FRAC_PI_2;
 
 /// A row to braid along.
@@ -131,32 +131,38 @@ const CELL: f32 = 1.5;
 impl Ground {
     pub(crate) fn new(lanes: Vec<Lane>, scalp: &Scalp) -> Self {
         let cell = CELL * scalp.frame().unit();
+        let lanes = over_the_scalp(lanes, scalp);
         let mut cells: BTreeMap<[i32; 3], Vec<u32>> = BTreeMap::new();
         if lanes.len() > 3 {
+            let mut points = BTreeMap::new();
             for (p, grows) in scalp.surface().points.iter().zip(scalp.region()) {
                 if *grows > 0.0 {
-                    cells.entry(cell_of(*p, cell)).or_default();
+                    points.entry(cell_of(*p, cell)).or_insert(*p);
                 }
             }
-            for (at, near) in &mut cells {
-                let middle = (Vec3::from(at.map(|i| i as f32)) + 0.5) * cell;
-                let far: Vec<f32> = lanes.iter().map(|lane| lane.row.nearest(middle).1).collect();
-                let mut sorted = far.clone();
+            for (at, p) in points {
+                let straight: Vec<f32> = lanes.iter().map(|lane| lane.row.nearest(p).1).collect();
+                let far = lanes.iter().zip(&straight).map(|(lane, d)| lane.row.far(scalp, p, *d));
+                let mut sorted: Vec<f32> = far.collect();
                 sorted.sort_by(f32::total_cmp);
-                let reach = sorted[1] + 1.74 * cell;
-                near.extend((0..).zip(&far).filter(|(_, d)| **d <= reach).map(|(i, _)| i));
+                // Across the cell, and as much again for a way that is longer than straight.
+                let reach = sorted[1] + 3.5 * cell;
+                let near = (0..).zip(&straight).filter(|(_, d)| **d <= reach);
+                cells.insert(at, near.map(|(i, _)| i).collect());
             }
         }
         Self { lanes, cell, cells }
     }
-    /// The row nearest to `p` among those that `may` have it.
-    pub(crate) fn owner(&self, p: Vec3, may: impl Fn(u32) -> bool) -> Option<Owner> {
+    /// The row nearest to `p`, a point of the scalp, among those that `may` have it.
+    pub(crate) fn owner(&self, scalp: &Scalp, p: Vec3, may: impl Fn(u32) -> bool) -> Option<Owner> {
         let (mut best, mut second): (Option<Owner>, f32) = (None, f32::MAX.sqrt());
         let mut see = |lane: u32| {
             if !may(lane) {
                 return;
             }
-            let (foot, distance, u) = self.lanes[lane as usize].row.nearest(p);
+            let row = &self.lanes[lane as usize].row;
+            let (foot, straight, u) = row.nearest(p);
+            let distance = row.far(scalp, p, straight);
             let last = best.map_or(f32::MAX.sqrt(), |b| b.distance);
             if distance < last {
                 second = last;
@@ -172,6 +178,30 @@ impl Ground {
         best.map(|best| Owner { ahead: second - best.distance, ..best })
     }
 }
+
+/// The lanes with their ways over the scalp, where several share some ground.
+fn over_the_scalp(lanes: Vec<Lane>, scalp: &Scalp) -> Vec<Lane> {
+    let sections: BTreeSet<u64> = lanes.iter().filter_map(|lane| lane.section).collect();
+    let each_its_own = scalp.sections().is_some() && sections.len() == lanes.len();
+    if lanes.len() < 2 || lanes.len() > MOST_OVER || each_its_own {
+        return lanes;
+    }
+    // As far as the place that is farthest from all rows is from its own, and somewhat more.
+    let spots = scalp.chart().spots().iter().step_by(EVERY).filter(|spot| spot.area > 0.0);
+    let far = spots.map(|spot| {
+        let other = |d: f32, lane: &Lane| lane.row.distance_under(spot.point, d);
+        lanes.iter().fold(f32::MAX.sqrt(), other)
+    });
+    let reach = 1.5 * far.fold(0.0, f32::max) + 2.0;
+    let over = |lane: Lane| {
+        let ways = lane.row.ways_over(scalp, reach);
+        Lane { row: lane.row.going_over(ways), ..lane }
+    };
+    lanes.into_iter().map(over).collect()
+}
+
+/// Of so many cells of the map one is asked how far it is from all rows.
+const EVERY: usize = 23;
 
 fn cell_of(p: Vec3, cell: f32) -> [i32; 3] {
     (p / cell).floor().as_ivec3().to_array()

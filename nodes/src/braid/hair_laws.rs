@@ -125,7 +125,7 @@ fn every_root_joins_once_at_its_stitch_and_stays_in_its_strand() {
             let triangle = tuft.view(attr::ROOT_TRIANGLE).at(i, first);
             let root = scalp.root(triangle as u32, tuft.view(attr::ROOT_BARY).at(i, first));
             rooted = rooted.max(root.point.distance(curve[0]));
-            let own = ground.owner(curve[0], |_| true).unwrap();
+            let own = ground.owner(&scalp, curve[0], |_| true).unwrap();
             assert!(own.ahead >= 0.15 * unit - 1e-4, "{what}: rooted in a parting");
             let (tube, row) = &tubes[&tuft.view(attr::PARENT).at(i, first)];
             assert_eq!(ground.lanes[own.lane as usize].id, *row, "{what}");
@@ -141,7 +141,7 @@ fn every_root_joins_once_at_its_stitch_and_stays_in_its_strand() {
                 let d = skin.distance(*p);
                 deepest = deepest.min(d);
                 if k < joins {
-                    let here = ground.owner(*p, |_| true).unwrap();
+                    let here = ground.owner(&scalp, *p, |_| true).unwrap();
                     crossed += usize::from(here.lane != own.lane);
                 } else {
                     let off = tube.iter().map(|(c, r)| p.distance(*c) / r.max(0.03));

@@ -8,6 +8,7 @@ mod hairline;
 mod lines;
 mod middles;
 mod net;
+mod over;
 mod partings;
 mod pattern;
 mod pulled;

@@ -39,6 +39,7 @@ pub(crate) struct Rules<'a> {
 
 /// A row with what its hairs must mind: other rows, and where the scalp is parted, the section that they share.
 pub(crate) struct Ground<'a> {
+    pub(crate) scalp: &'a Scalp,
     pub(crate) own: &'a Row,
     pub(crate) left: Vec<&'a Row>,
     pub(crate) right: Vec<&'a Row>,
@@ -94,12 +95,11 @@ impl Ground<'_> {
     }
     /// How much nearer `p` is to its own row than to any other.
     pub(crate) fn ahead(&self, p: Vec3) -> f32 {
-        let own = self.own.nearest(p).1;
         let mut other = f32::MAX.sqrt();
         for row in self.left.iter().chain(&self.right) {
-            other = row.distance_under(p, other);
+            other = row.far_under(self.scalp, p, other);
         }
-        other - own
+        other - self.to_own(p)
     }
     /// How far `p` is within its own ground; twice that (or less) it may move without leaving it.
     fn margin(&self, p: Vec3) -> f32 {
@@ -111,9 +111,12 @@ impl Ground<'_> {
         if self.home.as_ref().is_some_and(|home| home.slack(p) < 0.0) {
             return false;
         }
-        let limit = self.own.nearest(p).1 + slack;
+        let limit = self.to_own(p) + slack;
         let mut others = self.left.iter().chain(&self.right);
-        others.all(|row| row.distance_under(p, limit) >= limit)
+        others.all(|row| row.far_under(self.scalp, p, limit) >= limit)
+    }
+    fn to_own(&self, p: Vec3) -> f32 {
+        self.own.far(self.scalp, p, self.own.nearest(p).1)
     }
 }
 
@@ -419,7 +422,7 @@ pub(crate) fn way(
         let height = height.max(rules.clear * (s * 8.0).min(1.0));
         if !rules.crossing && 2.0 * p.distance(known) > sure {
             p = kept_at_home(ground, p, 0.25 * rules.parting);
-            (known, sure) = (p, ground.margin(p) - 0.25 * rules.parting);
+            (known, sure) = (p, (ground.margin(p) - 0.25 * rules.parting).min(SURE));
         }
         points.push(feeler.laid(p, height).0 + aside * (s * s));
     }
@@ -442,6 +445,10 @@ pub(crate) fn way(
     let stays = |home: &Home| points.windows(2).all(|w| !home.sections.crosses(w[0], w[1]));
     rules.crossing || ground.home.as_ref().is_none_or(stays)
 }
+
+/// A point is known to be at home within half of this (cm) of one that is: over the scalp and past an ear, distances change faster
+/// than straight ones.
+const SURE: f32 = 0.5;
 
 /// Looks for the scalp under point after point, each near the last.
 struct Feeler<'a> {

@@ -1,12 +1,17 @@
 //! Rows on the scalp and the ground between them: which row is nearest to a point, which one a row meets
 //! on its left and right.
 //!
-//! Distances are straight, which between rows a few centimetres apart is within 1 % of the way over the scalp.
+//! Which row is nearest goes by the way over the scalp (`over.rs`) where a row was given it, else by the straight one: beside an
+//! ear, the border between two rows lies up to 1.2 cm elsewhere by the straight one.
 //! **Invariant:** a row's answers depend on that row alone, so what reads three rows changes only with these.
 
+use super::over::Over;
 use crate::data::scalp::Scalp;
+use crate::maths::hash::{Key, KeyBuilder};
 use crate::maths::spline::{CurveFault, Spline};
 use glam::Vec3;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// A row: a curve, and a line of straight pieces that stands for it in searches.
 pub(crate) struct Row {
@@ -18,6 +23,8 @@ pub(crate) struct Row {
     boxes: Vec<(Vec3, Vec3)>,
     /// Box of all of it.
     whole: (Vec3, Vec3),
+    /// Ways over the scalp; none: straight ones.
+    over: Option<Arc<Over>>,
 }
 
 /// Distance between the points of the line, cm; half of its sagitta on the tightest row (radius 1 cm) is the
@@ -43,10 +50,27 @@ impl Row {
             .collect();
         let join = |a: (Vec3, Vec3), b: &(Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
         let whole = boxes.iter().fold((points[0], points[0]), join);
-        Ok(Self { id, spline, points, boxes, whole })
+        Ok(Self { id, spline, points, boxes, whole, over: None })
     }
     pub(crate) fn length(&self) -> f32 {
         self.spline.length()
+    }
+    /// The ways from this row over the scalp, as far as `reach` cm; none where it does not lie on the scalp.
+    pub(crate) fn ways_over(&self, scalp: &Scalp, reach: f32) -> Option<Arc<Over>> {
+        Over::new(&self.points, scalp, reach).map(Arc::new)
+    }
+    /// The same row, whose distances ([`Row::far`]) go over the scalp.
+    pub(crate) fn going_over(self, over: Option<Arc<Over>>) -> Self {
+        Self { over, ..self }
+    }
+    /// How far `p`, a point of the scalp, is from the row, where its straight distance is known.
+    pub(crate) fn far(&self, scalp: &Scalp, p: Vec3, straight: f32) -> f32 {
+        self.over.as_ref().map_or(straight, |over| over.at(scalp.chart(), p, straight))
+    }
+    /// The same where it is under `limit`, else `limit`.
+    pub(crate) fn far_under(&self, scalp: &Scalp, p: Vec3, limit: f32) -> f32 {
+        let straight = self.distance_under(p, limit);
+        if straight < limit { self.far(scalp, p, straight).min(limit) } else { limit }
     }
     /// Calls `see` with the nearest point of every piece, its squared distance and the piece's fraction, of the runs
     /// whose box is nearer than the squared distance that `see` last gave; it starts with `limit`.
@@ -119,6 +143,38 @@ impl Row {
             best.1
         });
         (best.1 < limit * limit).then(|| (best.0, best.1.sqrt()))
+    }
+}
+
+/// The most rows whose ways over the scalp are found: half a megabyte each.
+pub(crate) const MOST_OVER: usize = 256;
+
+/// The ways of many rows over the scalp, each found once, when it is first asked for.
+pub(crate) struct Overs<'a> {
+    scalp: &'a Scalp,
+    /// Cm; none: ways are straight.
+    reach: Option<f32>,
+    made: Mutex<BTreeMap<Key, Arc<OnceLock<Option<Arc<Over>>>>>>,
+}
+
+impl<'a> Overs<'a> {
+    /// For the ways of so many rows as far as `reach` cm. A row on its own is parted from none, and of very many each is so
+    /// near to the next that its ways are straight.
+    pub(crate) fn new(scalp: &'a Scalp, rows: usize, reach: f32) -> Self {
+        let reach = (2..=MOST_OVER).contains(&rows).then_some(reach);
+        Self { scalp, reach, made: Mutex::default() }
+    }
+    /// The row with its ways.
+    pub(crate) fn give(&self, row: Row) -> Row {
+        let Some(reach) = self.reach else { return row };
+        let key = KeyBuilder::new("row").column(bytemuck::cast_slice::<_, f32>(&row.points));
+        let cell = {
+            // Whoever panicked while holding the lock left the list whole.
+            let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+            made.entry(key.finish()).or_default().clone()
+        };
+        let over = cell.get_or_init(|| row.ways_over(self.scalp, reach)).clone();
+        row.going_over(over)
     }
 }
 

@@ -5,7 +5,7 @@ pub(crate) mod detour;
 mod fit;
 mod head;
 pub(crate) mod lay;
-mod region;
+pub(crate) mod region;
 mod scalp_projection;
 
 use crate::define::NodeDef;
