@@ -10,8 +10,8 @@
 use super::sections::{Section, Sections, reads_attribute};
 use super::shape::Shape;
 use crate::data::attributes::{
-    Attribute, COLOUR, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY, ROOT_TRIANGLE,
-    ROOT_UV, WIDTH,
+    ALLOW_DEPTH, Attribute, COLOUR, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY,
+    ROOT_TRIANGLE, ROOT_UV, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
@@ -216,6 +216,9 @@ impl Filler<'_> {
         let mut triangles = Vec::with_capacity(count);
         let mut barys = Vec::with_capacity(count);
         let mut uvs = Vec::with_capacity(count);
+        // What lets a cluster rest in the skin lets its strands: whoever moves them next leaves them there.
+        let sinks = sections.sinks;
+        let mut depths: Vec<f32> = vec![];
         let wanders = !sections.steps.is_empty();
         // Two equal values before the first and after the last knot keep the walk's ends level.
         let mut walk = vec![Vec2::ZERO; sections.steps.len() + 2];
@@ -248,6 +251,11 @@ impl Filler<'_> {
                     _ => q,
                 }
             };
+            if sinks {
+                let at = |k| strand.as_ref().map_or(k, |strand| strand.before(k));
+                depths.push(sections.at[0].depth);
+                depths.extend((1..each).map(|k| sections.at[at(k)].depth));
+            }
             if let Some(strand) = strand {
                 points.extend((1..each).map(|k| {
                     let p = strand.point(k, sections, root, walked);
@@ -270,6 +278,9 @@ impl Filler<'_> {
         }
         let mut out = TuftBuilder::even(points, each);
         out.set(ID, Domain::Curve, ids);
+        if sinks {
+            out.set(ALLOW_DEPTH, Domain::Point, depths);
+        }
         if !triangles.is_empty() {
             out.set(ROOT_TRIANGLE, Domain::Curve, triangles);
             out.set(ROOT_BARY, Domain::Curve, barys);

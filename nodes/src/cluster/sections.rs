@@ -51,6 +51,8 @@ pub(super) struct Sections {
     pub at: Vec<Section>,
     /// How far the walk may step to each of its knots, in radii; empty when no strand wanders.
     pub steps: Vec<f32>,
+    /// Whether the cluster says point by point how deep it may lie in the skin.
+    pub sinks: bool,
     places: Vec<Place>,
 }
 
@@ -166,7 +168,8 @@ impl Sections {
         let disc = [upright.normal * root_radius, upright.binormal() * root_radius];
         let disc = flat.pressed(disc, thin(places[0], 0.0));
         let steps = if steps.iter().all(|s| *s <= 0.0) { vec![] } else { steps };
-        Ok(Self { root, root_radius, length, disc, at, steps, places })
+        let sinks = matches!(depth, View::Point(all) if all[cvs].iter().any(|depth| *depth > 0.0));
+        Ok(Self { root, root_radius, length, disc, at, steps, places, sinks })
     }
 
     /// The cluster's colour at each point of a strand, or the one it has everywhere.

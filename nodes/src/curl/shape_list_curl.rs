@@ -451,7 +451,8 @@ fn curl(
         }
         winder.points[0] = points[0];
         if let Some(skin) = skin {
-            let depth = depth.at(i, root);
+            // Where a curl lies beside its source no one point of that is under it: the least that any of them may.
+            let depth = tuft.range(i).map(|k| depth.at(i, k)).fold(f32::MAX, f32::min);
             let clear = |middle, radius| skin.is_clear(middle, radius);
             winder.near(&rail, pattern, clear, &mut near);
             rest_on(skin, &mut winder.points, &near, depth, &mut spline);

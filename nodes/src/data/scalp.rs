@@ -374,7 +374,8 @@ impl Skin<'_> {
     fn raise(&self, p: Vec3, height: f32) -> (Vec3, bool) {
         match self.field.depth(self.surface, p) {
             Depth::Outside => (p, false),
-            Depth::Near(d, _, doubt) if d > doubt + height => (p, false),
+            // What may lie in the skin is asked of the surface: in folds thinner than its cells the field knows little inside.
+            Depth::Near(d, _, doubt) if d > doubt + height.max(0.0) => (p, false),
             // So deep that there is no doubt about the side: the field shows the way, to a little over the
             // height asked for, where a search is short and its answer holds for all points below.
             Depth::Near(d, gradient, doubt) if d < (height - doubt).min(-doubt) => {

@@ -21,37 +21,65 @@ const FARTHEST: f32 = 5.0;
 const OFF: f32 = 0.06;
 /// How many times as long a way may be to do so: past half of an ear, and out of the fold that an end lies in.
 const HARD: f32 = 30.0;
+/// So far off the skin (cm) half a step to the side is free too, even at a crease.
+const AIR: f32 = OFF + 0.9 * STEP + 0.1;
 
 /// The corners of the shortest way, both ends included; none where there is none.
 pub(super) fn way_round(skin: &Skin, from: Vec3, to: Vec3) -> Option<Vec<Vec3>> {
-    if from.distance(to) > FARTHEST {
+    if !from.is_finite() || !to.is_finite() || from.distance(to) > FARTHEST {
         return None;
     }
     let low = from.min(to) - Vec3::splat(MARGIN);
-    let size = ((from.max(to) + Vec3::splat(MARGIN) - low) / STEP).to_array().map(|x| x as i32 + 1);
+    let high = from.max(to) + Vec3::splat(MARGIN);
+    let size = ((high - low) / STEP).to_array().map(|x| x as i32 + 1);
     let place = |at: [i32; 3]| low + Vec3::from_array(at.map(|x| x as f32)) * STEP;
     let index = |at: [i32; 3]| ((at[0] * size[1] + at[1]) * size[2] + at[2]) as usize;
     let nearest = |p: Vec3| {
         let at = ((p - low) / STEP).to_array();
         [0, 1, 2].map(|axis| ((at[axis] + 0.5) as i32).min(size[axis] - 1))
     };
-    let (start, goal) = (nearest(from), nearest(to));
     let is_free = |p: Vec3| skin.about(p) > OFF;
-    let left = |at: [i32; 3]| place(at).distance(place(goal));
+    let left = |at: [i32; 3], goal: [i32; 3]| place(at).distance(place(goal));
 
     let count = (size[0] * size[1] * size[2]) as usize;
+    // How far off the skin places are, once asked for.
+    let mut known = vec![f32::NAN; count];
+    let mut off = |at: [i32; 3]| {
+        let known = &mut known[index(at)];
+        if known.is_nan() {
+            *known = skin.about(place(at));
+        }
+        *known
+    };
+    // Ends lie on the skin: the way begins in the air over them, so that only what lies between is hard.
+    let mut beside = |p: Vec3| {
+        let (d, outward, _) = skin.roughly(p).unwrap_or((1.0, Vec3::ZERO, 0.0));
+        let over = p + outward.normalize_or_zero() * (OFF + 0.5 * STEP - d).max(0.0);
+        let at = nearest(over.clamp(low, high));
+        let far = |at: [i32; 3]| place(at).distance_squared(over);
+        let mut best: Option<[i32; 3]> = None;
+        for step in [[0; 3]].into_iter().chain(STEPS) {
+            let next = [0, 1, 2].map(|axis| at[axis] + step[axis]);
+            let inside = (0..3).all(|axis| (0..size[axis]).contains(&next[axis]));
+            if inside && off(next) > OFF && best.is_none_or(|best| far(next) < far(best)) {
+                best = Some(next);
+            }
+        }
+        best.unwrap_or(at)
+    };
+    let (start, goal) = (beside(from), beside(to));
     let mut cost = vec![f32::MAX; count];
     let mut before = vec![start; count];
     // Positive floats have the order of their bits.
     let mut open = BinaryHeap::new();
     cost[index(start)] = 0.0;
-    open.push(Reverse((left(start).to_bits(), start)));
+    open.push(Reverse((left(start, goal).to_bits(), start)));
     while let Some(Reverse((guess, at))) = open.pop() {
         let come = cost[index(at)];
         if at == goal {
             break;
         }
-        if guess > (come + left(at)).to_bits() {
+        if guess > (come + left(at, goal)).to_bits() {
             continue;
         }
         for step in STEPS {
@@ -63,14 +91,18 @@ pub(super) fn way_round(skin: &Skin, from: Vec3, to: Vec3) -> Option<Vec<Vec3>> 
             if come + a.distance(b) >= cost[index(next)] {
                 continue;
             }
-            let hard = if is_free(b) && is_free((a + b) * 0.5) { 1.0 } else { HARD };
+            let open_air = off(at).max(off(next)) > AIR;
+            let hard = match off(next) > OFF && (open_air || is_free((a + b) * 0.5)) {
+                true => 1.0,
+                false => HARD,
+            };
             let come = come + hard * a.distance(b);
             if come >= cost[index(next)] {
                 continue;
             }
             cost[index(next)] = come;
             before[index(next)] = at;
-            open.push(Reverse(((come + left(next)).to_bits(), next)));
+            open.push(Reverse(((come + left(next, goal)).to_bits(), next)));
         }
     }
     if cost[index(goal)] == f32::MAX {
@@ -78,11 +110,12 @@ pub(super) fn way_round(skin: &Skin, from: Vec3, to: Vec3) -> Option<Vec<Vec3>> 
     }
     let mut way = vec![to];
     let mut at = goal;
-    while at != start {
-        at = before[index(at)];
-        if at != start {
-            way.push(place(at));
+    loop {
+        way.push(place(at));
+        if at == start {
+            break;
         }
+        at = before[index(at)];
     }
     way.push(from);
     way.reverse();

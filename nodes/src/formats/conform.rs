@@ -6,7 +6,8 @@
 //! Guarantees: both ends of a curve stay, all other points are new ones of the same curve, as far out of the skin as it
 //! allows. Where no points of the same curve do, which is where the skin makes it leap or kink (an ear between two points),
 //! the stretch about that place is eased: it leaves the curve it was, and stays out of the skin. Not promised: that easing
-//! is enough where a curve leaps farther than it has points to go slower; the report gives the difference that is left.
+//! is enough where a curve leaps farther than it has points to go slower; the report gives the difference that is left. How hard
+//! is tried hangs from how many of the curves given at once ask for it, so what few curves get, many may not.
 
 use crate::data::attributes::{self as a, Domain};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -15,7 +16,7 @@ use crate::data::scalp::Skin;
 use crate::maths::spline::{Place, Spline};
 use crate::shape::resample::between;
 use glam::Vec3;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Curves as other tools will read them, and how far the two readings differ.
 #[derive(Clone, Debug)]
@@ -37,20 +38,29 @@ pub const AGREE: f32 = 1e-3;
 /// ones of the same curve, as far out of `skin` as it allows. A curve that passes through a thin part of the skin, such as an
 /// ear, between its CVs is led round it.
 pub fn conform(curves: &Curves, skin: Option<Skin>, for_each: crate::eval::ForEach) -> Conformed {
-    let cells: Vec<std::sync::OnceLock<(Arc<Tuft>, usize, f32, usize)>> =
-        curves.tufts().iter().map(|_| std::sync::OnceLock::new()).collect();
-    for_each(cells.len(), &|i| {
-        let _ = cells[i].set(conform_tuft(&curves.tufts()[i], skin.as_ref()));
-    });
+    let all = |tufts: &[usize], effort: Effort| -> Vec<Done> {
+        let cells: Vec<OnceLock<Done>> = tufts.iter().map(|_| OnceLock::new()).collect();
+        for_each(cells.len(), &|i| {
+            let _ = cells[i].set(conform_tuft(&curves.tufts()[tufts[i]], skin.as_ref(), effort));
+        });
+        cells.into_iter().filter_map(|cell| cell.into_inner()).collect()
+    };
+    let every: Vec<usize> = (0..curves.tufts().len()).collect();
+    let mut done = all(&every, Effort::NONE);
+    // How hard each curve that still differs is tried hangs from how many there are: not on how many threads find them.
+    let differ: Vec<usize> = every.into_iter().filter(|i| done[*i].differ > 0).collect();
+    let effort = Effort::of(done.iter().map(|done| done.differ).sum());
+    for (i, again) in differ.iter().zip(all(&differ, effort)) {
+        done[*i] = again;
+    }
     let mut out =
         Conformed { curves: Curves::default(), resampled: 0, difference: 0.0, left_out: 0 };
     let mut tufts = vec![];
-    for (tuft, resampled, difference, left_out) in cells.into_iter().filter_map(|c| c.into_inner())
-    {
-        tufts.push(tuft);
-        out.resampled += resampled;
-        out.difference = out.difference.max(difference);
-        out.left_out += left_out;
+    for done in done {
+        tufts.push(done.tuft);
+        out.resampled += done.resampled;
+        out.difference = out.difference.max(done.difference);
+        out.left_out += done.left_out;
     }
     out.curves = Curves::new(tufts);
     out
@@ -58,18 +68,47 @@ pub fn conform(curves: &Curves, skin: Option<Skin>, for_each: crate::eval::ForEa
 
 /// How many times as many segments a resampled curve is given, and from what on it is first led round what the skin tears it
 /// at: tried in turn until both readings agree. More points do not mend a torn curve, and fewer only where it leaps little.
-const TRIES: [(f32, Option<Torn>); 6] = [
+const TRIES: [(f32, Option<Torn>); 7] = [
     (1.0, None),
     (1.25, None),
     (1.0, Some(Torn::APART)),
     (1.25, Some(Torn::APART)),
     (1.0, Some(Torn::UNEVEN)),
     (1.25, Some(Torn::UNEVEN)),
+    (2.0, Some(Torn::UNEVEN)),
 ];
 /// How often a curve is eased and made even again.
-const EASINGS: usize = 3;
+const EASINGS: usize = 24;
+/// How many of the tries, those that differ least, easing starts from until one agrees.
+const STARTS: usize = 3;
+/// How much readings differ, points, and where these lie on the old curve: arc length and place.
+type Tried = (f32, Vec<Vec3>, Vec<(f32, Place)>);
 /// As few segments as chords of the length of the longest need are tried last, but no fewer than such a share.
 const FEWEST: f32 = 0.6;
+/// What may be tried on each curve whose readings still differ when its points are even.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// Whether it is led round what the skin tears it at.
+    leads: bool,
+    /// How many moves of a point easing may take.
+    moves: usize,
+}
+
+impl Effort {
+    const NONE: Self = Self { leads: false, moves: 0 };
+    /// Moves for all curves together: a minute of one core. For one of them: as many as are of use.
+    const ALL: usize = 200_000_000;
+    const MOST: usize = 2_000_000;
+    /// So many curves are led: each may take a twentieth of a second.
+    const LED: usize = 4_000;
+
+    /// For each of so many curves. A smooth head tears a few hundred at its ears, the folds of a rough scan most of them.
+    fn of(curves: usize) -> Self {
+        let moves = (Self::ALL / curves.max(1)).min(Self::MOST);
+        Self { leads: curves <= Self::LED, moves }
+    }
+}
+
 /// The most points that resampling gives a curve: what game engines take. Where that is not enough, the difference that is
 /// left is told.
 pub const MOST_POINTS: usize = 255;
@@ -81,7 +120,17 @@ const QUICK: usize = 8;
 /// Chords within this ratio are alike.
 const ALIKE: f32 = 1.01;
 
-fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32, usize) {
+/// What [`conform`] has made of a tuft.
+struct Done {
+    tuft: Arc<Tuft>,
+    resampled: usize,
+    difference: f32,
+    left_out: usize,
+    /// Curves of which the two readings still differ.
+    differ: usize,
+}
+
+fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>, effort: Effort) -> Done {
     let mut worst = 0.0f32;
     let mut change = vec![false; tuft.len()];
     let mut left_out = 0;
@@ -99,12 +148,13 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
         }
     }
     if left_out == 0 && !change.contains(&true) {
-        return (tuft.clone(), 0, worst, 0);
+        return Done { tuft: tuft.clone(), resampled: 0, difference: worst, left_out, differ: 0 };
     }
     let allowed = tuft.view(a::ALLOW_DEPTH);
     let mut out = TuftBuilder::new();
     let (mut kept, mut places, mut points, mut stops) = (vec![], vec![], vec![], vec![]);
-    let (mut spline, mut led, mut resampled) = (Spline::default(), Spline::default(), 0);
+    let (mut spline, mut led) = (Spline::default(), Spline::default());
+    let (mut resampled, mut differ) = (0, 0);
     for (i, change) in change.into_iter().enumerate() {
         let old = tuft.curve(i);
         if old.len() < 2 {
@@ -122,9 +172,10 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
             continue;
         }
         resampled += 1;
+        // As the attribute will be read at the new points.
         let depth = |place: Place| {
-            let near = first as usize + place.span + usize::from(place.t > 0.5);
-            allowed.at(i, near)
+            let at = |k: usize| allowed.at(i, first as usize + place.span + k);
+            at(0) + (at(1) - at(0)) * place.t
         };
         let clear = |p: Vec3, place| skin.map_or(p, |skin| skin.push_out(p, depth(place)).0);
         // Points of the curve that others stand for, which lie where `stops` say, made even along these others.
@@ -149,11 +200,14 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
             });
             true
         };
-        let mut best = (f32::MAX, vec![], vec![]);
+        let mut tried: Vec<Tried> = vec![];
         for (finer, lead) in TRIES.into_iter().chain([(0.0, Some(Torn::UNEVEN))]) {
             let finer = if finer > 0.0 { finer } else { mean_of_longest(&points).max(FEWEST) };
             let last = ((old.len() - 1) as f32 * finer) as usize;
             let last = last.min((MOST_POINTS - 1).max(old.len() - 1));
+            if lead.is_some() && !effort.leads {
+                continue;
+            }
             if let (Some(torn), Some(skin)) = (lead, skin) {
                 let plain = |_, place| spline.point(place);
                 alike_chords(&spline, last, &mut stops, &mut points, plain);
@@ -169,33 +223,39 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
                 });
             }
             let left = readings_differ(&points);
-            if left < best.0 {
-                best = (left, points.clone(), stops.clone());
-            }
+            tried.push((left, points.clone(), stops.clone()));
             if left <= AGREE {
                 break;
             }
         }
-        // Easing moves points together, which makes chords uneven again.
-        (points, stops) = (best.1.clone(), best.2.clone());
-        for _ in 0..EASINGS {
-            if best.0 <= AGREE {
-                break;
-            }
-            ease(&mut points, |k| depth(stops[k].1), skin);
-            for even in [false, true] {
-                if even && !evened(&mut points, &mut stops) {
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        tried.dedup_by(|a, b| a.1 == b.1);
+        let mut best = tried[0].clone();
+        let mut moves = effort.moves;
+        for (_, start, its_stops) in tried.into_iter().take(STARTS) {
+            (points, stops) = (start, its_stops);
+            for _ in 0..EASINGS {
+                if best.0 <= AGREE || moves == 0 {
                     break;
                 }
-                let left = readings_differ(&points);
-                if left < best.0 {
-                    best = (left, points.clone(), stops.clone());
+                ease(&mut points, &mut moves, |k| depth(stops[k].1), skin);
+                // Easing moves points together, which makes chords uneven again.
+                for even in [false, true] {
+                    if even && !evened(&mut points, &mut stops) {
+                        break;
+                    }
+                    let left = readings_differ(&points);
+                    if left < best.0 {
+                        best = (left, points.clone(), stops.clone());
+                    }
                 }
             }
         }
         (_, points, stops) = best;
         places.extend(stops.iter().map(|(_, place)| (first + place.span as u32, place.t)));
-        worst = worst.max(readings_differ(&points));
+        let left = readings_differ(&points);
+        worst = worst.max(left);
+        differ += usize::from(left > AGREE);
         out.push_curve(&points);
     }
     for attribute in tuft.attributes() {
@@ -205,7 +265,7 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>) -> (Arc<Tuft>, usize, f32
         };
         out.set_column(a::Attribute { values, ..attribute.clone() });
     }
-    (Arc::new(out.build()), resampled, worst, left_out)
+    Done { tuft: Arc::new(out.build()), resampled, difference: worst, left_out, differ }
 }
 
 /// The mean chord of a curve as a share of the longest.
@@ -273,17 +333,21 @@ fn alike_chords(
 const REACHES: [(usize, f32); 4] = [(4, 0.0), (8, 0.06), (16, 0.15), (32, 0.3)];
 /// Easing goes on for so many times the square of that, as far as evening out spreads.
 const SPREAD: usize = 2;
-/// No curve has more points moved than this while it is eased: what the folds of a rough scan kink in many places is not
-/// worth seconds.
+/// No easing moves more points than this before chords are made even again.
 const MOST_MOVES: usize = 32_000;
 
 /// Eases the points about the spans where readings differ towards the middle of their neighbours, the nearer the more, and
 /// out of the skin: chords and turns are then shared by many spans. Where that does not make readings agree, the points
 /// are those for which they differ least.
-fn ease(points: &mut Vec<Vec3>, depth: impl Fn(usize) -> f32, skin: Option<&Skin>) {
+fn ease(
+    points: &mut Vec<Vec3>,
+    moves: &mut usize,
+    depth: impl Fn(usize) -> f32,
+    skin: Option<&Skin>,
+) {
     let n = points.len();
     let mut best = (readings_differ(points), points.clone());
-    let mut moves = 0;
+    let least = moves.saturating_sub(MOST_MOVES);
     'all: for (reach, lift) in REACHES {
         let mut weights = vec![0.0f32; n];
         each_span(points, |span, difference| {
@@ -297,11 +361,11 @@ fn ease(points: &mut Vec<Vec3>, depth: impl Fn(usize) -> f32, skin: Option<&Skin
             }
         });
         for round in 1..=SPREAD * reach * reach {
-            if moves > MOST_MOVES {
+            if *moves <= least {
                 break 'all;
             }
             for k in (1..n - 1).filter(|k| weights[*k] > 0.0) {
-                moves += 1;
+                *moves = moves.saturating_sub(1);
                 let middle = (points[k - 1] + points[k + 1]) * 0.5;
                 let p = points[k] + (middle - points[k]) * (0.5 * weights[k]);
                 let least = depth(k) - lift * weights[k];
@@ -428,6 +492,18 @@ mod tests {
     }
 
     #[test]
+    fn many_curves_share_what_few_have_to_themselves() {
+        let check = |curves, leads, moves| {
+            let effort = Effort::of(curves);
+            assert_eq!((effort.leads, effort.moves), (leads, moves), "{curves}");
+        };
+        check(0, true, 2_000_000);
+        check(100, true, 2_000_000);
+        check(4_000, true, 50_000);
+        check(40_000, false, 5_000);
+    }
+
+    #[test]
     fn a_leap_is_shared_by_many_spans() {
         // As the skin leaves a hair that it tears: even chords, one five times as long, across the way.
         let mut torn: Vec<Vec3> = (0..60).map(|k| Vec3::new(0.0, -0.2 * k as f32, 0.0)).collect();
@@ -435,7 +511,7 @@ mod tests {
         let before = readings_differ(&torn);
         assert!(before > 0.01, "{before}");
         let mut eased = torn.clone();
-        ease(&mut eased, |_| 0.0, None);
+        ease(&mut eased, &mut usize::MAX.clone(), |_| 0.0, None);
         assert!(readings_differ(&eased) <= AGREE, "{}", readings_differ(&eased));
         let moved: Vec<f32> = eased.iter().zip(&torn).map(|(a, b)| a.distance(*b)).collect();
         assert!(moved[..10].iter().chain(&moved[50..]).all(|m| *m == 0.0), "{moved:?}");

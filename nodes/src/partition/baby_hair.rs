@@ -11,6 +11,7 @@ use crate::data::attributes::{
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp};
+use crate::data::sections::Sections;
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::frame::{across, any_normal, smallest_rotation};
@@ -290,7 +291,7 @@ impl Maker<'_> {
         for k in 1..=STEPS {
             let s = k as f32 / STEPS as f32;
             let hit = surface.closest_from(p + way * step, near)?;
-            if self.scalp.sections().is_some_and(|cut| cut.crosses(p, hit.point)) {
+            if self.scalp.sections().is_some_and(|cut| is_parted(cut, p, hit.point)) {
                 break;
             }
             let below = surface.smooth_normal(hit.triangle, hit.bary);
@@ -342,7 +343,7 @@ impl Maker<'_> {
         line[0] = start.root.point;
         if let Some(cut) = self.scalp.sections() {
             // What was drawn over a parting is cut before it.
-            let over = line.windows(2).position(|w| cut.crosses(w[0], w[1]));
+            let over = line.windows(2).position(|w| is_parted(cut, w[0], w[1]));
             if let Some(k) = over {
                 line.truncate(k + 1);
             }
@@ -371,6 +372,11 @@ impl Maker<'_> {
         }
         true
     }
+}
+
+/// Whether a step over the scalp crosses a parting or ends in its bare skin.
+fn is_parted(cut: &Sections, from: Vec3, to: Vec3) -> bool {
+    cut.at(to).is_some_and(|place| !place.free) || cut.crosses(from, to)
 }
 
 #[cfg(test)]

@@ -6,7 +6,8 @@
 //! that is cut off from the rest, but none past an ear.
 //!
 //! Guarantees: within half a millimetre of the way over smooth skin, tested up to 8 cm on a ball; the same bits on every machine.
-//! Not promised: anything for places where no hair grows, or on a mesh that has no map; distances are straight there.
+//! Not promised: how far places are where no hair grows (only which row has them), or on skin over the map's and on a mesh that has
+//! no map; distances are straight there.
 
 use crate::data::chart::{self, CELLS, Chart};
 use crate::data::scalp::Scalp;

@@ -152,6 +152,34 @@ impl Change {
         }
         Ok(())
     }
+    /// Shapes a curve about its root; gives its length as a share of what it was.
+    fn shape(&self, curve: &mut [Vec3], scalp: &Scalp) -> Result<f32, CurveFault> {
+        let (root, mut share) = (curve[0], 1.0);
+        if let Some(length) = self.length {
+            let spline = Spline::new(curve)?;
+            share = length / spline.length();
+            if share > 1.0 {
+                curve.iter_mut().skip(1).for_each(|p| *p = root + (*p - root) * share);
+            } else {
+                let at = |k: usize| spline.at(spline.u_of_cv(k) * share);
+                let cut: Vec<Vec3> = (0..curve.len()).map(at).collect();
+                curve[1..].copy_from_slice(&cut[1..]);
+            }
+        }
+        if self.turn == 0.0 && self.lift == 0.0 {
+            return Ok(share);
+        }
+        let Some(normal) = scalp.closest_root(root).map(|root| root.normal) else {
+            return Ok(share);
+        };
+        let turn = turned(normal, self.turn);
+        // It lies in the direction of its middle; upright it has none, and is lifted in any.
+        let way = turn * (curve[curve.len() / 2] - root);
+        let aside = way.cross(normal).try_normalize();
+        let lift = aside.map_or(Quat::IDENTITY, |aside| turned(aside, self.lift));
+        curve.iter_mut().skip(1).for_each(|p| *p = root + lift * (turn * (*p - root)));
+        Ok(share)
+    }
 }
 
 fn changed(
@@ -224,37 +252,6 @@ fn on_points<T>(tuft: &Tuft, at: impl Fn(usize, usize) -> T) -> Vec<T> {
         .flat_map(|i| tuft.range(i).map(move |k| (i, k)))
         .map(|(i, k)| at(i, k))
         .collect()
-}
-
-impl Change {
-    /// Shapes a curve about its root; gives its length as a share of what it was.
-    fn shape(&self, curve: &mut [Vec3], scalp: &Scalp) -> Result<f32, CurveFault> {
-        let (root, mut share) = (curve[0], 1.0);
-        if let Some(length) = self.length {
-            let spline = Spline::new(curve)?;
-            share = length / spline.length();
-            if share > 1.0 {
-                curve.iter_mut().skip(1).for_each(|p| *p = root + (*p - root) * share);
-            } else {
-                let at = |k: usize| spline.at(spline.u_of_cv(k) * share);
-                let cut: Vec<Vec3> = (0..curve.len()).map(at).collect();
-                curve[1..].copy_from_slice(&cut[1..]);
-            }
-        }
-        if self.turn == 0.0 && self.lift == 0.0 {
-            return Ok(share);
-        }
-        let Some(normal) = scalp.closest_root(root).map(|root| root.normal) else {
-            return Ok(share);
-        };
-        let turn = turned(normal, self.turn);
-        // It lies in the direction of its middle; upright it has none, and is lifted in any.
-        let way = turn * (curve[curve.len() / 2] - root);
-        let aside = way.cross(normal).try_normalize();
-        let lift = aside.map_or(Quat::IDENTITY, |aside| turned(aside, self.lift));
-        curve.iter_mut().skip(1).for_each(|p| *p = root + lift * (turn * (*p - root)));
-        Ok(share)
-    }
 }
 
 /// A turn by so many degrees about a unit axis.
