@@ -143,9 +143,6 @@ fn seeds(line: &[Vec3], chart: &Chart) -> BTreeMap<u32, f32> {
                 continue;
             }
             let cell = y as usize * CELLS + x as usize;
-            if !grows(chart, cell) {
-                continue;
-            }
             let off = chart.spots()[cell].point - piece[0];
             let t = (off.dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
             let d = off.distance(along * t);
