@@ -511,7 +511,8 @@ mod tests {
         let before = readings_differ(&torn);
         assert!(before > 0.01, "{before}");
         let mut eased = torn.clone();
-        ease(&mut eased, &mut usize::MAX.clone(), |_| 0.0, None);
+        let mut moves = usize::MAX;
+        ease(&mut eased, &mut moves, |_| 0.0, None);
         assert!(readings_differ(&eased) <= AGREE, "{}", readings_differ(&eased));
         let moved: Vec<f32> = eased.iter().zip(&torn).map(|(a, b)| a.distance(*b)).collect();
         assert!(moved[..10].iter().chain(&moved[50..]).all(|m| *m == 0.0), "{moved:?}");

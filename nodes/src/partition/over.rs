@@ -2,8 +2,8 @@
 //!
 //! Distances march outwards from the row over the cells of the scalp's map, by the fast marching method on triangles (Kimmel and
 //! Sethian, Computing geodesic paths on manifolds, 1998), with the cells' points in space: between skin in front of an ear
-//! and skin behind it the way goes round the ear. Where no hair grows a way is [`BARE`] times as long, so that one leads to skin
-//! that is cut off from the rest, but none past an ear.
+//! and skin behind it the way goes round the ear. Where no hair grows, the map's points lie on the cranium's sphere and a way is
+//! [`BARE`] times as long, so that one leads to skin that is cut off from the rest, but none past an ear.
 //!
 //! Guarantees: within half a millimetre of the way over smooth skin, tested up to 8 cm on a ball; the same bits on every machine.
 //! Not promised: how far places are where no hair grows (only which row has them), or on skin over the map's and on a mesh that has

@@ -128,7 +128,7 @@ impl Change {
         let mut words = one.split_whitespace();
         let word = words.next().unwrap_or_default();
         let numbers: Vec<f32> = words
-            .map(|w| w.parse().map_err(|_| format!("{w:?} is no number")))
+            .map(|w| w.parse().map_err(|_| format!("{:?} is no number", short(w))))
             .collect::<Result<_, _>>()?;
         let within = |range: std::ops::RangeInclusive<f32>| match numbers[..] {
             [x] if range.contains(&x) => Ok(x),
@@ -345,10 +345,12 @@ mod tests {
             ("10 length nan", "length takes one number from 0.01 to 1000"),
             ("10 colour 1 2", "colour takes red, green and blue"),
             ("10 width two", "\"two\" is no number"),
+            (&format!("10 width {}", "9x".repeat(100_000)), "is no number"),
             ("99 remove; 9a remove", "2 of 2 overridden hairs are not there: 0000000000000099"),
         ] {
             let (out, told) = with(text);
             assert!(told.len() == 1 && told[0].contains(said), "{text}: {told:?}");
+            assert!(told[0].len() < 300, "a message quotes no more than it must");
             assert_eq!(out.key(), hair().key(), "{text}");
         }
         let (out, _) = with("10 colour 1 0 0.5");
