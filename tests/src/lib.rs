@@ -35,13 +35,12 @@ pub fn shared(test: &str, path: &str) -> Option<PathBuf> {
     None
 }
 
-/// The heads that grooms must sit on, heroes on all of them, the others on all but [`SCAN`]: a name, its mesh, and what a groom's node `head` must be told of it. A head
-/// that is turned keeps its place, so that whoever measures needs the mesh alone.
-pub const HEADS: &[(&str, &str, &[&str])] = &[
-    ("lps_head", "data/lps_head/LeePerrySmith.glb", &[]),
-    ("ict_head", "data/ict_head/generic_neutral_mesh.obj", &[]),
-    ("sintel", "data/sintel/sintel.obj", &[]),
-    (SCAN, "data/snowden_scan/snowden.obj", &["head.turn=-44"]),
+/// The heads that grooms must sit on, heroes on all of them, the others on all but [`SCAN`]: a name and its mesh.
+pub const HEADS: &[(&str, &str)] = &[
+    ("lps_head", "data/lps_head/LeePerrySmith.glb"),
+    ("ict_head", "data/ict_head/generic_neutral_mesh.obj"),
+    ("sintel", "data/sintel/sintel.obj"),
+    (SCAN, "data/snowden_scan/snowden.obj"),
 ];
 
 /// The scan of a bust, whose hair is a rough surface of folds and whose face is turned.
@@ -53,23 +52,20 @@ pub struct RealHead {
     pub name: &'static str,
     /// Its mesh.
     pub mesh: String,
-    /// What the node `head` is told.
-    set: &'static [&'static str],
 }
 
 impl RealHead {
     /// Arguments of `coif eval` that put a groom on it.
     pub fn eval_args(&self) -> Vec<&str> {
-        let set = self.set.iter().flat_map(|set| ["--set", *set]);
-        ["--scalp", self.mesh.as_str()].into_iter().chain(set).collect()
+        vec!["--scalp", &self.mesh]
     }
 }
 
 /// The real heads at hand; a test that misses one has named itself.
 pub fn real_heads(test: &str) -> impl Iterator<Item = RealHead> {
-    HEADS.iter().filter_map(move |(name, path, set)| {
+    HEADS.iter().filter_map(move |(name, path)| {
         let mesh = shared(&format!("{test}:{name}"), path)?.display().to_string();
-        Some(RealHead { name, mesh, set })
+        Some(RealHead { name, mesh })
     })
 }
 

@@ -377,15 +377,24 @@ impl Shape<'_> {
         if below.contact == Contact::Allow {
             return;
         }
+        let half = (self.cvs_per_stitch / 2).max(1);
         if below.contact == Contact::Flatten {
-            for (k, station) in stations.iter().enumerate() {
-                let facing = smooth((station.frame.normal.dot(station.out) - 0.3) / 0.4);
-                let facing = facing * station.grip;
-                if facing <= 0.0 {
-                    continue;
-                }
+            // One ground for a whole section, and one that rises and falls slowly along the braid: over folds of the skin
+            // strands would each be pressed by what is below them alone, and change their order.
+            let lacking: Vec<f32> = stations
+                .iter()
+                .enumerate()
+                .map(|(k, station)| {
+                    let facing = smooth((station.frame.normal.dot(station.out) - 0.3) / 0.4);
+                    let lacks = |points: &Vec<Vec3>| lacks(station, points[k], below);
+                    let most = strands.iter().map(lacks).fold(0.0, f32::max);
+                    most * facing * station.grip
+                })
+                .collect();
+            let eased = eased_above(&lacking, half);
+            for (k, station) in stations.iter().enumerate().filter(|(k, _)| eased[*k] > 0.0) {
                 for points in strands.iter_mut() {
-                    points[k] = pressed(station, points[k], facing, below);
+                    points[k] = pressed(station, points[k], eased[k]);
                 }
             }
         }
@@ -406,7 +415,6 @@ impl Shape<'_> {
         if lacking.iter().all(|lack| *lack == 0.0) {
             return;
         }
-        let half = (self.cvs_per_stitch / 2).max(1);
         let eased = eased_above(&lacking, half);
         for (k, station) in stations.iter_mut().enumerate() {
             let step = station.out * eased[k];
@@ -416,19 +424,23 @@ impl Shape<'_> {
     }
 }
 
-/// A point of a cross-section after what is below it has been pressed up: the lowest place a strand could take
-/// here comes to rest on the skin, the highest stays, and what is between keeps its order.
-fn pressed(station: &Station, p: Vec3, facing: f32, below: &Below) -> Vec3 {
-    let y = (p - station.centre).dot(station.frame.normal);
+/// How much the lowest place that a strand could take where `p` is lacks to lie on the skin.
+fn lacks(station: &Station, p: Vec3, below: &Below) -> f32 {
+    let over_lowest = (p - station.centre).dot(station.frame.normal) + station.b;
+    let reach = 2.0 * (station.b + station.tube);
+    distance(below, p, reach).map_or(0.0, |d| station.tube - (d - over_lowest))
+}
+
+/// A point of a cross-section after what is below it has been pressed up: the lowest place a strand could take comes to rest
+/// on the skin, the highest stays, and what is between keeps its order.
+fn pressed(station: &Station, p: Vec3, lacks: f32) -> Vec3 {
     let depth = 2.0 * station.b;
-    let over_lowest = y + station.b;
-    let Some(d) = distance(below, p, depth + 2.0 * station.tube) else { return p };
-    let lacks = (station.tube - (d - over_lowest)) * facing;
-    if lacks <= 0.0 || depth <= 0.0 {
+    if depth <= 0.0 {
         return p;
     }
     // At most so much of the depth is pressed together; beyond it everything is lifted.
     let pressed = lacks.min(0.75 * depth);
+    let over_lowest = (p - station.centre).dot(station.frame.normal) + station.b;
     let share = 1.0 - (over_lowest / depth).clamp(0.0, 1.0);
     p + station.frame.normal * (pressed * share + (lacks - pressed))
 }

@@ -438,33 +438,32 @@ impl Skin<'_> {
         }
     }
 
-    /// The way out of a place whose walls face each other (a mouth, an eye, behind an ear): along `way`, beyond
-    /// the last wall there.
+    /// The way out of a place whose walls face each other (a mouth, an eye, behind an ear, a fold): to the first free place
+    /// round about, nearest first, and among equally near ones where `way` points.
     fn escape(&self, p: Vec3, way: Vec3, height: f32) -> Vec3 {
-        let (mut from, mut last) = (p, None);
-        for _ in 0..MOST_WALLS {
-            let Some(hit) = self.surface.ray(from, way, ESCAPE) else { break };
-            from = hit.point + way * CLEAR;
-            last = Some(hit);
+        let mut ways = Vec::with_capacity(ROUND_ABOUT);
+        for k in 0..ROUND_ABOUT {
+            let steps = Vec3::from_array([k % 3, k / 3 % 3, k / 9].map(|step| step as f32 - 1.0));
+            ways.extend(steps.try_normalize());
         }
-        last.map_or(p, |hit| {
-            let normal = self.surface.face_normal(hit.triangle);
-            let outward = if normal.dot(way) < 0.0 { -normal } else { normal };
-            // Beside the last wall another may stand: farther and farther, until none is near.
-            let beyond = (0..10).map(|k| {
-                let clear = if k == 0 { CLEAR } else { 0.02 * (1 << k) as f32 };
-                hit.point + outward * (height.max(0.0) + clear)
-            });
-            let free = |p: &Vec3| self.exact(*p).is_none_or(|(d, _)| d >= height);
-            beyond.clone().find(free).or_else(|| beyond.clone().next_back()).unwrap_or(p)
-        })
+        ways.sort_by(|a, b| b.dot(way).total_cmp(&a.dot(way)));
+        ways.insert(0, way);
+        let mut reach = height.max(0.0) + CLEAR;
+        while reach < ESCAPE {
+            let free = |p: &Vec3| self.exact(*p).is_some_and(|(d, _)| d >= height);
+            if let Some(out) = ways.iter().map(|way| p + *way * reach).find(free) {
+                return out;
+            }
+            reach = (reach * 1.5).max(0.01);
+        }
+        p
     }
 }
 
-/// How many walls a way out is followed through: a head has few, a scan may fold often.
-const MOST_WALLS: usize = 16;
-/// How far a way out is followed, cm: through a head.
-const ESCAPE: f32 = 40.0;
+/// Steps to the 26 neighbours of a place in a lattice, and to itself.
+const ROUND_ABOUT: usize = 27;
+/// How far a way out is looked for, cm: as wide as a head.
+const ESCAPE: f32 = 20.0;
 
 #[cfg(test)]
 pub(crate) mod tests {

@@ -4,7 +4,7 @@
 //! head. Each stroke makes one tuft, told by the stroke's own key: drawing one more makes one more.
 //!
 //! Guarantees: every curve is bound to the scalp where it starts; projected curves keep their offset from the
-//! scalp at every CV; free ones never run under the skin. A stroke without length is left out and
+//! scalp at every CV, or lie higher where they would run through folds between CVs; free ones never run under the skin. A stroke without length is left out and
 //! named.
 
 use crate::data::attributes::{DRIFT, Domain, ID, RADIUS, SCALP_NORMAL};
@@ -14,7 +14,7 @@ use crate::data::strokes::{Stroke, Strokes};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::hash::{KeyBuilder, curve_id};
-use crate::maths::spline::Spline;
+use crate::maths::spline::{Place, Spline};
 use crate::scalp::lay::{self, Polyline};
 use glam::Vec3;
 use std::sync::Arc;
@@ -81,7 +81,7 @@ choice! {
 const MIDLINE: f32 = 0.1;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let skin = (inputs.project == Project::Free).then(|| cx.skin(&inputs.scalp));
+    let skin = cx.skin(&inputs.scalp);
     let mut drawn: Vec<(&Stroke, bool)> = vec![];
     for stroke in &inputs.strokes.0 {
         drawn.push((stroke, false));
@@ -96,7 +96,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     let [curves] = cx.each_item(drawn.len(), key, |i, piece| {
         let (stroke, mirrored) = drawn[i];
-        Ok([drawn_curve(&inputs, stroke, mirrored, skin.as_ref(), piece)?])
+        Ok([drawn_curve(&inputs, stroke, mirrored, &skin, piece)?])
     })?;
     Ok(Outputs { curves })
 }
@@ -106,7 +106,7 @@ fn drawn_curve(
     inputs: &Inputs,
     stroke: &Stroke,
     mirrored: bool,
-    skin: Option<&Skin>,
+    skin: &Skin,
     piece: &mut Piece,
 ) -> Result<Tuft, NodeError> {
     piece.tick()?;
@@ -157,12 +157,11 @@ fn drawn_curve(
     spline.resample(n, |p| points.push(p));
     let mut normals = vec![Vec3::ZERO; n];
     for (k, (p, normal)) in points.iter_mut().zip(&mut normals).enumerate() {
-        match (inputs.project, skin) {
-            (Project::Free, Some(skin)) if k > 0 => {
-                *p = skin.push_out(*p, 0.0).0;
-                *normal = lay::laid(scalp, *p, 0.0).1;
-            }
-            _ => (*p, *normal) = lay::laid(scalp, *p, 0.0),
+        if inputs.project == Project::Free && k > 0 {
+            *p = skin.push_out(*p, 0.0).0;
+            *normal = lay::laid(scalp, *p, 0.0).1;
+        } else {
+            (*p, *normal) = lay::laid(scalp, *p, 0.0);
         }
     }
     let root: Option<Root> = scalp.closest_root(points[0]);
@@ -185,6 +184,7 @@ fn drawn_curve(
     let radii = (0..n).map(|k| radius.at(0, k, part(k)) * unit * by_pressure(k)).collect();
     tuft.set(RADIUS, Domain::Point, radii);
     if inputs.project == Project::Scalp {
+        over_folds(&mut points, &normals, skin);
         for (k, p) in points.iter_mut().enumerate() {
             *p += normals[k] * (offset.at(0, k, part(k)) * unit);
         }
@@ -193,8 +193,43 @@ fn drawn_curve(
     Ok(tuft.build())
 }
 
+/// Lifts CVs between which a curve runs through folds of the skin, until it lies over them; the root stays. A smooth head bends
+/// by a few thousandths of a centimetre between CVs, and nothing is lifted.
+fn over_folds(points: &mut [Vec3], normals: &[Vec3], skin: &Skin) {
+    let last = points.len() - 1;
+    let out = |k: usize| {
+        let about = &normals[k.saturating_sub(2)..(k + 3).min(last + 1)];
+        about.iter().sum::<Vec3>().try_normalize().unwrap_or(normals[k])
+    };
+    let mut lifted = vec![0.0f32; last + 1];
+    for _ in 0..LIFTS {
+        let Ok(spline) = Spline::new(points) else { return };
+        let mut lifts = vec![0.0f32; last + 1];
+        for span in 0..last {
+            for t in [0.25, 0.5, 0.75] {
+                let depth = -skin.distance(spline.point(Place { span, t }));
+                if depth > FOLD {
+                    lifts[span] = lifts[span].max(depth);
+                    lifts[span + 1] = lifts[span + 1].max(depth);
+                }
+            }
+        }
+        for k in 1..=last {
+            let lift = lifts[k].min(HIGHEST - lifted[k]);
+            points[k] += out(k) * lift;
+            lifted[k] += lift;
+        }
+    }
+}
+
 /// Points closer than this (cm) are one.
 const NEAR: f32 = 1e-4;
+/// Projected curves run no deeper than this (cm) through the skin between their CVs.
+const FOLD: f32 = 0.02;
+/// How often CVs are lifted to that end.
+const LIFTS: usize = 6;
+/// How high they are lifted at most, cm: what is higher is no fold.
+const HIGHEST: f32 = 0.5;
 
 #[cfg(test)]
 mod tests {

@@ -65,15 +65,14 @@ impl Surface {
                     .map(|i| edges.get(&edge(t[i], t[(i + 1) % 3])).copied().unwrap_or_default())
             })
             .collect();
-        let boxes: Vec<Aabb> = triangles
-            .iter()
-            .map(|t| {
-                let [a, b, c] = corners(t);
-                Aabb::new(a.min(b).min(c), a.max(b).max(c))
-            })
-            .collect();
-        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
+        let tree = tree(&points, &triangles, |_| true);
         Self { points, triangles, normals, edge_normals, tree }
+    }
+
+    /// The same triangles under the same numbers, of which those that are `gone` are met by nothing any more.
+    pub fn without(self, gone: &[bool]) -> Self {
+        let tree = tree(&self.points, &self.triangles, |t| !gone[t]);
+        Self { tree, ..self }
     }
 
     /// The three corners of a triangle.
@@ -248,6 +247,16 @@ const DOUBTFUL: f32 = 0.2;
 #[inline]
 fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
+}
+
+/// The tree of the triangles for which `stays` says so.
+fn tree(points: &[Vec3], triangles: &[[u32; 3]], stays: impl Fn(usize) -> bool) -> Bvh {
+    let around = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| points[v as usize]);
+        Aabb::new(a.min(b).min(c), a.max(b).max(c))
+    };
+    let leaves = triangles.iter().enumerate().filter(|(t, _)| stays(*t));
+    Bvh::from_iter(BvhBuildStrategy::Binned, leaves.map(|(t, corners)| (t, around(corners))))
 }
 
 fn edge(a: u32, b: u32) -> (u32, u32) {

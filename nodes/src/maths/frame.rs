@@ -175,8 +175,9 @@ fn relaxed(normal: Vec3, tangent: Vec3, wanted: Vec3, strength: f32) -> Vec3 {
 
 /// The skin under a curve: what `Scalp` frames turn to (methods.md 1), tabulated along the curve.
 ///
-/// The wanted direction is the smooth normal at the closest point of the skin. It counts in full where the curve
-/// is no farther from the skin than `fade`, and not at all from twice that on, where closest points jump.
+/// The wanted direction is the mean of the smooth normals at the closest points of the skin, under the curve and to both sides
+/// of it, then along it: what lies there is as broad as `fade` to either side, and folds of the skin finer than that do not
+/// turn it. It counts in full where the curve is no farther from the skin than `fade`, and not at all from twice that on, where closest points jump.
 #[derive(Clone, Debug)]
 pub struct SkinUnder {
     us: Vec<f32>,
@@ -191,14 +192,35 @@ impl SkinUnder {
         // Past the fade the normal is still told for a while, for those who only ask which way is out.
         let reach = 4.0 * fade;
         for u in &under.us {
-            let hit = surface.closest_within(spline.at(*u), reach);
+            let p = spline.at(*u);
+            let hit = surface.closest_within(p, reach);
             let last = under.normals.last().copied().unwrap_or(Vec3::ZERO);
-            under.normals.push(hit.map_or(last, |h| surface.smooth_normal(h.triangle, h.bary)));
+            under.normals.push(hit.map_or(last, |h| {
+                let here = surface.smooth_normal(h.triangle, h.bary);
+                let tangent = spline.tangent_at(*u);
+                let across = across(here, tangent).map_or(Vec3::ZERO, |up| tangent.cross(up));
+                let beside = [-1.0, -0.5, 0.5, 1.0].iter().filter_map(|share| {
+                    let hit = surface.closest_within(p + across * (fade * share), reach)?;
+                    Some(surface.smooth_normal(hit.triangle, hit.bary))
+                });
+                beside.fold(here, |sum, normal| sum + normal).try_normalize().unwrap_or(here)
+            }));
             under.strengths.push(hit.map_or(0.0, |h| {
                 let t = (2.0 - h.distance / fade.max(1e-6)).clamp(0.0, 1.0);
                 t * t * (3.0 - 2.0 * t)
             }));
         }
+        // Along the curve what lies nearer counts more.
+        let near = fade / spline.length().max(1e-6);
+        let mean = |k: usize| {
+            let u = under.us[k];
+            let from = under.us.partition_point(|known| *known < u - near);
+            let to = under.us.partition_point(|known| *known <= u + near);
+            let weigh = |j: usize| 1.0 - (under.us[j] - u).abs() / near.max(1e-9);
+            let sum: Vec3 = (from..to).map(|j| under.normals[j] * weigh(j).max(0.0)).sum();
+            sum.try_normalize().unwrap_or(under.normals[k])
+        };
+        under.normals = (0..under.us.len()).map(mean).collect();
         under
     }
     /// The direction away from the skin at the fraction `u`, unit (zero: no skin anywhere near), and how much it counts.

@@ -77,7 +77,8 @@ pub(crate) fn laid(scalp: &Scalp, chart: &Chart, line: &[Vec2]) -> Vec<Vec3> {
             *p = p.lerp(on, smooth);
         }
     }
-    points
+    // What was drawn to the scalp lies unevenly beside folds, and would be read as another line elsewhere.
+    evenly(points, STEP)
 }
 
 /// Makes a line uneven. Its ends stay where they are.

@@ -8,7 +8,9 @@
 //! mesh. Not promised: that a mesh which is no head gets a sensible sphere; [`Fit::p50`] tells.
 
 use crate::define::NodeError;
+use crate::maths::transcendental::{atan2, sin_cos_turns};
 use glam::Vec3;
+use std::f32::consts::TAU;
 
 /// The cranium sphere and how well the crown lies on it.
 #[derive(Clone, Copy, Debug)]
@@ -210,19 +212,83 @@ impl Fit {
     }
 }
 
-/// The direction of the nose: of the farthest point from the vertical axis, between 0.1 r and 1.2 r below the
-/// centre and within 1.7 r. Level, unit.
-pub(crate) fn nose(points: &[Vec3], fit: &Fit) -> Option<Vec3> {
-    let r = fit.radius;
-    let level = |p: Vec3| (p - fit.centre).with_y(0.0);
-    points
-        .iter()
-        .copied()
-        .filter(|p| (-1.2 * r..=-0.1 * r).contains(&(p.y - fit.centre.y)))
-        .map(level)
-        .filter(|v| v.length() <= 1.7 * r)
-        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?
-        .try_normalize()
+/// Where the face looks, level and unit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Face {
+    /// In the plane that the head mirrors in.
+    Mirrored(Vec3),
+    /// To the point farthest from the vertical axis, on a head that mirrors in no plane.
+    Farthest(Vec3),
+}
+
+/// Levels that the outline of a head is taken at, from [`LOW`] to [`HIGH`] about the centre, in radii.
+const LEVELS: usize = 18;
+const LOW: f32 = -1.2;
+const HIGH: f32 = 0.6;
+/// Directions that it is taken in.
+const DIRECTIONS: usize = 240;
+/// What is farther from the vertical axis is no head, in radii.
+const WIDEST: f32 = 1.7;
+/// The nose is below this, in radii.
+const UNDER_BROWS: f32 = -0.1;
+/// What is less alike than this on both sides counts no more: a parting, the frame of a pair of glasses, half a shoulder.
+const UNLIKE: f32 = 0.15;
+/// The nose is not farther than this from the plane in which the head mirrors, in directions.
+const NOSE: usize = 6;
+
+/// Where the face looks. The outline of the head is mirrored in every vertical plane through its centre; the plane in which
+/// it is most alike goes through the face, at that end where it reaches farther: the nose is at 1.2 to 1.4 r. The farthest
+/// point alone (methods.md 0.1) may be a corner of a pair of glasses.
+pub(crate) fn face(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit) -> Option<Face> {
+    let points: Vec<Vec3> = points.iter().map(|p| (*p - fit.centre) / fit.radius).collect();
+    let mut outline = vec![[0.0f32; DIRECTIONS]; LEVELS];
+    let mut farthest = Vec3::ZERO;
+    for cell in cells(&points, triangles, LOW, CELL) {
+        let (out, high) = (cell.at.with_y(0.0), cell.at.y);
+        let reach = out.length();
+        if !(LOW..HIGH).contains(&high) || reach > WIDEST {
+            continue;
+        }
+        let turns = atan2(out.x, out.z) / TAU;
+        let level = ((high - LOW) / (HIGH - LOW) * LEVELS as f32) as usize;
+        let direction = (turns.rem_euclid(1.0) * DIRECTIONS as f32) as usize % DIRECTIONS;
+        let at = &mut outline[level.min(LEVELS - 1)][direction];
+        *at = at.max(reach);
+        if high < UNDER_BROWS && reach > farthest.length() {
+            farthest = out;
+        }
+    }
+    // Plane `k` goes through the edges between directions: the k-th half direction from +z.
+    let unlike = |k: usize| -> f32 {
+        let mirrored = |i: usize| (2 * DIRECTIONS + k - 1 - i) % DIRECTIONS;
+        let off = |level: &[f32; DIRECTIONS]| -> f32 {
+            (0..DIRECTIONS).map(|i| (level[i] - level[mirrored(i)]).abs().min(UNLIKE)).sum()
+        };
+        outline.iter().map(off).sum()
+    };
+    let all: Vec<f32> = (0..DIRECTIONS).map(unlike).collect();
+    let best = (0..DIRECTIONS).min_by(|a, b| all[*a].total_cmp(&all[*b]))?;
+    let mut sorted = all.clone();
+    sorted.sort_by(f32::total_cmp);
+    if all[best] > 0.5 * sorted[DIRECTIONS / 2] {
+        return farthest.try_normalize().map(Face::Farthest);
+    }
+    // Between planes: the bottom of the parabola through it and its neighbours.
+    let side = |by: usize| all[(best + by) % DIRECTIONS];
+    let (before, after) = (side(DIRECTIONS - 1), side(1));
+    let bend = before + after - 2.0 * all[best];
+    let part = if bend > 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
+    let turns = 0.5 * (best as f32 + part) / DIRECTIONS as f32;
+    let faces = ((UNDER_BROWS - LOW) / (HIGH - LOW) * LEVELS as f32) as usize;
+    let reach = |end: usize| {
+        let about = best / 2 + end * DIRECTIONS / 2 + DIRECTIONS;
+        let near = about - NOSE..about + NOSE;
+        let levels = outline[..faces].iter();
+        levels.flat_map(|level| near.clone().map(|i| level[i % DIRECTIONS])).fold(0.0, f32::max)
+    };
+    let turns = if reach(1) > reach(0) { turns + 0.5 } else { turns };
+    let (sin, cos) = sin_cos_turns(turns);
+    Some(Face::Mirrored(Vec3::new(sin, 0.0, cos)))
 }
 
 /// A radius that a person's cranium can have, cm.

@@ -5,8 +5,8 @@
 //! head. Any mesh that its reader accepts gives a scalp; one without a cranium keeps its own
 //! coordinates and says so.
 
-use super::fit::{self, Fit};
-use super::{bust, region};
+use super::fit::{self, Face, Fit};
+use super::{bust, hollow, region};
 use crate::data::mesh::Mesh;
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION, Scalp};
 use crate::data::strokes::Strokes;
@@ -39,7 +39,8 @@ node! {
         scale: f32 = 1.0, hard(0.000001, 1000000.0), soft(0.1, 100.0), words("size");
         /// The file's axis that points up. Meshes with Z up are turned to Y up.
         up: Up = Up::Y, words("axis orientation z-up");
-        /// The file's axis that the face looks along. Auto finds the nose and takes the axis when it is within 20 degrees.
+        /// The file's axis that the face looks along. Auto finds the plane that the head mirrors in; within 5 degrees of an
+        /// axis it takes the axis.
         forward: Forward = Forward::Auto, words("axis orientation face direction");
         /// Turns forward about the up axis, for a head that looks between two axes; positive to the head's own left.
         turn: f32 = 0.0, hard(-180.0, 180.0), unit(Angle), handle(Handle::Angle), words("yaw rotate");
@@ -104,7 +105,7 @@ choice! {
 choice! {
     /// The file's axis that the face looks along.
     Forward {
-        /// The axis nearest to the nose.
+        /// Where the face looks, as found.
         Auto = "auto",
         /// Along the file's X.
         PlusX = "+x",
@@ -173,7 +174,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         uvs.iter_mut().flatten().for_each(|uv| uv.swap(1, 2));
     }
     let scale = scale(cx, &inputs, mesh.cm_per_unit, &points, fit.as_ref());
-    let looks = forward(cx, &inputs, &points, fit.as_ref())?;
+    let looks = forward(cx, &inputs, &points, &triangles, fit.as_ref())?;
     points.iter_mut().for_each(|p| *p *= scale);
     if !points.iter().all(|p| p.is_finite() && p.length() < 1e6) {
         return Err(NodeError::failed("scaled to centimetres, the mesh is larger than 10 km"));
@@ -187,14 +188,28 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             fit.p95 * 100.0
         ));
     }
-    let surface = Surface::new(points, triangles);
+    let mut surface = Surface::new(points, triangles);
     cx.check()?;
     let mut masks = mesh.masks;
+    if fit.is_some()
+        && let Some(wall) =
+            hollow::inner_wall(&surface, frame.origin, frame.radius, || cx.check())?
+    {
+        cx.remark("the head is hollow: no hair grows on its inner wall, mask \"inner_wall\"");
+        let mut mask = vec![0.0; surface.points.len()];
+        let gone = surface.triangles.iter().zip(&wall).filter(|(_, gone)| **gone);
+        gone.flat_map(|(t, _)| t).for_each(|v| mask[*v as usize] = 1.0);
+        masks.insert(INNER_WALL.to_owned(), mask);
+        surface = surface.without(&wall);
+    }
     let of_materials = incident(&surface, &mesh.material_of, &mesh.materials);
     let of_parts = incident(&surface, &mesh.part_of, &mesh.parts);
     masks.extend(of_materials.into_iter().map(|(name, mask)| (format!("material:{name}"), mask)));
     masks.extend(of_parts.into_iter().map(|(name, mask)| (format!("part:{name}"), mask)));
-    let grows = grows(cx, &inputs, &surface, &frame, fit.is_some(), &masks)?;
+    let mut grows = grows(cx, &inputs, &surface, &frame, fit.is_some(), &masks)?;
+    if let Some(wall) = masks.get(INNER_WALL) {
+        grows.iter_mut().zip(wall).for_each(|(grows, wall)| *grows *= 1.0 - wall);
+    }
     let area = area(&surface, &grows);
     if area > 0.0 {
         cx.remark(format!("scalp: {area:.0} cm2"));
@@ -291,19 +306,25 @@ fn scale(
     }
 }
 
-/// A nose farther from every axis than this is not snapped to one.
-const SNAP_DEGREES: f32 = 20.0;
+/// A face that looks so far from a file's axis, degrees, is taken to look along it: heads are modelled to 2 degrees.
+const SNAP_DEGREES: f32 = 5.0;
+/// The same for the farthest point, which is a poor sign of where a face looks.
+const SNAP_FARTHEST_DEGREES: f32 = 20.0;
+
+/// The mask of a hollow head's inner wall.
+const INNER_WALL: &str = "inner_wall";
 
 /// Where the face looks: level and unit, Y up.
 fn forward(
     cx: &EvalCx,
     inputs: &Inputs,
     points: &[Vec3],
+    triangles: &[[u32; 3]],
     fit: Option<&Fit>,
 ) -> Result<Vec3, NodeError> {
     let z_up = inputs.up == Up::Z;
     let (axis, name) = match inputs.forward {
-        Forward::Auto => return Ok(found(cx, z_up, points, fit)),
+        Forward::Auto => return Ok(found(cx, z_up, points, triangles, fit)),
         Forward::PlusX => (Vec3::X, "+x"),
         Forward::MinusX => (Vec3::NEG_X, "-x"),
         Forward::PlusY => (Vec3::Y, "+y"),
@@ -322,7 +343,13 @@ fn forward(
     Ok(axis)
 }
 
-fn found(cx: &EvalCx, z_up: bool, points: &[Vec3], fit: Option<&Fit>) -> Vec3 {
+fn found(
+    cx: &EvalCx,
+    z_up: bool,
+    points: &[Vec3],
+    triangles: &[[u32; 3]],
+    fit: Option<&Fit>,
+) -> Vec3 {
     // Y up has Z forward; the same person in a file with Z up looks along -Y.
     let axes: [(Vec3, &str); 4] = [
         (Vec3::Z, if z_up { "-y" } else { "+z" }),
@@ -330,24 +357,32 @@ fn found(cx: &EvalCx, z_up: bool, points: &[Vec3], fit: Option<&Fit>) -> Vec3 {
         (Vec3::NEG_Z, if z_up { "+y" } else { "-z" }),
         (Vec3::NEG_X, "-x"),
     ];
-    let Some(fit) = fit else { return Vec3::Z };
-    let Some(nose) = fit::nose(points, fit) else {
-        cx.warn(format!("no face was found: forward is {}", axes[0].1));
+    let Some(face) = fit.and_then(|fit| fit::face(points, triangles, fit)) else {
+        if fit.is_some() {
+            cx.warn(format!("no face was found: forward is {}", axes[0].1));
+        }
         return Vec3::Z;
     };
-    let degrees = |axis: Vec3| acos(nose.dot(axis)).to_degrees();
-    match axes.iter().find(|(axis, _)| degrees(*axis) <= SNAP_DEGREES) {
-        Some((axis, name)) => {
-            cx.remark(format!("forward: {name}"));
-            *axis
+    let (looks, snap) = match face {
+        Face::Mirrored(looks) => (looks, SNAP_DEGREES),
+        Face::Farthest(looks) => (looks, SNAP_FARTHEST_DEGREES),
+    };
+    let degrees = |axis: Vec3| acos(looks.dot(axis)).to_degrees();
+    if let Some((axis, name)) = axes.iter().find(|(axis, _)| degrees(*axis) <= snap) {
+        cx.remark(format!("forward: {name}"));
+        return *axis;
+    }
+    let angle = if looks.x < 0.0 { -1.0 } else { 1.0 } * degrees(Vec3::Z);
+    let axis = axes[0].1;
+    match face {
+        Face::Mirrored(_) => {
+            cx.remark(format!("forward: {angle:.1} degrees from {axis}, where the face looks"));
+            looks
         }
-        None => {
-            let side = if nose.x < 0.0 { -1.0 } else { 1.0 };
-            let angle = side * degrees(Vec3::Z);
+        Face::Farthest(_) => {
             cx.warn(format!(
-                "the nose points {angle:.0} degrees from {axis}, too far from any axis: forward is {axis}; if \
-                 that is the face, set turn to {angle:.0}",
-                axis = axes[0].1
+                "the head mirrors in no plane, and its farthest point is {angle:.0} degrees from {axis}: forward is \
+                 {axis}; if the face looks elsewhere, set turn"
             ));
             Vec3::Z
         }
@@ -565,15 +600,31 @@ mod tests {
     }
 
     #[test]
-    fn a_scan_that_looks_between_two_axes_is_warned_about_and_can_be_turned() {
+    fn a_face_that_looks_between_two_axes_is_found() {
+        // The scan's shoulders look elsewhere, and the corner of its glasses, 44 degrees to its right, is farther than its nose.
         let Some((scalp, said)) = head("a_scan", SCAN, &[]) else { return };
-        let turn = "the nose points -44 degrees from +z, too far from any axis: forward is +z; if that is the \
-                    face, set turn to -44";
-        assert!(said.iter().any(|s| s == turn), "{said:?}");
-        assert_eq!(scalp.frame().forward, Vec3::Z);
-        let set = [("turn", Value::Float(-44.0)), ("region", "hairline".into())];
-        let Some((turned, _)) = head("a_scan", SCAN, &[set[0].clone()]) else { return };
-        assert!(turned.frame().forward.x < -0.69 && turned.frame().forward.z > 0.69);
+        assert!(said.iter().any(|s| s.starts_with("forward: -14.")), "{said:?}");
+        let forward = scalp.frame().forward;
+        assert!((forward.x + 0.246).abs() < 0.005 && forward.y == 0.0, "{forward}");
+        let back = [("turn", Value::Float(14.0))];
+        let Some((turned, _)) = head("a_scan", SCAN, &back) else { return };
+        assert!(turned.frame().forward.x.abs() < 0.01);
+    }
+
+    #[test]
+    fn a_head_that_is_turned_is_found_to_look_where_it_was_turned_to() {
+        let bust = bust::adult();
+        for degrees in [-170.0f32, -90.0, -33.0, -7.0, 0.0, 12.5, 61.0, 180.0] {
+            let (sin, cos) = sin_cos(degrees.to_radians());
+            let turn = |p: &Vec3| Vec3::new(p.x * cos + p.z * sin, p.y, p.z * cos - p.x * sin);
+            let points: Vec<Vec3> = bust.points.iter().map(turn).collect();
+            let fit = fit::cranium(&points, &bust.triangles, || Ok(())).unwrap().unwrap();
+            let Some(Face::Mirrored(looks)) = fit::face(&points, &bust.triangles, &fit) else {
+                panic!("{degrees}: no plane");
+            };
+            let off = looks.angle_between(turn(&Vec3::Z)).to_degrees();
+            assert!(off < 0.5, "{degrees}: {off} degrees off");
+        }
     }
 
     #[test]

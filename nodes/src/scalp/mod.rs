@@ -4,6 +4,7 @@ pub mod bust;
 pub(crate) mod detour;
 mod fit;
 mod head;
+mod hollow;
 pub(crate) mod lay;
 pub(crate) mod region;
 mod scalp_projection;

@@ -1,0 +1,168 @@
+//! The inner wall of a hollow head, such as of a bust made for print: what no hair grows on or keeps clear of.
+//!
+//! A hollow head is a shell of a few millimetres. To a distance the air in it is as much outside as the air about it, so that
+//! hair that reaches through the wall seems free again there, and half of what is scattered over the scalp grows inwards.
+//!
+//! Guarantees: a head that is solid about the middle of its cranium has no inner wall. Not promised: nooks of the hollow that
+//! are seen neither from its middle nor across it, such as in a chin, stay what they are.
+
+use crate::define::NodeError;
+use crate::maths::closest::Surface;
+use glam::Vec3;
+
+/// Places in the hollow that look about in it lie so far from each other, in radii of the cranium.
+const STEP: f32 = 0.5;
+/// They lie within this many steps of its middle: to the sides, up, down.
+const STEPS: (i32, i32, i32) = (5, 2, 7);
+/// What a place in the hollow sees in fewer than so many of 26 directions is no wall all about it: the hollow is open there.
+const CLOSED: usize = 20;
+/// Walls farther than this from a place, in radii, are seen by a nearer one.
+const SIGHT: f32 = 2.0;
+/// How far a head reaches, in radii.
+const FAR: f32 = 6.0;
+/// How often what looks across the hollow at a wall is taken to be one.
+const ACROSS: usize = 3;
+
+/// For each triangle whether it is part of the inner wall of a head whose cranium has this middle and radius, cm; none where
+/// it has no such wall. `check` is called now and then and may stop the work.
+pub(crate) fn inner_wall(
+    surface: &Surface,
+    middle: Vec3,
+    radius: f32,
+    check: impl Fn() -> Result<(), NodeError>,
+) -> Result<Option<Vec<bool>>, NodeError> {
+    // Whether the crown is seen from its front: from the middle of a solid head every surface shows its back.
+    let mut facing = 0i32;
+    for way in ways().filter(|way| way.y >= 0.0) {
+        if let Some(hit) = surface.ray(middle, way, FAR * radius) {
+            facing += if surface.face_normal(hit.triangle).dot(way) < 0.0 { 1 } else { -1 };
+        }
+    }
+    if facing <= 0 {
+        return Ok(None);
+    }
+    check()?;
+    let from = places(surface, middle, radius);
+    let faces: Vec<(u32, Vec3, Vec3)> = (0..surface.triangles.len() as u32)
+        .filter_map(|t| {
+            let normal = surface.area_vector(t).try_normalize()?;
+            let [a, b, c] = surface.corners(t);
+            Some((t, (a + b + c) / 3.0, normal))
+        })
+        .filter(|(_, at, _)| at.distance(middle) < FAR * radius)
+        .collect();
+    let mut wall = vec![false; surface.triangles.len()];
+    for part in faces.chunks(4096) {
+        check()?;
+        for (t, at, normal) in part {
+            wall[*t as usize] = from.iter().any(|eye| {
+                let way = *at - *eye;
+                let seen = || surface.ray(*eye, way, 1.001);
+                normal.dot(way) < 0.0
+                    && way.length() < SIGHT * radius
+                    && seen().is_some_and(|hit| hit.triangle == *t)
+            });
+        }
+    }
+    for _ in 0..ACROSS {
+        check()?;
+        let looks_at_wall = |(t, at, normal): &&(u32, Vec3, Vec3)| {
+            let across = || surface.ray(*at + *normal * (1e-4 * radius), *normal, FAR * radius);
+            let is_wall = |triangle: u32| {
+                wall[triangle as usize] && surface.area_vector(triangle).dot(*normal) < 0.0
+            };
+            !wall[*t as usize] && across().is_some_and(|hit| is_wall(hit.triangle))
+        };
+        let more: Vec<u32> = faces.iter().filter(looks_at_wall).map(|face| face.0).collect();
+        if more.is_empty() {
+            break;
+        }
+        more.into_iter().for_each(|t| wall[t as usize] = true);
+    }
+    Ok(Some(wall))
+}
+
+/// The 26 directions to the neighbours of a place in a lattice.
+fn ways() -> impl Iterator<Item = Vec3> {
+    let steps = |k: i32| Vec3::from_array([k % 3, k / 3 % 3, k / 9].map(|step| step as f32 - 1.0));
+    (0..27).filter_map(move |k| steps(k).try_normalize())
+}
+
+/// Places in the hollow about `middle`, each seen by one before it.
+fn places(surface: &Surface, middle: Vec3, radius: f32) -> Vec<Vec3> {
+    let at = |place: [i32; 3]| middle + Vec3::from_array(place.map(|k| k as f32)) * (STEP * radius);
+    let (sides, up, down) = STEPS;
+    let mut found = vec![[0i32; 3]];
+    let mut k = 0;
+    while k < found.len() {
+        let here = found[k];
+        for (axis, by) in [(0, 1), (0, -1), (1, 1), (1, -1), (2, 1), (2, -1)] {
+            let mut next = here;
+            next[axis] += by;
+            let [x, y, z] = next;
+            let far = x.abs() > sides || z.abs() > sides || !(-down..=up).contains(&y);
+            if far || found.contains(&next) {
+                continue;
+            }
+            let sees = |way: &Vec3| surface.ray(at(next), *way, FAR * radius).is_some();
+            let free = surface.ray(at(here), at(next) - at(here), 1.0).is_none();
+            if free && ways().filter(sees).count() >= CLOSED {
+                found.push(next);
+            }
+        }
+        k += 1;
+    }
+    found.into_iter().map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::scalp::tests::ball;
+
+    /// A ball of 9 cm with an inner wall of 8.6 cm, whose triangles come last.
+    fn shell() -> Surface {
+        let outer = ball();
+        let (points, triangles) = (&outer.surface().points, &outer.surface().triangles);
+        let middle = outer.frame().origin;
+        let n = points.len() as u32;
+        let smaller = points.iter().map(|p| middle + (*p - middle) * 0.95);
+        let turned = triangles.iter().map(|[a, b, c]| [a + n, c + n, b + n]);
+        Surface::new(
+            points.iter().copied().chain(smaller).collect(),
+            triangles.iter().copied().chain(turned).collect(),
+        )
+    }
+
+    fn found(surface: &Surface) -> Option<Vec<bool>> {
+        let (lo, hi) = surface.bounds();
+        inner_wall(surface, (lo + hi) * 0.5, 0.5 * (hi.y - lo.y), || Ok(())).unwrap()
+    }
+
+    #[test]
+    fn the_inner_wall_of_a_shell_is_found_whole_and_of_a_solid_none() {
+        assert!(found(ball().surface()).is_none());
+        let shell = shell();
+        let wall = found(&shell).unwrap();
+        let half = wall.len() / 2;
+        assert!(wall[..half].iter().all(|wall| !wall));
+        assert!(wall[half..].iter().all(|wall| *wall));
+    }
+
+    #[test]
+    fn without_its_inner_wall_a_shell_is_solid() {
+        let shell = shell();
+        let wall = found(&shell).unwrap();
+        let (lo, hi) = shell.bounds();
+        let (middle, radius) = ((lo + hi) * 0.5, 0.5 * (hi.y - lo.y));
+        let depth = |surface: &Surface, at: f32| {
+            let p = middle + Vec3::new(0.3, 0.8, 0.5).normalize() * radius * at;
+            surface.signed_distance(p, &surface.closest(p).unwrap()) / radius
+        };
+        assert!(depth(&shell, 0.8) > 0.1, "the hollow of a shell is outside");
+        let solid = shell.without(&wall);
+        assert!((depth(&solid, 0.8) + 0.2).abs() < 0.02, "{}", depth(&solid, 0.8));
+        assert!((depth(&solid, 1.1) - 0.1).abs() < 0.02);
+        assert_eq!(solid.triangles.len(), wall.len(), "triangles keep their numbers");
+    }
+}
