@@ -438,8 +438,8 @@ impl Skin<'_> {
         }
     }
 
-    /// The way out of a place whose walls face each other (a mouth, an eye, behind an ear, a fold): to the first free place
-    /// round about, nearest first, and among equally near ones where `way` points.
+    /// The way out of a place whose walls face each other (a mouth, an eye, behind an ear, a fold): to the first place in the
+    /// open round about, nearest first, and among equally near ones where `way` points.
     fn escape(&self, p: Vec3, way: Vec3, height: f32) -> Vec3 {
         let mut ways = Vec::with_capacity(ROUND_ABOUT);
         for k in 0..ROUND_ABOUT {
@@ -448,15 +448,24 @@ impl Skin<'_> {
         }
         ways.sort_by(|a, b| b.dot(way).total_cmp(&a.dot(way)));
         ways.insert(0, way);
+        // Free and in a mouth is no way out: from where it ends, it must lead on into the open.
+        let free = |p: Vec3| self.exact(p).is_some_and(|(d, _)| d >= height);
+        let open = |p: Vec3, way: Vec3| self.surface.ray(p, way, 2.0 * ESCAPE).is_none();
+        let mut shut = None;
         let mut reach = height.max(0.0) + CLEAR;
         while reach < ESCAPE {
-            let free = |p: &Vec3| self.exact(*p).is_some_and(|(d, _)| d >= height);
-            if let Some(out) = ways.iter().map(|way| p + *way * reach).find(free) {
-                return out;
+            for way in &ways {
+                let out = p + *way * reach;
+                if free(out) {
+                    if open(out, *way) {
+                        return out;
+                    }
+                    shut = shut.or(Some(out));
+                }
             }
             reach = (reach * 1.5).max(0.01);
         }
-        p
+        shut.unwrap_or(p)
     }
 }
 
@@ -507,6 +516,17 @@ pub(crate) mod tests {
                 assert_eq!(p, q);
             }
         }
+    }
+
+    #[test]
+    fn a_way_out_is_no_longer_than_it_must_be() {
+        let scalp = ball();
+        let skin = scalp.skin();
+        // The way that is known leads across the head; what is nearest does not.
+        let (p, way) = (Vec3::new(0.3, 8.6, 1.0), Vec3::NEG_Y);
+        let out = skin.escape(p, way, 0.1);
+        let (height, _) = skin.exact(out).unwrap();
+        assert!(height >= 0.1 && out.distance(p) < 0.7, "{out} {height}");
     }
 
     #[test]

@@ -240,7 +240,9 @@ mod tests {
     use crate::data::strokes::Sample;
     use crate::define::Value;
     use crate::eval::{Log, Quality};
+    use crate::maths::closest::Surface;
     use crate::maths::closest::tests::sphere;
+    use crate::maths::transcendental::{atan2, sin};
     use crate::testing::{Memory, curves_of, run, run_on};
     use std::sync::atomic::Ordering;
 
@@ -301,6 +303,31 @@ mod tests {
             assert!((root.point.distance(tuft.curve(0)[0]) - 0.4 * unit).abs() < 1e-3);
             assert!((tuft.view(SCALP_NORMAL).at(0, 3).length() - 1.0).abs() < 1e-5);
         }
+    }
+
+    #[test]
+    fn projected_strokes_lie_over_folds_of_the_skin() {
+        let mut rough = sphere(HEAD_RADIUS, 64);
+        for p in &mut rough.points {
+            let fold = sin(20.0 * atan2(p.z, p.y));
+            *p *= 1.0 + 0.02 * fold;
+        }
+        let surface = Surface::new(rough.points, rough.triangles);
+        let region = vec![1.0; surface.points.len()];
+        let frame = HeadFrame::IDENTITY;
+        let scalp =
+            Arc::new(Scalp::new(surface, None, frame, [(REGION.to_owned(), region)].into()));
+        let curves = drawn(&scalp, vec![back(1, 0.3)], &[("spacing", 0.7.into())]);
+        let points = curves.tufts()[0].curve(0);
+        let spline = Spline::new(points).unwrap();
+        let skin = scalp.skin();
+        let deepest = (1..points.len() - 1)
+            .flat_map(|span| [0.25, 0.5, 0.75].map(|t| spline.point(Place { span, t })))
+            .map(|p| -skin.distance(p))
+            .fold(0.0, f32::max);
+        assert!(deepest < 1.5 * FOLD, "{deepest}");
+        let lifted = points.iter().filter(|p| skin.distance(**p) > FOLD).count();
+        assert!(lifted > points.len() / 8 && skin.distance(points[0]) < 1e-3, "{lifted}");
     }
 
     #[test]
