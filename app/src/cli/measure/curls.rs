@@ -1,10 +1,10 @@
 //! Diameter, pitch and shrinkage of curled hair, measured from where its points lie and set beside what was asked.
 //!
 //! No number that was asked enters: the axis of a curl is the mean of the hair over one turn, and what a turn is comes from
-//! the hair itself, by turns counted about the axis until both agree; of a few long turns it is the curve of few bends nearest to
-//! the hair. Diameter: twice the root of the mean square distance
-//! from the axis over the middle of the hair, for which it is asked (a wave's is its height over the root of 2, as methods.md 4
-//! has it); pitch: length of the axis for a turn; shrinkage: what the axis is shorter than the hair.
+//! the hair itself, by turns counted about the axis until both agree; for the diameter of a few long turns it is the curve of
+//! few bends nearest to the hair. Diameter: twice the root of the mean square distance from the axis over the middle of the
+//! hair, for which it is asked (a wave's is its height over the root of 2, as methods.md 4 has it); pitch: length of the axis
+//! for a turn; shrinkage: what the axis is shorter than the hair.
 
 use super::prim::{Column, Prim, in_parts, quantile};
 use coif_nodes::data::attributes::CURL_MIDDLE;
