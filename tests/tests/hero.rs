@@ -2,7 +2,7 @@
 //!
 //! [`HEROES`] says what must be found in each. Every shipped hero is judged by what all of them promise, whether it has a line
 //! there or not; a line whose groom is not shipped is told. On the real heads a tenth of the hair stands for all; the ignored
-//! test judges all of it, but for the scan (`cargo test --release -p coif-tests --test hero -- --ignored`, minutes).
+//! test judges all of it (`cargo test --release -p coif-tests --test hero -- --ignored`, minutes).
 
 use coif_graphs::grooms;
 use coif_tests::{Folder, RealHead, SCAN, eval, real_heads, run};

@@ -652,32 +652,104 @@ fn thickened(tuft: &Tuft, curve: usize, source: &Spline, row: &Row) -> Tuft {
     out.build()
 }
 
-/// The row with a tail of `length` cm that falls from its end and keeps `height` off the skin.
+/// The row with a tail of `length` cm that falls from its end and keeps `height` off the skin. Where it would fall into a nook
+/// and climb out again, as behind a collar, it goes in a bow from before the nook to beyond it; the end of the row may leave
+/// the scalp to that end.
 fn lengthened(points: &[Vec3], length: f32, height: f32, skin: &Skin) -> Vec<Vec3> {
-    let mut out = points.to_vec();
     let n = points.len();
-    let Some(mut way) = (n > 1).then(|| (points[n - 1] - points[n - 2]).try_normalize()).flatten()
-    else {
-        return out;
-    };
-    if length <= 0.0 {
-        return out;
+    let mut all = points.to_vec();
+    let towards = |a: Vec3, b: Vec3| (b - a).try_normalize();
+    let way_at = |all: &[Vec3], k: usize| if k > 0 { towards(all[k - 1], all[k]) } else { None };
+    if length <= 0.0 || n == 0 {
+        return all;
     }
+    let Some(way) = way_at(points, n - 1) else { return all };
     let steps = (length / 0.5).ceil().clamp(4.0, 400.0) as usize;
-    let step = length / steps as f32;
-    let mut p = points[n - 1];
-    for k in 0..steps {
-        // Gravity turns what hangs within a few centimetres.
-        way = (way + Vec3::NEG_Y * (0.22 * step)).normalize_or(way);
-        let mut next = p + way * step;
-        let wanted = height * ((k + 1) as f32 * step / (3.0 * height).max(1e-3)).min(1.0);
-        let (lifted, moved) = skin.lift(next, wanted);
-        if moved {
-            next = p + (lifted - p).normalize_or(way) * step;
-            way = (next - p).normalize_or(way);
-        }
-        p = next;
-        out.push(p);
+    let fall = Fall { step: length / steps as f32, height, end: n - 1, last: n - 1 + steps };
+    fall.on(&mut all, way, skin);
+    let mut from = n - 1;
+    while from > 0 && all[from - 1].distance(points[n - 1]) < LEAVES * height {
+        from -= 1;
     }
-    out
+    for _ in 0..NOOKS {
+        let Some((low, high)) = climb(&all, from.max(n - 1), height) else { break };
+        let comes = all[high];
+        // Round, so that the braid can follow: it leaves on its way.
+        let bow = |a: usize, t: f32| -> Vec3 {
+            let leaves = all[a];
+            let before = way_at(&all, a).unwrap_or(way);
+            let across = comes - leaves;
+            let far = across.length();
+            let (start, end) = (before * far, across);
+            let (t2, t3) = (t * t, t * t * t);
+            leaves * (2.0 * t3 - 3.0 * t2 + 1.0)
+                + start * (t3 - 2.0 * t2 + t)
+                + comes * (3.0 * t2 - 2.0 * t3)
+                + end * (t3 - t2)
+        };
+        let clear = |a: usize| {
+            let room = 0.5 * skin.distance(all[a]).clamp(0.0, height);
+            (1..16).all(|k| skin.distance(bow(a, k as f32 / 16.0)) >= room)
+        };
+        let Some(a) = (from..low).find(|a| clear(*a)) else { break };
+        let over = all[a].distance(comes) * 1.1 / fall.step;
+        let over = (over.ceil() as usize).clamp(2, (fall.last - a).max(2));
+        let bridge: Vec<Vec3> = (1..=over).map(|k| bow(a, k as f32 / over as f32)).collect();
+        all.truncate(a + 1);
+        all.extend(bridge);
+        from = a + over;
+        let way = way_at(&all, from).unwrap_or(way);
+        fall.on(&mut all, way, skin);
+    }
+    all
+}
+
+/// The most nooks that a tail goes over.
+const NOOKS: usize = 8;
+/// How much of the end of a row may leave the scalp for that, in heights of the tail.
+const LEAVES: f32 = 7.0;
+
+/// Where a tail climbs by more than `least` from `from` on: its lowest point before and its highest after.
+fn climb(tail: &[Vec3], from: usize, least: f32) -> Option<(usize, usize)> {
+    let mut low = from;
+    let mut high = None;
+    for (k, p) in tail.iter().enumerate().skip(from) {
+        match high {
+            None if p.y < tail[low].y => low = k,
+            None if p.y > tail[low].y + least => high = Some(k),
+            Some(top) if p.y > tail[top].y => high = Some(k),
+            Some(top) if p.y < tail[top].y - least => break,
+            _ => {}
+        }
+    }
+    high.map(|high| (low, high))
+}
+
+/// How a tail falls: in steps of `step` cm, `height` off the skin a few of these beyond the point `end`, up to the point `last`.
+struct Fall {
+    step: f32,
+    height: f32,
+    end: usize,
+    last: usize,
+}
+
+impl Fall {
+    /// Lets a tail fall that has come this way.
+    fn on(&self, tail: &mut Vec<Vec3>, mut way: Vec3, skin: &Skin) {
+        let Self { step, height, end, last } = *self;
+        for k in tail.len()..=last {
+            let p = tail[k - 1];
+            // Gravity turns what hangs within a few centimetres.
+            way = (way + Vec3::NEG_Y * (0.22 * step)).normalize_or(way);
+            let mut next = p + way * step;
+            let fallen = k.saturating_sub(end) as f32 * step;
+            let wanted = height * (fallen / (3.0 * height).max(1e-3)).min(1.0);
+            let (lifted, moved) = skin.lift(next, wanted);
+            if moved {
+                next = p + (lifted - p).normalize_or(way) * step;
+                way = (next - p).normalize_or(way);
+            }
+            tail.push(next);
+        }
+    }
 }

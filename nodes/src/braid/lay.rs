@@ -388,13 +388,13 @@ impl Shape<'_> {
                     let facing = smooth((station.frame.normal.dot(station.out) - 0.3) / 0.4);
                     let lacks = |points: &Vec<Vec3>| lacks(station, points[k], below);
                     let most = strands.iter().map(lacks).fold(0.0, f32::max);
-                    most * facing * station.grip
+                    most * facing
                 })
                 .collect();
             let eased = eased_above(&lacking, half);
             for (k, station) in stations.iter().enumerate().filter(|(k, _)| eased[*k] > 0.0) {
                 for points in strands.iter_mut() {
-                    points[k] = pressed(station, points[k], eased[k]);
+                    points[k] = pressed(station, points[k], eased[k] * station.grip);
                 }
             }
         }
@@ -409,7 +409,7 @@ impl Shape<'_> {
                     most.max(lacks)
                 });
                 // A thousandth is what pressing leaves by rounding.
-                if most > 1e-3 * station.tube { most * station.grip } else { 0.0 }
+                if most > 1e-3 * station.tube { most } else { 0.0 }
             })
             .collect();
         if lacking.iter().all(|lack| *lack == 0.0) {
@@ -417,7 +417,7 @@ impl Shape<'_> {
         }
         let eased = eased_above(&lacking, half);
         for (k, station) in stations.iter_mut().enumerate() {
-            let step = station.out * eased[k];
+            let step = station.out * (eased[k] * station.grip);
             station.centre += step;
             strands.iter_mut().for_each(|points| points[k] += step);
         }
@@ -439,7 +439,7 @@ fn pressed(station: &Station, p: Vec3, lacks: f32) -> Vec3 {
         return p;
     }
     // At most so much of the depth is pressed together; beyond it everything is lifted.
-    let pressed = lacks.min(0.75 * depth);
+    let pressed = lacks.min(0.6 * depth);
     let over_lowest = (p - station.centre).dot(station.frame.normal) + station.b;
     let share = 1.0 - (over_lowest / depth).clamp(0.0, 1.0);
     p + station.frame.normal * (pressed * share + (lacks - pressed))

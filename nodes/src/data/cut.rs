@@ -30,6 +30,8 @@ const RAGGED: usize = 8;
 pub(super) struct Piece {
     pub(super) flat: [Vec2; 2],
     pub(super) ends: [Vec3; 2],
+    /// The way off the scalp.
+    up: Vec3,
     pub(super) parting: u32,
     /// Fraction along its parting.
     pub(super) along: f32,
@@ -51,16 +53,56 @@ pub(super) struct Lines {
 /// Side of a place, cm: partings up to twice as wide are seen from either side.
 const PLACE: f32 = 0.5;
 
+/// The way off the scalp at each point of a line: the mean of the normals about it, the nearer the more. A fold that the line
+/// goes through has no side of its own.
+pub(crate) fn off_the_scalp(scalp: &Scalp, line: &[Vec3]) -> Vec<Vec3> {
+    /// How far along the line they count, cm.
+    const REACH: f32 = 0.8;
+    let normal = |p: &Vec3| scalp.closest_root(*p).map_or(Vec3::ZERO, |root| root.normal);
+    let normals: Vec<Vec3> = line.iter().map(normal).collect();
+    let mean = |k: usize| {
+        let one = |i: usize| {
+            let near = 1.0 - line[i].distance(line[k]) / REACH;
+            (near > 0.0).then(|| normals[i] * near)
+        };
+        let after = (k..line.len()).map_while(one);
+        let before = (0..k).rev().map_while(one);
+        after.chain(before).sum::<Vec3>().try_normalize().unwrap_or(normals[k])
+    };
+    (0..line.len()).map(mean).collect()
+}
+
+impl Piece {
+    /// Whether the straight way between two points leads over this piece, or comes as near to its two sides' border as `near`.
+    fn is_passed(&self, from: Vec3, to: Vec3, near: f32) -> bool {
+        let [a, b] = self.ends;
+        let along = b - a;
+        let aside = self.up.cross(along).normalize_or_zero();
+        let (before, after) = ((from - a).dot(aside), (to - a).dot(aside));
+        let on = if (before > 0.0) != (after > 0.0) {
+            from.lerp(to, before / (before - after)) - a
+        } else if before.abs().min(after.abs()) < near {
+            if before.abs() < after.abs() { from - a } else { to - a }
+        } else {
+            return false;
+        };
+        let t = on.dot(along) / along.length_squared().max(1e-12);
+        (0.0..1.0).contains(&t) && on.distance(along * t) < 0.5 * PLACE
+    }
+}
+
 impl Lines {
     fn new(scalp: &Scalp, partings: &[Parting]) -> Self {
         let spread = scalp.chart().spread();
         let mut pieces = vec![];
         for (parting, line) in (0..).zip(partings) {
             let last = line.points.len().saturating_sub(1) as f32;
+            let ups = off_the_scalp(scalp, &line.points);
             for (k, w) in line.points.windows(2).enumerate() {
                 let ends = [w[0], w[1]];
                 let flat = ends.map(|p| spread.flat(p));
-                pieces.push(Piece { flat, ends, parting, along: (k as f32 + 0.5) / last });
+                let up = (ups[k] + ups[k + 1]).normalize_or_zero();
+                pieces.push(Piece { flat, ends, up, parting, along: (k as f32 + 0.5) / last });
             }
         }
         let mut starts = vec![0u32; CELLS * CELLS + 1];
@@ -81,8 +123,8 @@ impl Lines {
         let mut places: BTreeMap<[i32; 3], Vec<u32>> = BTreeMap::new();
         for (i, piece) in (0..).zip(&pieces) {
             let [a, b] = piece.ends;
-            let low = place(a.min(b) - 0.5 * PLACE);
-            let high = place(a.max(b) + 0.5 * PLACE);
+            let low = place(a.min(b) - 0.6 * PLACE);
+            let high = place(a.max(b) + 0.6 * PLACE);
             // A piece is a few millimetres long; what is longer was drawn on no head.
             let [nx, ny, nz] = [0, 1, 2].map(|k| (high[k] - low[k]).clamp(0, 16));
             for x in 0..=nx {
@@ -99,9 +141,21 @@ impl Lines {
         lines
     }
 
-    /// The pieces near a point of space: all that are within half a place of it.
+    /// The pieces near a point of space: all that are within half a place of it, and a little more.
     pub(super) fn near_place(&self, p: Vec3) -> &[u32] {
         self.places.get(&place(p)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether the straight way between two points of space leads over a parting or as near to it as `aside`, at most half a
+    /// place off it.
+    pub(super) fn passed(&self, from: Vec3, to: Vec3, aside: f32) -> bool {
+        let parts = (from.distance(to) / (0.2 * PLACE)).ceil().clamp(1.0, 200.0);
+        (0..parts as u32).any(|k| {
+            let at = |k: u32| from.lerp(to, k as f32 / parts);
+            let (a, b) = (at(k), at(k + 1));
+            let near = self.near_place((a + b) * 0.5).iter();
+            near.clone().any(|i| self.pieces[*i as usize].is_passed(a, b, aside))
+        })
     }
 
     /// The pieces in a cell and in those around it.

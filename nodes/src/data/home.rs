@@ -21,6 +21,8 @@ pub const FREE: f32 = 0.7;
 const NEAR: f32 = 0.24;
 /// A piece of hair nearer to a parting than such a share of half its bare skin touches it.
 const TOUCHING: f32 = 0.5;
+/// Hair over a fold that comes nearer to a parting than such a share of half its bare skin counts as on its other side.
+const BESIDE: f32 = 0.3;
 /// Rounds in which a point is moved off one line after the other: a corner has two.
 const ROUNDS: usize = 6;
 
@@ -152,6 +154,10 @@ impl Home<'_> {
         let half = 0.5 * from.distance(to);
         if self.is_clear_by(half, from) && self.is_clear_by(half, to) {
             return false;
+        }
+        // In a fold of the skin the map tells two sides apart that hair over the fold knows nothing of.
+        if self.sections.passed(from, to, BESIDE * self.sections.half_width()) {
+            return true;
         }
         let skin = self.scalp.skin();
         let below =

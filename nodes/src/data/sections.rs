@@ -10,6 +10,7 @@
 //! promised: a section narrower than a cell (1.1 mm), which is bare skin.
 
 use super::chart::{Spread, around, cell_of, cross, middle};
+pub(crate) use super::cut::off_the_scalp;
 use super::cut::{Lines, cut, square_to};
 use super::scalp::{Root, Scalp};
 use crate::maths::hash::{Key, KeyBuilder, curve_id};
@@ -203,6 +204,11 @@ impl Sections {
         see(self.lines.nearest[own]);
         around(own).for_each(|cell| see(self.lines.nearest[cell]));
         (best.1 != NONE).then_some(best)
+    }
+    /// Whether the straight way between two points of space leads over a parting or as near to it as `aside` (cm), at most a
+    /// quarter of a centimetre off it.
+    pub(super) fn passed(&self, from: Vec3, to: Vec3, aside: f32) -> bool {
+        self.lines.passed(from, to, aside)
     }
     /// The straight piece of a parting that is nearest to a point of the scalp.
     pub(super) fn nearest_piece(&self, p: Vec3) -> Option<[Vec3; 2]> {

@@ -48,10 +48,18 @@ pub fn conform(curves: &Curves, skin: Option<Skin>, for_each: crate::eval::ForEa
     let every: Vec<usize> = (0..curves.tufts().len()).collect();
     let mut done = all(&every, Effort::NONE);
     // How hard each curve that still differs is tried hangs from how many there are: not on how many threads find them.
-    let differ: Vec<usize> = every.into_iter().filter(|i| done[*i].differ > 0).collect();
-    let effort = Effort::of(done.iter().map(|done| done.differ).sum());
-    for (i, again) in differ.iter().zip(all(&differ, effort)) {
-        done[*i] = again;
+    // Few are left of many, and these are tried again with all that the many had.
+    let mut differ = every;
+    for most in Effort::MOST {
+        differ.retain(|i| done[*i].differ > 0);
+        let left = done.iter().map(|done| done.differ).sum();
+        if left == 0 {
+            break;
+        }
+        let effort = Effort::of(left, most);
+        for (i, again) in differ.iter().zip(all(&differ, effort)) {
+            done[*i] = again;
+        }
     }
     let mut out =
         Conformed { curves: Curves::default(), resampled: 0, difference: 0.0, left_out: 0 };
@@ -96,15 +104,16 @@ struct Effort {
 
 impl Effort {
     const NONE: Self = Self { leads: false, moves: 0 };
-    /// Moves for all curves together: a minute of one core. For one of them: as many as are of use.
+    /// Moves for all curves together: a minute of one core.
     const ALL: usize = 200_000_000;
-    const MOST: usize = 2_000_000;
+    /// For one of them, each time that what is left is tried again.
+    const MOST: [usize; 3] = [2_000_000, 2_000_000, 40_000_000];
     /// So many curves are led: each may take a twentieth of a second.
     const LED: usize = 4_000;
 
     /// For each of so many curves. A smooth head tears a few hundred at its ears, the folds of a rough scan most of them.
-    fn of(curves: usize) -> Self {
-        let moves = (Self::ALL / curves.max(1)).min(Self::MOST);
+    fn of(curves: usize, most: usize) -> Self {
+        let moves = (Self::ALL / curves.max(1)).min(most);
         Self { leads: curves <= Self::LED, moves }
     }
 }
@@ -330,11 +339,12 @@ fn alike_chords(
 
 /// How many points to either side of a place where readings differ are eased, and how far they are lifted off the skin there
 /// (cm), over edges that would hold them apart: tried in turn until they agree.
-const REACHES: [(usize, f32); 4] = [(4, 0.0), (8, 0.06), (16, 0.15), (32, 0.3)];
+const REACHES: [(usize, f32); 5] = [(4, 0.0), (8, 0.06), (16, 0.15), (32, 0.3), (64, 0.6)];
 /// Easing goes on for so many times the square of that, as far as evening out spreads.
 const SPREAD: usize = 2;
-/// No easing moves more points than this before chords are made even again.
+/// No easing moves more points than this, or than such a share of all there may be, before chords are made even again.
 const MOST_MOVES: usize = 32_000;
+const SHARE: usize = 48;
 
 /// Eases the points about the spans where readings differ towards the middle of their neighbours, the nearer the more, and
 /// out of the skin: chords and turns are then shared by many spans. Where that does not make readings agree, the points
@@ -347,7 +357,7 @@ fn ease(
 ) {
     let n = points.len();
     let mut best = (readings_differ(points), points.clone());
-    let least = moves.saturating_sub(MOST_MOVES);
+    let least = moves.saturating_sub(MOST_MOVES.max(*moves / SHARE));
     'all: for (reach, lift) in REACHES {
         let mut weights = vec![0.0f32; n];
         each_span(points, |span, difference| {
@@ -494,7 +504,7 @@ mod tests {
     #[test]
     fn many_curves_share_what_few_have_to_themselves() {
         let check = |curves, leads, moves| {
-            let effort = Effort::of(curves);
+            let effort = Effort::of(curves, Effort::MOST[0]);
             assert_eq!((effort.leads, effort.moves), (leads, moves), "{curves}");
         };
         check(0, true, 2_000_000);

@@ -136,10 +136,21 @@ fn drawn_curve(
     let spacing = inputs.spacing * unit;
     let fine = ((smooth.length() / (0.25 * spacing)).ceil() as usize).clamp(8, lay::MOST);
     let mut line = smooth.evenly(fine + 1);
+    let met =
+        |p: Vec3| lay::met(scalp, p).map_or((p, Vec3::ZERO), |root| (root.point, root.normal));
     match inputs.project {
-        Project::Scalp => line.iter_mut().for_each(|p| *p = lay::laid(scalp, *p, 0.0).0),
+        Project::Scalp => {
+            for _ in 0..ROUNDS {
+                let before = line.clone();
+                line.iter_mut().for_each(|p| *p = met(*p).0);
+                if !torn(&before, &line) {
+                    break;
+                }
+                line = Polyline::new(line).smoothed(MENDED * unit).evenly(fine + 1);
+            }
+        }
         Project::Free => {
-            let start = lay::laid(scalp, line[0], 0.0).0;
+            let start = met(line[0]).0;
             if start.distance(line[0]) > NEAR {
                 line.insert(0, start);
             } else {
@@ -161,7 +172,7 @@ fn drawn_curve(
             *p = skin.push_out(*p, 0.0).0;
             *normal = lay::laid(scalp, *p, 0.0).1;
         } else {
-            (*p, *normal) = lay::laid(scalp, *p, 0.0);
+            (*p, *normal) = met(*p);
         }
     }
     let root: Option<Root> = scalp.closest_root(points[0]);
@@ -184,7 +195,7 @@ fn drawn_curve(
     let radii = (0..n).map(|k| radius.at(0, k, part(k)) * unit * by_pressure(k)).collect();
     tuft.set(RADIUS, Domain::Point, radii);
     if inputs.project == Project::Scalp {
-        over_folds(&mut points, &normals, skin);
+        over_folds(&mut points, &normals, skin, frame.radius);
         for (k, p) in points.iter_mut().enumerate() {
             *p += normals[k] * (offset.at(0, k, part(k)) * unit);
         }
@@ -193,10 +204,23 @@ fn drawn_curve(
     Ok(tuft.build())
 }
 
+/// Whether points that went side by side have come to lie apart: the closest points of a rough skin leap from ridge to ridge.
+fn torn(before: &[Vec3], after: &[Vec3]) -> bool {
+    let step = |line: &[Vec3], k: usize| line[k].distance(line[k + 1]);
+    (0..before.len() - 1).any(|k| step(after, k) > 2.0 * step(before, k) + FOLD)
+}
+
+/// How often a line is projected until it comes out whole.
+const ROUNDS: usize = 4;
+/// How far a torn line is averaged along itself in between, cm on a head of average size.
+const MENDED: f32 = 0.5;
+
 /// Lifts CVs between which a curve runs through folds of the skin, until it lies over them; the root stays. A smooth head bends
 /// by a few thousandths of a centimetre between CVs, and nothing is lifted.
-fn over_folds(points: &mut [Vec3], normals: &[Vec3], skin: &Skin) {
+fn over_folds(points: &mut [Vec3], normals: &[Vec3], skin: &Skin, radius: f32) {
     let last = points.len() - 1;
+    let chord: Vec<f32> =
+        points.windows(2).map(|w| SAGS * w[0].distance_squared(w[1]) / radius).collect();
     let out = |k: usize| {
         let about = &normals[k.saturating_sub(2)..(k + 3).min(last + 1)];
         about.iter().sum::<Vec3>().try_normalize().unwrap_or(normals[k])
@@ -208,11 +232,14 @@ fn over_folds(points: &mut [Vec3], normals: &[Vec3], skin: &Skin) {
         for span in 0..last {
             for t in [0.25, 0.5, 0.75] {
                 let depth = -skin.distance(spline.point(Place { span, t }));
-                if depth > FOLD {
+                if depth > FOLD + chord[span] {
                     lifts[span] = lifts[span].max(depth);
                     lifts[span + 1] = lifts[span + 1].max(depth);
                 }
             }
+        }
+        if lifts.iter().all(|lift| *lift == 0.0) {
+            return;
         }
         for k in 1..=last {
             let lift = lifts[k].min(HIGHEST - lifted[k]);
@@ -226,6 +253,8 @@ fn over_folds(points: &mut [Vec3], normals: &[Vec3], skin: &Skin) {
 const NEAR: f32 = 1e-4;
 /// Projected curves run no deeper than this (cm) through the skin between their CVs.
 const FOLD: f32 = 0.02;
+/// Nor by more than the end span of a spline sags into a ball: this times its chord squared over the ball's radius.
+const SAGS: f32 = 0.1;
 /// How often CVs are lifted to that end.
 const LIFTS: usize = 6;
 /// How high they are lifted at most, cm: what is higher is no fold.

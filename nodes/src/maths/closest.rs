@@ -23,6 +23,8 @@ pub struct Surface {
     pub normals: Vec<Vec3>,
     edge_normals: Vec<[Vec3; 3]>,
     tree: Bvh,
+    /// Which triangles nothing meets; empty where all are met.
+    gone: Vec<bool>,
 }
 
 /// A point of a surface.
@@ -66,13 +68,18 @@ impl Surface {
             })
             .collect();
         let tree = tree(&points, &triangles, |_| true);
-        Self { points, triangles, normals, edge_normals, tree }
+        Self { points, triangles, normals, edge_normals, tree, gone: vec![] }
     }
 
     /// The same triangles under the same numbers, of which those that are `gone` are met by nothing any more.
     pub fn without(self, gone: &[bool]) -> Self {
         let tree = tree(&self.points, &self.triangles, |t| !gone[t]);
-        Self { tree, ..self }
+        Self { tree, gone: gone.to_vec(), ..self }
+    }
+
+    /// Whether nothing meets a triangle any more.
+    pub fn is_gone(&self, triangle: u32) -> bool {
+        self.gone.get(triangle as usize).copied().unwrap_or(false)
     }
 
     /// The three corners of a triangle.
@@ -101,6 +108,9 @@ impl Surface {
     /// The closest point, as [`Self::closest`] finds it, found sooner when triangle `near` is close to it: the answer for a
     /// neighbour of `p`.
     pub fn closest_from(&self, p: Vec3, near: u32) -> Option<Hit> {
+        if self.is_gone(near) {
+            return self.closest(p);
+        }
         let (bary, point) = closest_on_triangle(p, self.corners(near));
         let d2 = point.distance_squared(p);
         self.search(p, d2.next_up(), (d2, near, bary, point))
@@ -255,8 +265,15 @@ fn tree(points: &[Vec3], triangles: &[[u32; 3]], stays: impl Fn(usize) -> bool) 
         let [a, b, c] = t.map(|v| points[v as usize]);
         Aabb::new(a.min(b).min(c), a.max(b).max(c))
     };
-    let leaves = triangles.iter().enumerate().filter(|(t, _)| stays(*t));
-    Bvh::from_iter(BvhBuildStrategy::Binned, leaves.map(|(t, corners)| (t, around(corners))))
+    let leaves: Vec<usize> = (0..triangles.len()).filter(|t| stays(*t)).collect();
+    if leaves.len() > 2 {
+        let leaves = leaves.into_iter().map(|t| (t, around(&triangles[t])));
+        return Bvh::from_iter(BvhBuildStrategy::Binned, leaves);
+    }
+    // Of one or two leaves, `from_iter` takes only those that are numbered from 0.
+    let mut tree = Bvh::new();
+    leaves.into_iter().for_each(|t| tree.insert(around(&triangles[t]), t as u32));
+    tree
 }
 
 fn edge(a: u32, b: u32) -> (u32, u32) {

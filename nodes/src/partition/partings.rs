@@ -17,7 +17,7 @@ use crate::data::attributes::{
 use crate::data::chart::{CELLS, Chart, cell_of};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
-use crate::data::sections::{Parting, Sections};
+use crate::data::sections::{Parting, Sections, off_the_scalp};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::EvalCx;
 use crate::maths::hash::curve_id;
@@ -347,6 +347,8 @@ impl Maker<'_> {
             return None;
         }
         let mut b = curve(&roots, parting.id, parting.id);
+        let points: Vec<Vec3> = roots.iter().map(|root| root.point).collect();
+        b.set(SCALP_NORMAL, Domain::Point, off_the_scalp(self.scalp, &points));
         b.set(PARTING, Domain::Curve, vec![parting.id]);
         b.set(RADIUS, Domain::Curve, vec![sections.half_width()]);
         Some(b.build())

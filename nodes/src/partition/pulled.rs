@@ -437,16 +437,13 @@ pub(crate) fn way(
         spline.resample(rules.cvs, |p| points.push(p));
         points[0] = root.point;
         points[rules.cvs - 1] = end;
-        if round == 5 {
-            // Folds that no few rounds lead out of: points at least are out of the skin.
-            let inner = &mut points[1..rules.cvs - 1];
-            inner.iter_mut().for_each(|p| *p = rules.skin.push_out(*p, 0.0).0);
-            break;
-        }
-        if !lifted(rules, &mut spline, points, root.triangle) {
+        if round == 5 || !lifted(rules, &mut spline, points, root.triangle) {
             break;
         }
     }
+    // In folds that no few rounds lead out of, and on ridges between two looks, points at least are out of the skin.
+    let inner = &mut points[1..rules.cvs - 1];
+    inner.iter_mut().for_each(|p| *p = rules.skin.push_out(*p, 0.0).0);
     // A border may jut out between two points that are at home.
     let stays = |home: &Home| points.windows(2).all(|w| !home.sections.crosses(w[0], w[1]));
     rules.crossing || ground.home.as_ref().is_none_or(stays)

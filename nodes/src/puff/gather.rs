@@ -21,9 +21,11 @@ use crate::data::scalp::{Root, Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece};
+use crate::formats::conform::{AGREE, readings_differ};
 use crate::guides::even_roots::EvenRoots;
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
+use crate::maths::spline::Spline;
 use crate::maths::transcendental::{sin, sin_cos, sin_cos_turns};
 use crate::scalp::detour::Detour;
 use glam::Vec3;
@@ -433,6 +435,7 @@ impl Gatherer<'_> {
             piece.tick()?;
             let first = points.len();
             self.comb(rooted, &mut way, &mut points);
+            self.evened(&mut points[first..]);
             let home = self.sections.and_then(|_| self.scalp.home_of(&rooted.root));
             let crosses = |home: Home| points[first..].windows(2).any(|w| home.crosses(w[0], w[1]));
             if home.is_some_and(crosses) {
@@ -577,6 +580,22 @@ impl Gatherer<'_> {
         for p in &mut hair[1..past] {
             *p = self.clear(*p);
         }
+    }
+
+    /// A hair whose points folds have made uneven is read as another one elsewhere: even points of it, before it is judged.
+    fn evened(&self, hair: &mut [Vec3]) {
+        let last = hair.len() - 1;
+        if readings_differ(hair) <= AGREE {
+            return;
+        }
+        let Ok(spline) = Spline::new(hair) else { return };
+        let ends = (hair[0], hair[last]);
+        let mut k = 0;
+        spline.resample(last + 1, |p| {
+            hair[k] = if k > 0 && k < last { self.clear(p) } else { p };
+            k += 1;
+        });
+        (hair[0], hair[last]) = ends;
     }
 
     /// `p`, out of the skin.

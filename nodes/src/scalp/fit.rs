@@ -286,7 +286,12 @@ pub(crate) fn face(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit) -> Option
         let levels = outline[..faces].iter();
         levels.flat_map(|level| near.clone().map(|i| level[i % DIRECTIONS])).fold(0.0, f32::max)
     };
-    let turns = if reach(1) > reach(0) { turns + 0.5 } else { turns };
+    let (front, back) = (reach(0), reach(1));
+    // A cap of hair mirrors in two planes, and has no face below its brows.
+    if front.max(back) == 0.0 {
+        return None;
+    }
+    let turns = if back > front { turns + 0.5 } else { turns };
     let (sin, cos) = sin_cos_turns(turns);
     Some(Face::Mirrored(Vec3::new(sin, 0.0, cos)))
 }

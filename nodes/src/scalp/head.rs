@@ -191,8 +191,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let mut surface = Surface::new(points, triangles);
     cx.check()?;
     let mut masks = mesh.masks;
-    if fit.is_some()
-        && let Some(wall) = hollow::inner_wall(&surface, frame.origin, frame.radius, || cx.check())?
+    if let Some(fit) = fit
+        && let Some(wall) = {
+            let (middle, radius) = (fit.centre * scale, fit.radius * scale);
+            hollow::inner_wall(&surface, middle, radius, || cx.check())?
+        }
     {
         cx.remark("the head is hollow: no hair grows on its inner wall, mask \"inner_wall\"");
         let mut mask = vec![0.0; surface.points.len()];

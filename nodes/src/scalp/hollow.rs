@@ -18,6 +18,10 @@ const STEPS: (i32, i32, i32) = (5, 2, 7);
 const CLOSED: usize = 20;
 /// Walls farther than this from a place, in radii, are seen by a nearer one.
 const SIGHT: f32 = 2.0;
+/// So many of them, the nearest ones that face a wall, look for it.
+const EYES: usize = 8;
+/// So many triangles are looked at between two questions whether to go on.
+const BETWEEN: usize = 256;
 /// How far a head reaches, in radii.
 const FAR: f32 = 6.0;
 /// How often what looks across the hollow at a wall is taken to be one.
@@ -38,11 +42,10 @@ pub(crate) fn inner_wall(
             facing += if surface.face_normal(hit.triangle).dot(way) < 0.0 { 1 } else { -1 };
         }
     }
-    if facing <= 0 {
+    if facing <= 0 || !closed(surface, middle, radius) {
         return Ok(None);
     }
-    check()?;
-    let from = places(surface, middle, radius);
+    let from = places(surface, middle, radius, &check)?;
     let faces: Vec<(u32, Vec3, Vec3)> = (0..surface.triangles.len() as u32)
         .filter_map(|t| {
             let normal = surface.area_vector(t).try_normalize()?;
@@ -52,28 +55,37 @@ pub(crate) fn inner_wall(
         .filter(|(_, at, _)| at.distance(middle) < FAR * radius)
         .collect();
     let mut wall = vec![false; surface.triangles.len()];
-    for part in faces.chunks(4096) {
-        check()?;
-        for (t, at, normal) in part {
-            wall[*t as usize] = from.iter().any(|eye| {
-                let way = *at - *eye;
-                let seen = || surface.ray(*eye, way, 1.001);
-                normal.dot(way) < 0.0
-                    && way.length() < SIGHT * radius
-                    && seen().is_some_and(|hit| hit.triangle == *t)
-            });
+    let mut eyes: Vec<(f32, Vec3)> = vec![];
+    for (i, (t, at, normal)) in faces.iter().enumerate() {
+        if i % BETWEEN == 0 {
+            check()?;
         }
+        eyes.clear();
+        let ways = from.iter().map(|eye| *at - *eye);
+        let facing = ways.filter(|way| normal.dot(*way) < 0.0);
+        eyes.extend(facing.map(|way| (way.length(), way)));
+        eyes.retain(|(far, _)| *far < SIGHT * radius);
+        eyes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        wall[*t as usize] = eyes.iter().take(EYES).any(|(_, way)| {
+            let seen = surface.ray(*at - *way, *way, 1.001);
+            seen.is_some_and(|hit| hit.triangle == *t)
+        });
     }
     for _ in 0..ACROSS {
-        check()?;
-        let looks_at_wall = |(t, at, normal): &&(u32, Vec3, Vec3)| {
-            let across = || surface.ray(*at + *normal * (1e-4 * radius), *normal, FAR * radius);
+        let mut more = vec![];
+        for (i, (t, at, normal)) in faces.iter().enumerate() {
+            if i % BETWEEN == 0 {
+                check()?;
+            }
+            if wall[*t as usize] {
+                continue;
+            }
+            let across = surface.ray(*at + *normal * (1e-4 * radius), *normal, FAR * radius);
             let is_wall = |triangle: u32| {
                 wall[triangle as usize] && surface.area_vector(triangle).dot(*normal) < 0.0
             };
-            !wall[*t as usize] && across().is_some_and(|hit| is_wall(hit.triangle))
-        };
-        let more: Vec<u32> = faces.iter().filter(looks_at_wall).map(|face| face.0).collect();
+            more.extend(across.is_some_and(|hit| is_wall(hit.triangle)).then_some(*t));
+        }
         if more.is_empty() {
             break;
         }
@@ -88,13 +100,25 @@ fn ways() -> impl Iterator<Item = Vec3> {
     (0..27).filter_map(move |k| steps(k).try_normalize())
 }
 
+/// Whether a place sees a wall nearly all about it.
+fn closed(surface: &Surface, at: Vec3, radius: f32) -> bool {
+    let sees = |way: &Vec3| surface.ray(at, *way, FAR * radius).is_some();
+    ways().filter(sees).count() >= CLOSED
+}
+
 /// Places in the hollow about `middle`, each seen by one before it.
-fn places(surface: &Surface, middle: Vec3, radius: f32) -> Vec<Vec3> {
+fn places(
+    surface: &Surface,
+    middle: Vec3,
+    radius: f32,
+    check: &impl Fn() -> Result<(), NodeError>,
+) -> Result<Vec<Vec3>, NodeError> {
     let at = |place: [i32; 3]| middle + Vec3::from_array(place.map(|k| k as f32)) * (STEP * radius);
     let (sides, up, down) = STEPS;
     let mut found = vec![[0i32; 3]];
     let mut k = 0;
     while k < found.len() {
+        check()?;
         let here = found[k];
         for (axis, by) in [(0, 1), (0, -1), (1, 1), (1, -1), (2, 1), (2, -1)] {
             let mut next = here;
@@ -104,15 +128,14 @@ fn places(surface: &Surface, middle: Vec3, radius: f32) -> Vec<Vec3> {
             if far || found.contains(&next) {
                 continue;
             }
-            let sees = |way: &Vec3| surface.ray(at(next), *way, FAR * radius).is_some();
             let free = surface.ray(at(here), at(next) - at(here), 1.0).is_none();
-            if free && ways().filter(sees).count() >= CLOSED {
+            if free && closed(surface, at(next), radius) {
                 found.push(next);
             }
         }
         k += 1;
     }
-    found.into_iter().map(at).collect()
+    Ok(found.into_iter().map(at).collect())
 }
 
 #[cfg(test)]

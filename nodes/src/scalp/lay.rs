@@ -25,6 +25,35 @@ pub(crate) fn laid(scalp: &Scalp, p: Vec3, height: f32) -> (Vec3, Vec3) {
     }
 }
 
+/// Where a pen meets the scalp that is drawn at `p`: the closest point, or what of the scalp overhangs that as seen from outside
+/// the head, as the locks of a scan do. Nothing is drawn under such a lock. An ear, on which no hair grows, overhangs nothing.
+pub(crate) fn met(scalp: &Scalp, p: Vec3) -> Option<Root> {
+    let mut root = scalp.closest_root(p)?;
+    let frame = scalp.frame();
+    let Some(up) = (root.point - frame.point_from_head(Vec3::ZERO)).try_normalize() else {
+        return Some(root);
+    };
+    let surface = scalp.surface();
+    let (below, mut come) = (root.point, 0.0);
+    for _ in 0..LAYERS {
+        let left = OVERHANG * frame.unit() - come;
+        let Some(hit) = surface.ray(below + up * (come + PAST), up, left) else { break };
+        come += PAST + hit.distance;
+        let grows = scalp.mask_at(scalp.region(), hit.triangle, hit.bary) > 0.0;
+        if grows && surface.face_normal(hit.triangle).dot(up) > 0.0 {
+            root = scalp.root(hit.triangle, hit.bary);
+        }
+    }
+    Some(root)
+}
+
+/// How far out from the scalp, cm on a head of average size, it is looked for what overhangs: more is no lock.
+const OVERHANG: f32 = 1.5;
+/// How many layers are looked through.
+const LAYERS: usize = 8;
+/// What is closer than this (cm) is the layer itself.
+const PAST: f32 = 1e-3;
+
 /// The smooth normal of the scalp nearest to each point.
 pub(crate) fn scalp_normals(scalp: &Scalp, points: &[Vec3]) -> Vec<Vec3> {
     points.iter().map(|p| laid(scalp, *p, 0.0).1).collect()

@@ -82,13 +82,18 @@ fn ears(
     check: &dyn Fn() -> Result<(), NodeError>,
 ) -> Result<Vec<Vec3>, NodeError> {
     let (thin, mut looked, mut ears) = (THIN * frame.unit(), 0usize, vec![]);
+    // The inner wall of a hollow head is thin all over, seen from inside.
+    let mut inner = vec![false; surface.points.len()];
+    let numbered = (0u32..).zip(&surface.triangles);
+    let gone = numbered.filter(|(t, _)| surface.is_gone(*t)).flat_map(|(_, corners)| corners);
+    gone.for_each(|v| inner[*v as usize] = true);
     for (i, (p, normal)) in surface.points.iter().zip(&surface.normals).enumerate() {
         if i % 256 == 0 {
             check()?;
         }
         let at = frame.head_from_vector(*p - frame.origin) / frame.radius;
         let at = Vec3::new(at.x.abs(), at.y, at.z);
-        if at.cmplt(EAR_LOW).any() || at.cmpgt(EAR_HIGH).any() {
+        if inner[i] || at.cmplt(EAR_LOW).any() || at.cmpgt(EAR_HIGH).any() {
             continue;
         }
         looked += 1;

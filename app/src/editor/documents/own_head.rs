@@ -20,7 +20,7 @@ use std::path::Path;
 pub struct Placing {
     /// Degrees about the up axis.
     pub turn: f32,
-    /// The axis that the face looks along; empty finds the nose.
+    /// The axis that the face looks along; empty finds the face.
     pub forward: &'static str,
     /// Whether Z points up in the file.
     pub z_up: bool,
@@ -43,8 +43,8 @@ pub(crate) struct OwnHead {
 
 /// Axes that a face may look along, for Y up and for Z up.
 const AXES: [[(&str, &str); 5]; 2] = [
-    [("", "find the nose"), ("+z", "+z"), ("-z", "-z"), ("+x", "+x"), ("-x", "-x")],
-    [("", "find the nose"), ("-y", "-y"), ("+y", "+y"), ("+x", "+x"), ("-x", "-x")],
+    [("", "find the face"), ("+z", "+z"), ("-z", "-z"), ("+x", "+x"), ("-x", "-x")],
+    [("", "find the face"), ("-y", "-y"), ("+y", "+y"), ("+x", "+x"), ("-x", "-x")],
 ];
 
 impl Editor {
