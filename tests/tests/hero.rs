@@ -71,23 +71,8 @@ const LAWS: &[&str] = &[
 /// What heroes do not keep yet, law by law. A law that has come to hold is taken off this list: the test says so.
 const NOT_YET: &[(&str, &[&str])] = &[];
 /// What single hairs of some do not keep yet on a real head, with all of them.
-const NOT_YET_ON: &[(&str, &[(&str, &[&str])])] = &[
-    ("ict_head", &[("box_braids", &[READINGS])]),
-    (
-        SCAN,
-        &[
-            ("cornrows_gathered", &[READINGS]),
-            ("cornrows_puffs", &[READINGS, WOVEN, CROSSING]),
-            ("box_braids", &[READINGS]),
-            ("afro_4c", &[READINGS]),
-            ("finger_coils", &[READINGS]),
-            ("waves_2b", &[READINGS]),
-            ("french_braid", &[READINGS, WOVEN]),
-        ],
-    ),
-];
-/// What some do not keep yet with a tenth of their hair on the scan, whose hair is a rough surface of folds.
-const NOT_YET_ON_SCAN: &[(&str, &[&str])] = &[("cornrows_puffs", &[CROSSING])];
+const NOT_YET_ON: &[(&str, &[(&str, &[&str])])] =
+    &[(SCAN, &[("finger_coils", &[READINGS]), ("waves_2b", &[READINGS])])];
 
 const READINGS: &str = "both readings of every curve agree to 0.001 cm";
 const WOVEN: &str = "braids are woven all along as they begin";
@@ -228,8 +213,7 @@ fn heroes_show_what_their_style_shows() {
 fn heroes_sit_on_real_heads() {
     let mut wrong = vec![];
     for head in real_heads("heroes_sit_on_real_heads") {
-        let list = if head.name == SCAN { NOT_YET_ON_SCAN } else { NOT_YET };
-        check_on(&head, &["--quality", "preview"], OF_ANY_HAIR, list, &mut wrong);
+        check_on(&head, &["--quality", "preview"], OF_ANY_HAIR, NOT_YET, &mut wrong);
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

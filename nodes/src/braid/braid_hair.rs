@@ -14,7 +14,7 @@ use super::through::{Entry, Leader, Manner, Wish};
 use super::tube::{Asked, Braid, Stitch};
 use crate::data::attributes::{
     ALONG, Attribute, BRAID, BRAID_FRONT, Domain, FED, FIBRE, ID, PARENT, SIDE, STITCH, STRAND,
-    WIDTH,
+    TIED, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::Scalp;
@@ -215,6 +215,7 @@ struct Made {
     ids: Vec<u64>,
     parents: Vec<u64>,
     braids: Vec<u64>,
+    tied: Vec<f32>,
     strands: Vec<i32>,
     stitches: Vec<i32>,
     fronts: Vec<Vec3>,
@@ -271,6 +272,7 @@ impl Filler<'_> {
             made.ids.push(id);
             made.parents.push(braid.tubes[entry.tube].id);
             made.braids.push(braid.id);
+            made.tied.push(braid.tied);
             made.strands.push(braid.tubes[entry.tube].strand);
             made.stitches.push(entry.stitch);
         }
@@ -329,6 +331,7 @@ impl Filler<'_> {
         hair.set(ID, Domain::Curve, made.ids);
         hair.set(PARENT, Domain::Curve, made.parents);
         hair.set(BRAID, Domain::Curve, made.braids);
+        hair.set(TIED, Domain::Curve, made.tied);
         hair.set(STRAND, Domain::Curve, made.strands);
         hair.set(STITCH, Domain::Curve, made.stitches);
         hair.set(BRAID_FRONT, Domain::Curve, made.fronts);

@@ -753,3 +753,68 @@ impl Fall {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::scalp::{HeadFrame, REGION};
+    use crate::maths::closest::Surface;
+
+    /// A neck (z = 0) with a collar that stands off it, 4 cm high and 3 cm behind: a prism along x.
+    fn collar() -> Scalp {
+        let outline = [(20.0, 0.0), (0.0, 0.0), (4.0, -3.0), (4.0, -3.6), (-30.0, -9.0)];
+        let outline = outline.iter().chain(&[(-30.0, 6.0), (20.0, 6.0)]);
+        let flat: Vec<(f32, f32)> = outline.copied().collect();
+        let n = flat.len() as u32;
+        let side = |x: f32| flat.iter().map(move |(y, z)| Vec3::new(x, *y, *z));
+        let points: Vec<Vec3> = side(-9.0).chain(side(9.0)).collect();
+        let around = (0..n).flat_map(|k| {
+            let (a, b) = (k, (k + 1) % n);
+            [[a, b, b + n], [a, b + n, a + n]]
+        });
+        let outward = |t: [u32; 3]| {
+            // The outline runs so that its inside is at +z.
+            [t[0], t[2], t[1]]
+        };
+        let triangles: Vec<[u32; 3]> = around.map(outward).collect();
+        let mut surface = Surface::new(points.clone(), triangles.clone());
+        let out = Vec3::new(0.0, 10.0, -2.0);
+        if surface.signed_distance(out, &surface.closest(out).unwrap()) < 0.0 {
+            let turned = triangles.iter().map(|t| [t[0], t[2], t[1]]).collect();
+            surface = Surface::new(points, turned);
+        }
+        let region = vec![1.0; surface.points.len()];
+        Scalp::new(surface, None, HeadFrame::IDENTITY, [(REGION.to_owned(), region)].into())
+    }
+
+    #[test]
+    fn a_tail_goes_over_a_collar_and_not_behind_it() {
+        let scalp = collar();
+        let skin = scalp.skin();
+        let row: Vec<Vec3> =
+            (0..24).map(|k| Vec3::new(0.0, 15.0 - 0.5 * k as f32, -0.01)).collect();
+        let height = 0.8;
+        // Left to itself it falls into the nook and climbs out.
+        let fall = Fall { step: 0.5, height, end: 23, last: 73 };
+        let mut plain = row.clone();
+        fall.on(&mut plain, Vec3::NEG_Y, &skin);
+        assert!(climb(&plain, 23, height).is_some(), "{plain:?}");
+        let tail = lengthened(&row, 25.0, height, &skin);
+        assert!(climb(&tail, 23, height).is_none(), "{tail:?}");
+        assert!(tail.iter().all(|p| skin.distance(*p) > -1e-3), "{tail:?}");
+        let chords = tail.windows(2).map(|w| w[0].distance(w[1]));
+        assert!(chords.clone().all(|c| (0.1..1.5).contains(&c)), "{tail:?}");
+        // The row itself leaves the scalp at its end only.
+        assert_eq!(tail[..10], row[..10]);
+        assert!(tail[tail.len() - 1].z < -4.0, "outside the collar");
+    }
+
+    #[test]
+    fn a_tail_that_only_falls_is_left_as_it_is() {
+        let falls: Vec<Vec3> = (0..30).map(|k| Vec3::new(0.0, -0.5 * k as f32, 0.0)).collect();
+        assert_eq!(climb(&falls, 0, 0.5), None);
+        let mut climbs = falls.clone();
+        climbs[20..].iter_mut().enumerate().for_each(|(k, p)| p.y = -9.5 + 0.4 * k as f32);
+        assert_eq!(climb(&climbs, 0, 0.5), Some((19, 29)));
+    }
+}

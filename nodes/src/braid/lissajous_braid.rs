@@ -479,6 +479,7 @@ fn braid(
     out.set(attr::ID, Domain::Curve, ids.clone());
     out.set(attr::PARENT, Domain::Curve, vec![source_id]);
     out.set(attr::BRAID, Domain::Curve, vec![braid_id]);
+    out.set(attr::TIED, Domain::Curve, vec![(shape.tied_at / length).min(1.0)]);
     out.set(attr::STRAND, Domain::Curve, (0..strands as i32).collect());
     let phases = (0..strands).map(|i| {
         let cycle = shape.phase + plan.weave.ahead(i);

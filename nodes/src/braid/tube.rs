@@ -138,6 +138,8 @@ pub(super) struct Bristles {
 /// A braid ready to be filled.
 pub(super) struct Braid {
     pub(super) id: u64,
+    /// Where along the source it is tied.
+    pub(super) tied: f32,
     pub(super) tubes: Vec<Tube>,
     pub(super) stitches: Vec<Stitch>,
     /// One a step from the tie on; empty where the braid has no tuft.
@@ -180,6 +182,7 @@ impl Braid {
             .collect();
         let mut braid = Self {
             id: strands.view(attr::BRAID).at(0, 0),
+            tied: strands.view(attr::TIED).at(0, 0),
             tubes,
             stitches,
             brush: vec![],

@@ -208,6 +208,8 @@ declare! {
     BRAID: u64 = "braid", 0;
     /// Front of the braid where this hair joins it. Unit; zero: not known.
     BRAID_FRONT: Vec3 = "braid_front", Vec3::ZERO;
+    /// Fraction of the source's arc length at which a braid is tied: what lies beyond is its tuft.
+    TIED: f32 = "tied", 1.0;
     /// Number of the strand within its braid, from 0.
     STRAND: i32 = "strand", 0;
     /// Where a braid strand stands in its cycle at the root, 0 to 1.

@@ -521,6 +521,23 @@ mod tests {
     }
 
     #[test]
+    fn hair_over_a_parting_passes_it_and_hair_beside_it_does_not() {
+        let line = across(1, 0.0, false);
+        let p = line.points[60].midpoint(line.points[61]);
+        let (sections, _) = cut(vec![line], &[]);
+        let up = p.normalize();
+        let check = |height: f32, from: f32, to: f32, passes: bool| {
+            let at = |x: f32| p + up * height + Vec3::X * x;
+            assert_eq!(sections.passed(at(from), at(to), 0.02), passes, "{height} {from} {to}");
+        };
+        check(0.1, -0.5, 0.5, true);
+        check(0.2, -0.1, 0.3, true);
+        check(0.4, -0.5, 0.5, false);
+        check(0.1, 0.1, 0.5, false);
+        check(0.1, 0.01, 0.5, true);
+    }
+
+    #[test]
     fn a_line_that_ends_in_hair_cuts_nothing() {
         let mut line = across(1, 0.0, false);
         line.points.truncate(60);

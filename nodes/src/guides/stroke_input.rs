@@ -296,6 +296,28 @@ mod tests {
         Stroke::new(id, samples)
     }
 
+    #[test]
+    fn what_the_skin_tears_apart_is_told_from_what_only_bends() {
+        let line: Vec<Vec3> = (0..40).map(|k| Vec3::X * (0.1 * k as f32)).collect();
+        let bent: Vec<Vec3> = line.iter().map(|p| *p + Vec3::Y * (0.05 * p.x * p.x)).collect();
+        assert!(!torn(&line, &bent));
+        let mut leaps = bent.clone();
+        leaps[20..].iter_mut().for_each(|p| *p += Vec3::Z * 0.4);
+        assert!(torn(&line, &leaps));
+    }
+
+    #[test]
+    fn few_cvs_on_a_smooth_head_are_not_lifted_off_it() {
+        let scalp = ball(HEAD_RADIUS);
+        for spacing in [0.5f32, 2.0, 4.0] {
+            let curves = drawn(&scalp, vec![back(7, 2.0)], &[("spacing", spacing.into())]);
+            for p in curves.tufts()[0].curve(0) {
+                let off = scalp.surface().closest(*p).unwrap().distance;
+                assert!(off < 1e-3, "{off} at spacing {spacing}");
+            }
+        }
+    }
+
     fn drawn(scalp: &Arc<Scalp>, strokes: Vec<Stroke>, set: &[(&str, Value)]) -> Curves {
         let fixed = [("scalp", scalp.clone().into()), ("strokes", Strokes(strokes).into())];
         let (out, said) = run(&NODE, &[&fixed, set].concat());

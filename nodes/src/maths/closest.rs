@@ -425,4 +425,21 @@ pub(crate) mod tests {
         assert!(sphere(1.0, 4).closest(Vec3::NAN).is_none());
         assert!(sphere(1.0, 4).closest_within(Vec3::X * 3.0, 1.0).is_none());
     }
+
+    #[test]
+    fn of_a_surface_any_part_may_be_gone() {
+        let ball = || sphere(1.0, 12);
+        let count = ball().triangles.len();
+        let p = Vec3::new(0.1, 2.0, 0.3);
+        for left in [vec![], vec![count - 1], vec![3, count - 1], vec![2, 5, 9]] {
+            let gone: Vec<bool> = (0..count).map(|t| !left.contains(&t)).collect();
+            let part = ball().without(&gone);
+            let hit = part.closest(p);
+            assert_eq!(hit.is_some(), !left.is_empty());
+            assert!(hit.is_none_or(|hit| left.contains(&(hit.triangle as usize))));
+            // From a triangle that is gone as from any other.
+            assert_eq!(part.closest_from(p, 0), hit);
+            assert_eq!(part.triangles.len(), count);
+        }
+    }
 }

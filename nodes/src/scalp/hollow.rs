@@ -173,6 +173,31 @@ mod tests {
     }
 
     #[test]
+    fn a_middle_outside_a_solid_head_makes_it_no_hollow_one() {
+        let ball = ball();
+        let (lo, hi) = ball.surface().bounds();
+        let radius = 0.5 * (hi.y - lo.y);
+        for off in [Vec3::Z, Vec3::X, Vec3::new(0.5, -0.2, 1.0)] {
+            let middle = (lo + hi) * 0.5 + off * (1.5 * radius);
+            assert!(inner_wall(ball.surface(), middle, radius, || Ok(())).unwrap().is_none());
+        }
+    }
+
+    #[test]
+    fn hair_grows_on_a_shell_as_on_a_solid_once_its_inner_wall_is_gone() {
+        use crate::scalp::region::default_region;
+        let ball = ball();
+        let shell = shell();
+        let wall = found(&shell).unwrap();
+        let hollow = shell.without(&wall);
+        let region =
+            |surface: &Surface| default_region(surface, ball.frame(), 0.5, &|| Ok(())).unwrap();
+        let (solid, hollow) = (region(ball.surface()), region(&hollow));
+        assert!(solid.iter().any(|grows| *grows > 0.9));
+        assert_eq!(hollow[..solid.len()], solid[..]);
+    }
+
+    #[test]
     fn without_its_inner_wall_a_shell_is_solid() {
         let shell = shell();
         let wall = found(&shell).unwrap();

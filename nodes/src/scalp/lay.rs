@@ -138,3 +138,35 @@ pub(crate) fn filter(points: &mut [Vec3], rounds: usize) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pen_meets_the_lock_that_overhangs_and_no_ear() {
+        use crate::data::scalp::{HeadFrame, REGION};
+        use crate::maths::closest::Surface;
+        use crate::maths::closest::tests::sphere;
+        // A plate 0.6 cm over the crown of a ball, seen from above.
+        let ball = sphere(9.0, 48);
+        let n = ball.points.len() as u32;
+        let corners = [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)];
+        let plate = corners.map(|(x, z)| Vec3::new(x, 9.6, z));
+        let points: Vec<Vec3> = ball.points.iter().copied().chain(plate).collect();
+        let faces = [[n, n + 2, n + 1], [n, n + 3, n + 2]];
+        let triangles: Vec<_> = ball.triangles.iter().copied().chain(faces).collect();
+        let met_at = |hair_on_it: f32, p: Vec3| {
+            let region = (0..n + 4).map(|v| if v < n { 1.0 } else { hair_on_it }).collect();
+            let surface = Surface::new(points.clone(), triangles.clone());
+            let frame = HeadFrame { radius: 9.0, ..HeadFrame::IDENTITY };
+            let scalp = Scalp::new(surface, None, frame, [(REGION.to_owned(), region)].into());
+            met(&scalp, p).unwrap().point
+        };
+        let under = Vec3::new(0.3, 9.1, 0.2);
+        assert!((met_at(1.0, under).y - 9.6).abs() < 1e-4);
+        assert!((met_at(0.0, under).length() - 9.0).abs() < 0.05);
+        let beside = Vec3::new(4.0, 8.1, 0.0);
+        assert!((met_at(1.0, beside).length() - 9.0).abs() < 0.05);
+    }
+}

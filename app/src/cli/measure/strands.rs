@@ -2,7 +2,7 @@
 //!
 //! A braid is what has one `braid` number, a strand what has one `strand` number in it. A strand of one curve with a `radius` is
 //! a tube and taken as it is. Of a strand of many hairs the middle counts, and the disc that would spread as they do; a
-//! hair counts from where it has joined (`along` rises from there on), the farthest fifth (flyaways, hair on its way in) does
+//! hair counts from where it has joined (`along` rises from there on) to where the braid is `tied`, the farthest fifth (flyaways, hair on its way in) does
 //! not. A strand begins where it has a twentieth of its hair. What tells the front is `normal` at each point, or
 //! `braid_front`, the front where a hair joins: each hair knows it for the place where it does.
 
@@ -33,7 +33,7 @@ pub(super) struct Section {
 }
 
 /// Hairs of a strand that its middle is found from.
-const MOST_HAIRS: usize = 160;
+const MOST_HAIRS: usize = 800;
 /// Fewer hairs than this make no strand.
 const FEWEST: usize = 3;
 /// One in so many of a strand's hairs make a strand.
@@ -57,6 +57,7 @@ pub(super) fn braids(prim: &Prim, skin: Option<&Skin>) -> Vec<Braid> {
     let radius = prim.numbers("radius");
     let columns = Columns {
         along: prim.numbers("along").filter(Column::is_of_points),
+        tied: prim.numbers("tied"),
         normal: prim.vectors("normal").filter(Column::is_of_points),
         joins: prim.vectors("braid_front"),
         stitch: prim.whole("stitch"),
@@ -71,6 +72,7 @@ pub(super) fn braids(prim: &Prim, skin: Option<&Skin>) -> Vec<Braid> {
 
 struct Columns<'a> {
     along: Option<Column<'a, f32>>,
+    tied: Option<Column<'a, f32>>,
     normal: Option<Column<'a, Vec3>>,
     joins: Option<Column<'a, Vec3>>,
     stitch: Option<Vec<i64>>,
@@ -185,8 +187,9 @@ impl Columns<'_> {
             let at = |k: usize| along.at(curve, first + k);
             let joined = at(0);
             let mut last = joined;
+            let tied = self.tied.map_or(1.0, |tied| tied.at(curve, first));
             let rises = |k: &usize| {
-                let more = at(*k) > last;
+                let more = at(*k) > last && at(*k) <= tied;
                 last = last.max(at(*k));
                 more
             };
