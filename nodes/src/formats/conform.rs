@@ -107,7 +107,7 @@ impl Effort {
     /// Moves for all curves together: a minute of one core.
     const ALL: usize = 200_000_000;
     /// For one of them, each time that what is left is tried again.
-    const MOST: [usize; 3] = [2_000_000, 2_000_000, 40_000_000];
+    const MOST: [usize; 3] = [2_000_000, 2_000_000, 8_000_000];
     /// So many curves are led: each may take a twentieth of a second.
     const LED: usize = 4_000;
 
