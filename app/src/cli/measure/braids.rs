@@ -1,11 +1,11 @@
 //! What can be said of the braids of a file: word, crossing, distances of strands, height over the skin, hair per stitch.
 
 use super::prim::{Column, Prim, in_parts, quantile};
+use super::spine::{Spine, View};
 use super::strands::{Braid, Section, braids};
 use super::word::{Crossing, Word};
 use coif_nodes::data::scalp::Scalp;
-use coif_nodes::maths::frame::{across, any_normal, carry};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -63,9 +63,6 @@ pub(super) struct Joined {
     /// Fewest, middle and most hairs joined at a stitch where any do.
     pub(super) a_stitch: [usize; 3],
 }
-
-/// Farther than this (cm) from the skin its side tells nothing of a braid's front.
-const NEAR: f32 = 3.0;
 
 pub(super) fn measure(prim: &Prim, scalp: Option<&Scalp>) -> Option<Braids> {
     let skin = scalp.map(Scalp::skin);
@@ -136,19 +133,9 @@ impl One {
         scalp: Option<&Scalp>,
         root_front: Option<&Column<Vec3>>,
     ) -> Self {
-        let spine = Spine::of(prim, braid, scalp, root_front);
-        let sections = spine.sections(braid);
-        // The root where strands are gathered to a bundle and the brush beyond the tie are no braid.
-        let mut halves: Vec<f32> = sections.iter().map(|s| half(s)).collect();
-        let wide = {
-            let mut sorted = halves.clone();
-            sorted.sort_by(f32::total_cmp);
-            0.4 * quantile(&sorted, 0.5)
-        };
-        let first = halves.iter().position(|h| *h > wide).unwrap_or(0);
-        let last = halves.iter().rposition(|h| *h > wide).unwrap_or(0);
-        halves.clear();
-        let word = Word::read(braid.strands.len(), &sections[first..=last]);
+        let spine = Spine::of(braid);
+        let told = spine.told(prim, braid, scalp, root_front);
+        let View { sections, woven: (first, last), word } = View::of(&spine, &told, braid);
         let (mut heights, mut gap) = (None, None);
         if let Some(scalp) = scalp {
             let skin = scalp.skin();
@@ -170,148 +157,14 @@ impl One {
         // What hair is drawn together to at its ends overlaps, as it should.
         let woven = if braid.tubes { 0..sections.len() } else { first..last + 1 };
         let overlap = overlap(braid, woven);
-        Self { word, front_known: spine.front_known, overlap, heights, gap }
+        let front_known = told.iter().any(|front| *front != Vec3::ZERO);
+        Self { word, front_known, overlap, heights, gap }
     }
 }
 
 fn far(scalp: &Scalp, p: Vec3) -> f32 {
     let surface = scalp.surface();
     surface.closest(p).map_or(0.0, |hit| surface.signed_distance(p, &hit))
-}
-
-fn half(section: &[Vec2]) -> f32 {
-    section.iter().map(|p| p.x.abs()).fold(0.0, f32::max)
-}
-
-/// A braid's own middle line with its front.
-struct Spine {
-    at: Vec<Vec3>,
-    tangents: Vec<Vec3>,
-    fronts: Vec<Vec3>,
-    front_known: bool,
-}
-
-impl Spine {
-    fn of(
-        prim: &Prim,
-        braid: &Braid,
-        scalp: Option<&Scalp>,
-        root_front: Option<&Column<Vec3>>,
-    ) -> Self {
-        let n = braid.strands[0].len();
-        let of_strands = braid.strands.len() as f32;
-        let at: Vec<Vec3> = (0..n)
-            .map(|k| braid.strands.iter().map(|s| s[k].middle).sum::<Vec3>() / of_strands)
-            .collect();
-        let reach = (n / 100).max(2);
-        let mut tangents: Vec<Vec3> = (0..n)
-            .map(|k| at[(k + reach).min(n - 1)] - at[k.saturating_sub(reach)])
-            .map(Vec3::normalize_or_zero)
-            .collect();
-        for k in 1..n {
-            if tangents[k] == Vec3::ZERO {
-                tangents[k] = tangents[k - 1];
-            }
-        }
-        let mut spine = Self { at, fronts: carried(&tangents), tangents, front_known: false };
-        // What tells the front: the file; else the skin where the braid begins, or the normal of the scalp at its roots.
-        let mut told: Vec<Vec3> = (0..n)
-            .map(|k| braid.strands.iter().map(|s| s[k].front).sum::<Vec3>().normalize_or_zero())
-            .collect();
-        if told.iter().all(|front| *front == Vec3::ZERO) {
-            let below = |p: &Vec3| {
-                let hit = scalp?.surface().closest_within(*p, NEAR)?;
-                Some(scalp?.surface().smooth_normal(hit.triangle, hit.bary))
-            };
-            let skin = spine.at[..n.div_ceil(20)].iter().filter_map(below).sum::<Vec3>();
-            let roots = braid.curves.iter().flatten();
-            let root = root_front.map_or(Vec3::ZERO, |column| {
-                roots.map(|i| column.at(*i, prim.range(*i).start)).sum::<Vec3>()
-            });
-            told[0] = if skin == Vec3::ZERO { root } else { skin };
-        }
-        spine.turn(&told, braid);
-        spine
-    }
-
-    /// Turns the carried fronts to what is `told` of them. Where nothing is, the braid may have turned on: its front is
-    /// taken to be that of its broad side which is nearest to the front before.
-    fn turn(&mut self, told: &[Vec3], braid: &Braid) {
-        let n = self.at.len();
-        let angles: Vec<Option<f32>> = (0..n)
-            .map(|k| {
-                let front = across(told[k].try_normalize()?, self.tangents[k])?;
-                let right = self.tangents[k].cross(self.fronts[k]);
-                Some(front.dot(-right).atan2(front.dot(self.fronts[k])))
-            })
-            .collect();
-        let Some(first) = angles.iter().flatten().next() else { return };
-        self.front_known = true;
-        let all_told = angles.iter().all(Option::is_some);
-        let moments: Vec<[f32; 3]> = self
-            .sections(braid)
-            .iter()
-            .map(|s| {
-                s.iter().fold([0.0; 3], |[xx, xy, yy], p| {
-                    [xx + p.x * p.x, xy + p.x * p.y, yy + p.y * p.y]
-                })
-            })
-            .collect();
-        let reach = (n / 40).max(6);
-        let mut last = *first;
-        for k in 0..n {
-            let window = &moments[k.saturating_sub(reach)..(k + reach + 1).min(n)];
-            let [xx, xy, yy] =
-                window.iter().fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
-            let split = (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
-            let round = split < 0.12 * (xx + yy);
-            last = angles[k].unwrap_or(last);
-            if !round && !all_told {
-                let half_turn = std::f32::consts::PI;
-                let broad = 0.5 * (2.0 * xy).atan2(xx - yy);
-                last = broad + ((last - broad) / half_turn).round() * half_turn;
-            }
-            let (front, right) = (self.fronts[k], self.tangents[k].cross(self.fronts[k]));
-            // The broad side turned from `right` towards `front` by the angle.
-            self.fronts[k] = front * last.cos() - right * last.sin();
-        }
-    }
-
-    /// Each strand seen along the braid: to the right (tangent x front) and to the front.
-    fn sections(&self, braid: &Braid) -> Vec<Vec<Vec2>> {
-        let n = self.at.len();
-        let reach = (n / 30).max(3);
-        (0..n)
-            .map(|k| {
-                let (at, tangent, front) = (self.at[k], self.tangents[k], self.fronts[k]);
-                let right = tangent.cross(front);
-                let one = |strand: &Vec<Section>| {
-                    // Where the strand goes through the plane across the braid here.
-                    let ahead = |j: usize| (strand[j].middle - at).dot(tangent);
-                    let mut p = strand[k].middle;
-                    let mut best = usize::MAX;
-                    for j in k.saturating_sub(reach)..(k + reach).min(n - 1) {
-                        let (a, b) = (ahead(j), ahead(j + 1));
-                        if a <= 0.0 && b > 0.0 && j.abs_diff(k) < best {
-                            best = j.abs_diff(k);
-                            p = strand[j].middle.lerp(strand[j + 1].middle, a / (a - b));
-                        }
-                    }
-                    Vec2::new((p - at).dot(right), (p - at).dot(front))
-                };
-                braid.strands.iter().map(one).collect()
-            })
-            .collect()
-    }
-}
-
-/// Any front carried along without turning about the tangents.
-fn carried(tangents: &[Vec3]) -> Vec<Vec3> {
-    let mut fronts = vec![any_normal(tangents[0])];
-    for w in tangents.windows(2) {
-        fronts.push(carry(fronts[fronts.len() - 1], w[0], w[1]));
-    }
-    fronts
 }
 
 /// The largest (r_i + r_j) / distance of samples of different strands.

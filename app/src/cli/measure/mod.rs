@@ -12,6 +12,7 @@ mod curls;
 mod parted;
 mod prim;
 mod puffs;
+mod spine;
 mod strands;
 mod word;
 mod words;
