@@ -15,6 +15,7 @@ mod laws;
 mod lay;
 mod lissajous_braid;
 mod stray;
+mod tail;
 mod through;
 mod touch;
 mod tube;

@@ -8,6 +8,7 @@ use super::chart::Chart;
 use super::sections::Sections;
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::distance_field::{Depth, DistanceField};
+use crate::maths::frame::round_about;
 use crate::maths::hash::{Key, KeyBuilder};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -441,11 +442,7 @@ impl Skin<'_> {
     /// The way out of a place whose walls face each other (a mouth, an eye, behind an ear, a fold): to the first place in the
     /// open round about, nearest first, and among equally near ones where `way` points.
     fn escape(&self, p: Vec3, way: Vec3, height: f32) -> Vec3 {
-        let mut ways = Vec::with_capacity(ROUND_ABOUT);
-        for k in 0..ROUND_ABOUT {
-            let steps = Vec3::from_array([k % 3, k / 3 % 3, k / 9].map(|step| step as f32 - 1.0));
-            ways.extend(steps.try_normalize());
-        }
+        let mut ways: Vec<Vec3> = round_about().collect();
         ways.sort_by(|a, b| b.dot(way).total_cmp(&a.dot(way)));
         ways.insert(0, way);
         // Free and in a mouth is no way out: from where it ends, it must lead on into the open.
@@ -469,8 +466,6 @@ impl Skin<'_> {
     }
 }
 
-/// Steps to the 26 neighbours of a place in a lattice, and to itself.
-const ROUND_ABOUT: usize = 27;
 /// How far a way out is looked for, cm: as wide as a head.
 const ESCAPE: f32 = 20.0;
 

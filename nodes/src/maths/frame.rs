@@ -38,6 +38,12 @@ impl Frame {
     }
 }
 
+/// The 26 directions to the neighbours of a place in a lattice.
+pub fn round_about() -> impl Iterator<Item = Vec3> {
+    let steps = |k: i32| Vec3::from_array([k % 3, k / 3 % 3, k / 9].map(|step| step as f32 - 1.0));
+    (0..27).filter_map(move |k| steps(k).try_normalize())
+}
+
 /// Any unit vector across `tangent`: the part of +Y across it, or of +Z where the curve runs along Y.
 pub fn any_normal(tangent: Vec3) -> Vec3 {
     let up = if tangent.y.abs() < 0.9 { Vec3::Y } else { Vec3::Z };

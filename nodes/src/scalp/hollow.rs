@@ -8,6 +8,7 @@
 
 use crate::define::NodeError;
 use crate::maths::closest::Surface;
+use crate::maths::frame::round_about;
 use glam::Vec3;
 
 /// Places in the hollow that look about in it lie so far from each other, in radii of the cranium.
@@ -37,7 +38,7 @@ pub(crate) fn inner_wall(
 ) -> Result<Option<Vec<bool>>, NodeError> {
     // Whether the crown is seen from its front: from the middle of a solid head every surface shows its back.
     let mut facing = 0i32;
-    for way in ways().filter(|way| way.y >= 0.0) {
+    for way in round_about().filter(|way| way.y >= 0.0) {
         if let Some(hit) = surface.ray(middle, way, FAR * radius) {
             facing += if surface.face_normal(hit.triangle).dot(way) < 0.0 { 1 } else { -1 };
         }
@@ -94,16 +95,10 @@ pub(crate) fn inner_wall(
     Ok(Some(wall))
 }
 
-/// The 26 directions to the neighbours of a place in a lattice.
-fn ways() -> impl Iterator<Item = Vec3> {
-    let steps = |k: i32| Vec3::from_array([k % 3, k / 3 % 3, k / 9].map(|step| step as f32 - 1.0));
-    (0..27).filter_map(move |k| steps(k).try_normalize())
-}
-
 /// Whether a place sees a wall nearly all about it.
 fn closed(surface: &Surface, at: Vec3, radius: f32) -> bool {
     let sees = |way: &Vec3| surface.ray(at, *way, FAR * radius).is_some();
-    ways().filter(sees).count() >= CLOSED
+    round_about().filter(sees).count() >= CLOSED
 }
 
 /// Places in the hollow about `middle`, each seen by one before it.

@@ -155,6 +155,8 @@ fn read_scalp(path: &PathBuf) -> Result<Arc<Scalp>, String> {
     }
 }
 
+const DEEPER: &str = "nothing is deeper under the skin than allowed";
+
 fn measure(prims: &[Prim], scalp: Option<&Scalp>) -> Vec<Measured> {
     let partings = Partings::of(prims);
     let hair = prims.iter().filter(|p| !p.is_guides()).map(|p| p.read.points.len()).sum();
@@ -245,6 +247,10 @@ fn of_prim(
         out.laws.insert("all hair has at most 16 million points", hair <= MOST_POINTS);
     }
     out.judge();
+    if prim.whole("parting").is_some() {
+        // Partings are lines that hair is judged by, and run straight on through ears and folds: no hair lies there.
+        out.laws.remove(DEEPER);
+    }
     out
 }
 
@@ -282,7 +288,7 @@ impl Measured {
         }
         if let Some(on) = &self.scalp {
             laws.insert("roots lie on the scalp to 0.001 cm", on.root_distance_cm[1] <= 1e-3);
-            laws.insert("nothing is deeper under the skin than allowed", on.too_deep == 0);
+            laws.insert(DEEPER, on.too_deep == 0);
         }
         self.laws = laws;
     }
@@ -481,7 +487,7 @@ pub(super) mod tests {
         let read = prim_of(&[hair, &[root.point, root.point - root.normal]], &[]);
         let found = measure(&[Prim::new(&read)], Some(&scalp)).remove(0);
         assert!(found.laws["roots lie on the scalp to 0.001 cm"]);
-        assert!(!found.laws["nothing is deeper under the skin than allowed"]);
+        assert!(!found.laws[DEEPER]);
         assert_eq!(found.scalp.unwrap().too_deep, 1);
     }
 }
