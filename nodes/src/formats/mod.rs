@@ -6,6 +6,7 @@ pub mod error;
 pub mod export;
 pub mod gltf;
 pub mod hair;
+mod mend;
 pub mod mesh_in;
 pub mod obj;
 pub mod usd;

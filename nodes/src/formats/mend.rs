@@ -1,0 +1,309 @@
+//! One curve whose readings differ, given points through which they agree.
+//!
+//! What is tried, in turn until they agree: points with chords alike; the same moved out of the skin as a whole, so that
+//! chords stay alike where pushing each point would make them uneven; both once more after the curve is led round what tears
+//! it.
+//!
+//! Guarantees: the root stays, and the tip but for curves that are moved as a whole, whose tips go along; no other point is
+//! deeper in the skin than allowed by more than [`NEAR`] cm. Not promised: that readings agree at the end, which
+//! [`Read::left`] tells.
+
+use super::conform::{AGREE, Effort, MOST_POINTS, readings_differ};
+use crate::data::lead::Torn;
+use crate::data::scalp::Skin;
+use crate::maths::spline::{Place, Spline};
+use glam::Vec3;
+
+/// How many times as many segments a resampled curve is given, in turn.
+const FINER: [f32; 2] = [1.0, 1.25];
+/// How many times as many one is given that is moved out of the skin as a whole.
+const MOVED_FINER: [f32; 3] = [1.0, 2.0, 4.0];
+/// From what on a curve is led round what the skin tears it at, in turn.
+const LEADS: [Torn; 2] = [Torn::APART, Torn::UNEVEN];
+/// How often a curve is moved out as a whole and made even again.
+const MOVES: usize = 40;
+/// So much (cm) deeper than allowed is let pass: half of what the law on depth lets pass.
+const NEAR: f32 = 5e-4;
+/// Rounds in which chords are made alike.
+const ROUNDS: usize = 16;
+/// Rounds after which they are made so at half the pace: where a curve turns by a right angle from point to point, a full
+/// step oversteps.
+const QUICK: usize = 8;
+/// Chords within this ratio are alike.
+const ALIKE: f32 = 1.01;
+
+/// Points that stand for a curve.
+#[derive(Clone, PartialEq)]
+pub(super) struct Read {
+    /// How much their readings differ, cm.
+    pub(super) left: f32,
+    pub(super) points: Vec<Vec3>,
+    /// Where they lie on the curve as it was: arc length and place.
+    pub(super) stops: Vec<(f32, Place)>,
+}
+
+impl Read {
+    fn agrees(&self) -> bool {
+        self.left <= AGREE
+    }
+
+    fn judged(mut self) -> Self {
+        self.left = readings_differ(&self.points);
+        self
+    }
+}
+
+/// A curve to be read alike.
+pub(super) struct Mender<'a> {
+    pub(super) old: &'a [Vec3],
+    pub(super) spline: &'a Spline,
+    /// Room for the spline of points that stand for the curve.
+    pub(super) led: &'a mut Spline,
+    pub(super) skin: Option<&'a Skin<'a>>,
+    /// How deep in the skin it may lie at a place, cm.
+    pub(super) depth: &'a dyn Fn(Place) -> f32,
+}
+
+impl Mender<'_> {
+    pub(super) fn read_alike(&mut self, effort: Effort) -> Read {
+        let mut tried: Vec<Read> = vec![];
+        for finer in FINER {
+            let read = self.resampled(finer);
+            if read.agrees() {
+                return read;
+            }
+            tried.push(read);
+        }
+        if let (Some(skin), Effort::Moved | Effort::Led) = (self.skin, effort) {
+            let leads = if effort == Effort::Led { &LEADS[..] } else { &[] };
+            for lead in [None].into_iter().chain(leads.iter().map(Some)) {
+                let from = match lead {
+                    None => tried[0].clone(),
+                    Some(torn) => self.led_round(skin, *torn),
+                };
+                if from.agrees() {
+                    return from;
+                }
+                for finer in MOVED_FINER {
+                    match self.moved_out(skin, &from, finer) {
+                        Some(moved) if moved.agrees() => return moved,
+                        moved => tried.extend(moved),
+                    }
+                }
+                tried.push(from);
+            }
+        }
+        tried.sort_by(|a, b| a.left.total_cmp(&b.left));
+        tried.swap_remove(0)
+    }
+
+    /// The segments of so many times as many points.
+    fn segments(&self, of: usize, finer: f32) -> usize {
+        ((of as f32 * finer) as usize).min((MOST_POINTS - 1).max(self.old.len() - 1))
+    }
+
+    fn clear(&self, p: Vec3, place: Place) -> Vec3 {
+        self.skin.map_or(p, |skin| skin.push_out(p, (self.depth)(place)).0)
+    }
+
+    /// Points with chords alike, out of the skin.
+    fn resampled(&self, finer: f32) -> Read {
+        let last = self.segments(self.old.len() - 1, finer);
+        let mut read = Read { left: 0.0, points: vec![], stops: vec![] };
+        alike_chords(self.spline, last, &mut read, |k, place| match k {
+            0 => self.old[0],
+            k if k == last => self.old[self.old.len() - 1],
+            _ => self.clear(self.spline.point(place), place),
+        });
+        read.judged()
+    }
+
+    /// The same of the curve led round what tears it.
+    fn led_round(&mut self, skin: &Skin, torn: Torn) -> Read {
+        let last = self.segments(self.old.len() - 1, 1.0);
+        let mut read = Read { left: 0.0, points: vec![], stops: vec![] };
+        alike_chords(self.spline, last, &mut read, |_, place| self.spline.point(place));
+        let Read { points, stops, .. } = &mut read;
+        skin.clear_beyond(torn, points, |k| Some((self.depth)(stops[k].1)));
+        self.even(&mut read, last, true);
+        read.judged()
+    }
+
+    /// Makes chords alike along the points that stand for the curve; whether they could be.
+    fn even(&mut self, read: &mut Read, last: usize, clears: bool) -> bool {
+        if self.led.rebuild(&read.points).is_err() {
+            return false;
+        }
+        let tip = read.points[read.points.len() - 1];
+        let was: Vec<f32> = read.stops.iter().map(|(s, _)| *s).collect();
+        let before = |place: Place| {
+            let (a, b) = (was[place.span], was[place.span + 1]);
+            a + (b - a) * place.t
+        };
+        alike_chords(self.led, last, read, |k, place| match k {
+            0 => self.old[0],
+            k if k == last => tip,
+            _ if clears => {
+                self.clear(self.led.point(place), self.spline.locate_length(before(place)))
+            }
+            _ => self.led.point(place),
+        });
+        for (s, place) in &mut read.stops {
+            *s = before(*place);
+            *place = self.spline.locate_length(*s);
+        }
+        true
+    }
+
+    /// Points with chords alike of the curve that is moved as a whole until none is too deep; none where it finds no way.
+    fn moved_out(&mut self, skin: &Skin, from: &Read, finer: f32) -> Option<Read> {
+        let mut read = from.clone();
+        let last = self.segments(from.points.len() - 1, finer);
+        for round in 0..MOVES {
+            if !self.even(&mut read, last, false) {
+                return None;
+            }
+            let stops = &read.stops;
+            let beyond = 1.1 + 0.3 * round as f32;
+            if !move_out(&mut read.points, |k| (self.depth)(stops[k].1), skin, beyond) {
+                return Some(read.judged());
+            }
+        }
+        None
+    }
+}
+
+/// `last` + 1 points of the spline whose chords are so much alike that both readings agree, and where they lie on it (arc
+/// length and place): through such points both are one curve, however sharply it bends; points at even arc length have
+/// shorter chords where it bends. `point` gives the point of a place, which may have to keep clear of the skin.
+fn alike_chords(
+    spline: &Spline,
+    last: usize,
+    read: &mut Read,
+    point: impl Fn(usize, Place) -> Vec3,
+) {
+    let Read { points, stops, .. } = read;
+    // Places the points at these arc lengths; gives the longest chord over the shortest.
+    let sample = |wanted: &[f32], stops: &mut Vec<(f32, Place)>, points: &mut Vec<Vec3>| -> f32 {
+        let mut cursor = 0;
+        stops.clear();
+        stops.extend(wanted.iter().map(|s| (*s, spline.locate_rising(&mut cursor, *s))));
+        points.clear();
+        points.extend(stops.iter().enumerate().map(|(k, (_, place))| point(k, *place)));
+        let chords = points.windows(2).map(|w| w[0].distance(w[1]));
+        let (least, most) = chords.fold((f32::MAX, 0.0f32), |(a, b), c| (a.min(c), b.max(c)));
+        most / least.max(1e-9)
+    };
+    let mut wanted: Vec<f32> =
+        (0..=last).map(|k| k as f32 / last as f32 * spline.length()).collect();
+    // Where the skin makes a curve leap, more points make no shorter chords: the best round counts.
+    let mut best = (f32::MAX, wanted.clone());
+    for round in 0..ROUNDS {
+        let ratio = sample(&wanted, stops, points);
+        if ratio <= ALIKE || readings_differ(points) <= AGREE {
+            return;
+        }
+        if ratio < best.0 {
+            best = (ratio, wanted.clone());
+        }
+        // What arc length has come where the chords have come to their even share.
+        let total: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let (mut k, mut come) = (0, 0.0);
+        for (n, stop) in wanted.iter_mut().enumerate().take(last).skip(1) {
+            let share = total * n as f32 / last as f32;
+            while k + 1 < last && come + points[k].distance(points[k + 1]) < share {
+                come += points[k].distance(points[k + 1]);
+                k += 1;
+            }
+            let chord = points[k].distance(points[k + 1]);
+            let part = if chord > 0.0 { ((share - come) / chord).clamp(0.0, 1.0) } else { 0.0 };
+            let even = stops[k].0 + (stops[k + 1].0 - stops[k].0) * part;
+            *stop += (even - *stop) * if round < QUICK { 1.0 } else { 0.5 };
+        }
+    }
+    if sample(&wanted, stops, points) > best.0 {
+        sample(&best.1, stops, points);
+    }
+}
+
+/// Moves what is deeper in the skin than allowed out of it, `beyond` times as far as it has to, and what lies beside it along,
+/// the nearer the more. Tells whether anything was.
+fn move_out(points: &mut [Vec3], depth: impl Fn(usize) -> f32, skin: &Skin, beyond: f32) -> bool {
+    // How far to either side others go along, as a multiple of the way and of the mean chord.
+    const ALONG: (f32, f32) = (6.0, 3.0);
+    // And a little farther out, cm.
+    const OVER: f32 = 0.002;
+    let n = points.len();
+    let mut come = vec![0.0f32; n];
+    for k in 1..n {
+        come[k] = come[k - 1] + points[k].distance(points[k - 1]);
+    }
+    let chord = come[n - 1] / (n - 1) as f32;
+    let mut moves = vec![Vec3::ZERO; n];
+    let mut any = false;
+    for k in 1..n {
+        let way = skin.push_out(points[k], depth(k)).0 - points[k];
+        let far = way.length();
+        if far <= NEAR {
+            continue;
+        }
+        any = true;
+        let reach = (ALONG.0 * far).max(ALONG.1 * chord);
+        let way = way * (beyond + OVER / far);
+        let goes_along = |j: &usize| (come[*j] - come[k]).abs() < reach;
+        for j in (k..n).take_while(goes_along).chain((1..k).rev().take_while(goes_along)) {
+            let off = (come[j] - come[k]) / reach;
+            let share = (1.0 - off * off) * (1.0 - off * off);
+            // Of what pulls at a point the strongest counts: neighbours that are both in the skin tell the same way out.
+            if share * share * way.length_squared() > moves[j].length_squared() {
+                moves[j] = way * share;
+            }
+        }
+    }
+    points.iter_mut().zip(moves).for_each(|(p, by)| *p += by);
+    any
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::scalp::tests::shared_ball;
+    use crate::maths::transcendental::sin_cos_turns;
+
+    #[test]
+    fn a_curve_is_moved_out_as_a_whole_and_its_chords_stay_alike() {
+        let scalp = shared_ball();
+        let skin = scalp.skin();
+        // A coil along the ball, its turns half in it, from a root on it to a tip in it.
+        let coil: Vec<Vec3> = (0..=160)
+            .map(|k| {
+                let t = k as f32 / 160.0;
+                let (rise, over) = sin_cos_turns(0.25 - 0.2 * t);
+                let (sin, cos) = sin_cos_turns(14.0 * t);
+                let out = Vec3::new(over, rise, 0.0);
+                out * (8.9 + 0.4 * sin) + (Vec3::Z * 0.4 * cos)
+            })
+            .collect();
+        let spline = Spline::new(&coil).unwrap();
+        let mut mender = Mender {
+            old: &coil,
+            spline: &spline,
+            led: &mut Spline::default(),
+            skin: Some(&skin),
+            depth: &|_| 0.0,
+        };
+        let deepest = |points: &[Vec3]| points.iter().map(|p| 8.9 - p.length()).fold(0.0, f32::max);
+        let mut from = mender.resampled(1.0);
+        for (p, stop) in from.points.iter_mut().zip(&from.stops) {
+            *p = spline.point(stop.1);
+        }
+        assert!(deepest(&coil) > 0.35, "{}", deepest(&coil));
+        let moved = mender.moved_out(&skin, &from, 1.0).unwrap();
+        assert!(moved.agrees(), "{}", moved.left);
+        assert_eq!(moved.points[0], coil[0]);
+        // The ball is a mesh whose faces lie up to a fiftieth within the sphere.
+        assert!(deepest(&moved.points[1..]) < 0.02 + NEAR, "{}", deepest(&moved.points[1..]));
+        let far = moved.points.iter().zip(&moved.stops).map(|(p, s)| p.distance(spline.point(s.1)));
+        assert!(far.fold(0.0, f32::max) < 0.7, "it goes no farther than it has to");
+    }
+}
