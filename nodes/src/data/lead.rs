@@ -202,7 +202,7 @@ impl Skin<'_> {
 
     /// The shortest way from `middle` out of a thin part, across a hair that runs `along` and whose points were torn apart
     /// along `through`.
-    fn way_out(&self, middle: Vec3, through: Vec3, along: Vec3) -> Option<Vec3> {
+    pub(crate) fn way_out(&self, middle: Vec3, through: Vec3, along: Vec3) -> Option<Vec3> {
         let across = through.cross(along).normalize_or_zero();
         if across == Vec3::ZERO {
             return None;

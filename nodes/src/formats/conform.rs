@@ -86,10 +86,12 @@ impl Effort {
 
     /// For each of so many curves.
     fn of(curves: usize) -> Self {
-        match curves {
-            ..=Self::LED => Self::Led,
-            ..=Self::MOVED => Self::Moved,
-            _ => Self::None,
+        if curves <= Self::LED {
+            Self::Led
+        } else if curves <= Self::MOVED {
+            Self::Moved
+        } else {
+            Self::None
         }
     }
 }
@@ -174,7 +176,13 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>, effort: Effort) -> Done {
 /// The largest distance, cm, between the uniform and the centripetal Catmull-Rom spline through the points: the two have the
 /// same ends in each span and differ in their tangents there. Sliding along the curve counts nothing.
 pub fn readings_differ(points: &[Vec3]) -> f32 {
-    let mut differ = 0.0f32;
+    let mut worst = 0.0f32;
+    each_span(points, |_, difference| worst = worst.max(difference));
+    worst
+}
+
+/// [`readings_differ`] of each span; where it is no more than [`AGREE`], not less than it is.
+pub(super) fn each_span(points: &[Vec3], mut found: impl FnMut(usize, f32)) {
     let n = points.len();
     let knot = |i: usize| points[i].distance(points[i + 1]).sqrt();
     // Tangents at the inner point `i`, whose segments have the knots `a` and `b`: per unit of the centripetal
@@ -209,14 +217,12 @@ pub fn readings_differ(points: &[Vec3]) -> f32 {
                 let slide = along * (gap.dot(along) / along.length_squared().max(1e-20));
                 worst = worst.max((gap - slide).length());
             }
-            differ = differ.max(worst);
+            found(i, worst);
         } else {
-            // Not less than it is, and let pass.
-            differ = differ.max(bound.min(AGREE));
+            found(i, bound.min(AGREE));
         }
         (before, d) = (after, next);
     }
-    differ
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 //! deeper in the skin than allowed by more than [`NEAR`] cm. Not promised: that readings agree at the end, which
 //! [`Read::left`] tells.
 
-use super::conform::{AGREE, Effort, MOST_POINTS, readings_differ};
+use super::conform::{AGREE, Effort, MOST_POINTS, each_span, readings_differ};
 use crate::data::lead::Torn;
 use crate::data::scalp::Skin;
 use crate::maths::spline::{Place, Spline};
@@ -22,6 +22,25 @@ const MOVED_FINER: [f32; 3] = [1.0, 2.0, 4.0];
 const LEADS: [Torn; 2] = [Torn::APART, Torn::UNEVEN];
 /// How often a curve is moved out as a whole and made even again.
 const MOVES: usize = 40;
+/// How it is moved, in turn: so that it stays near what it was and, where that finds no way, harder.
+const MANNERS: [Manner; 3] = [
+    Manner { growth: 0.3, hard: false },
+    Manner { growth: 0.1, hard: true },
+    Manner { growth: 1.0, hard: true },
+];
+
+/// How what is too deep is moved out of the skin.
+#[derive(Clone, Copy)]
+struct Manner {
+    /// By so many times as much more each time.
+    growth: f32,
+    /// Whether neighbours that would leave a thin part of the skin to both sides go round its edge together, and what is clear
+    /// of the skin and read differently still is eased.
+    hard: bool,
+}
+
+/// What is too deep is moved by at most so many times as much as it has to be.
+const FARTHEST: f32 = 12.0;
 /// So much (cm) deeper than allowed is let pass: half of what the law on depth lets pass.
 const NEAR: f32 = 5e-4;
 /// Rounds in which chords are made alike.
@@ -76,22 +95,23 @@ impl Mender<'_> {
         }
         if let (Some(skin), Effort::Moved | Effort::Led) = (self.skin, effort) {
             let leads = if effort == Effort::Led { &LEADS[..] } else { &[] };
-            for lead in [None].into_iter().chain(leads.iter().map(Some)) {
-                let from = match lead {
-                    None => tried[0].clone(),
-                    Some(torn) => self.led_round(skin, *torn),
-                };
-                if from.agrees() {
-                    return from;
-                }
-                for finer in MOVED_FINER {
-                    match self.moved_out(skin, &from, finer) {
-                        Some(moved) if moved.agrees() => return moved,
-                        moved => tried.extend(moved),
+            let mut starts = vec![tried[0].clone()];
+            for manner in MANNERS {
+                for k in 0..=leads.len() {
+                    if k == starts.len() {
+                        let led = self.led_round(skin, leads[k - 1]);
+                        if led.agrees() {
+                            return led;
+                        }
+                        starts.push(led);
+                    }
+                    let moved = |finer| self.moved_out(skin, &starts[k], finer, manner);
+                    if let Some(read) = MOVED_FINER.into_iter().find_map(moved) {
+                        return read;
                     }
                 }
-                tried.push(from);
             }
+            tried.append(&mut starts);
         }
         tried.sort_by(|a, b| a.left.total_cmp(&b.left));
         tried.swap_remove(0)
@@ -155,8 +175,9 @@ impl Mender<'_> {
         true
     }
 
-    /// Points with chords alike of the curve that is moved as a whole until none is too deep; none where it finds no way.
-    fn moved_out(&mut self, skin: &Skin, from: &Read, finer: f32) -> Option<Read> {
+    /// Points with chords alike of the curve that is moved as a whole until none is too deep and its readings agree; none
+    /// where it finds no way.
+    fn moved_out(&mut self, skin: &Skin, from: &Read, finer: f32, manner: Manner) -> Option<Read> {
         let mut read = from.clone();
         let last = self.segments(from.points.len() - 1, finer);
         for round in 0..MOVES {
@@ -164,9 +185,18 @@ impl Mender<'_> {
                 return None;
             }
             let stops = &read.stops;
-            let beyond = 1.1 + 0.3 * round as f32;
-            if !move_out(&mut read.points, |k| (self.depth)(stops[k].1), skin, beyond) {
-                return Some(read.judged());
+            // Farther each time: what evening draws back again is out at last.
+            let beyond = (1.1 + manner.growth * round as f32).min(FARTHEST);
+            if !move_out(&mut read.points, |k| (self.depth)(stops[k].1), skin, beyond, manner.hard)
+            {
+                read = read.judged();
+                if read.agrees() {
+                    return Some(read);
+                }
+                if !manner.hard {
+                    return None;
+                }
+                ease(&mut read.points);
             }
         }
         None
@@ -228,40 +258,72 @@ fn alike_chords(
 
 /// Moves what is deeper in the skin than allowed out of it, `beyond` times as far as it has to, and what lies beside it along,
 /// the nearer the more. Tells whether anything was.
-fn move_out(points: &mut [Vec3], depth: impl Fn(usize) -> f32, skin: &Skin, beyond: f32) -> bool {
+fn move_out(
+    points: &mut [Vec3],
+    depth: impl Fn(usize) -> f32,
+    skin: &Skin,
+    beyond: f32,
+    aside: bool,
+) -> bool {
     // How far to either side others go along, as a multiple of the way and of the mean chord.
     const ALONG: (f32, f32) = (6.0, 3.0);
-    // And a little farther out, cm.
-    const OVER: f32 = 0.002;
     let n = points.len();
     let mut come = vec![0.0f32; n];
     for k in 1..n {
         come[k] = come[k - 1] + points[k].distance(points[k - 1]);
     }
     let chord = come[n - 1] / (n - 1) as f32;
-    let mut moves = vec![Vec3::ZERO; n];
-    let mut any = false;
-    for k in 1..n {
+    let out = |k: usize| {
         let way = skin.push_out(points[k], depth(k)).0 - points[k];
-        let far = way.length();
-        if far <= NEAR {
-            continue;
+        if way.length() > NEAR { way } else { Vec3::ZERO }
+    };
+    let mut ways: Vec<Vec3> = (1..n).map(out).collect();
+    ways.insert(0, Vec3::ZERO);
+    for k in 1..n - 1 {
+        if aside && ways[k].dot(ways[k + 1]) < 0.0 {
+            let through = (ways[k + 1] - ways[k]).normalize_or_zero();
+            let along = (points[k + 1] - points[k]).normalize_or_zero();
+            let middle = (points[k] + points[k + 1]) * 0.5;
+            if let Some(aside) = skin.way_out(middle, through, along) {
+                (ways[k], ways[k + 1]) = (aside / beyond, aside / beyond);
+            }
         }
-        any = true;
-        let reach = (ALONG.0 * far).max(ALONG.1 * chord);
-        let way = way * (beyond + OVER / far);
+    }
+    let mut moves = vec![Vec3::ZERO; n];
+    for k in (1..n).filter(|k| ways[*k] != Vec3::ZERO) {
+        let reach = (ALONG.0 * ways[k].length()).max(ALONG.1 * chord);
         let goes_along = |j: &usize| (come[*j] - come[k]).abs() < reach;
         for j in (k..n).take_while(goes_along).chain((1..k).rev().take_while(goes_along)) {
             let off = (come[j] - come[k]) / reach;
-            let share = (1.0 - off * off) * (1.0 - off * off);
+            let by = ways[k] * (beyond * (1.0 - off * off) * (1.0 - off * off));
             // Of what pulls at a point the strongest counts: neighbours that are both in the skin tell the same way out.
-            if share * share * way.length_squared() > moves[j].length_squared() {
-                moves[j] = way * share;
+            if by.length_squared() > moves[j].length_squared() {
+                moves[j] = by;
             }
         }
     }
     points.iter_mut().zip(moves).for_each(|(p, by)| *p += by);
-    any
+    ways.iter().any(|way| *way != Vec3::ZERO)
+}
+
+/// Eases points about the spans where readings differ, but for the ends, towards the middle of their neighbours.
+fn ease(points: &mut [Vec3]) {
+    const REACH: usize = 3;
+    let n = points.len();
+    let mut shares = vec![0.0f32; n];
+    each_span(points, |span, difference| {
+        if difference > AGREE {
+            let end = (span + 2 + REACH).min(n - 1);
+            for (k, share) in shares.iter_mut().enumerate().take(end).skip(1) {
+                let off = span.saturating_sub(k).max(k.saturating_sub(span + 1));
+                *share = share.max(1.0 - off as f32 / (REACH + 1) as f32);
+            }
+        }
+    });
+    let was = points.to_vec();
+    for k in 1..n - 1 {
+        points[k] += ((was[k - 1] + was[k + 1]) * 0.5 - was[k]) * (0.5 * shares[k]);
+    }
 }
 
 #[cfg(test)]
@@ -298,7 +360,7 @@ mod tests {
             *p = spline.point(stop.1);
         }
         assert!(deepest(&coil) > 0.35, "{}", deepest(&coil));
-        let moved = mender.moved_out(&skin, &from, 1.0).unwrap();
+        let moved = mender.moved_out(&skin, &from, 1.0, MANNERS[0]).unwrap();
         assert!(moved.agrees(), "{}", moved.left);
         assert_eq!(moved.points[0], coil[0]);
         // The ball is a mesh whose faces lie up to a fiftieth within the sphere.
