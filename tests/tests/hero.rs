@@ -5,7 +5,7 @@
 //! test judges all of it (`cargo test --release -p coif-tests --test hero -- --ignored`, minutes).
 
 use coif_graphs::grooms;
-use coif_tests::{Folder, RealHead, SCAN, eval, real_heads, run};
+use coif_tests::{Folder, RealHead, eval, real_heads, run};
 use serde_json::Value as Json;
 
 /// What a groom's file must show, beside what all must.
@@ -70,10 +70,6 @@ const LAWS: &[&str] = &[
 ];
 /// What heroes do not keep yet, law by law. A law that has come to hold is taken off this list: the test says so.
 const NOT_YET: &[(&str, &[&str])] = &[];
-/// What single hairs of some do not keep yet on a real head, with all of them.
-const NOT_YET_ON: &[(&str, &[(&str, &[&str])])] =
-    &[(SCAN, &[("finger_coils", &[READINGS]), ("waves_2b", &[READINGS])])];
-
 const READINGS: &str = "both readings of every curve agree to 0.001 cm";
 const WOVEN: &str = "braids are woven all along as they begin";
 const OUTLINES: &str = "outlines of puffs are clean";
@@ -213,7 +209,7 @@ fn heroes_show_what_their_style_shows() {
 fn heroes_sit_on_real_heads() {
     let mut wrong = vec![];
     for head in real_heads("heroes_sit_on_real_heads") {
-        check_on(&head, &["--quality", "preview"], OF_ANY_HAIR, NOT_YET, &mut wrong);
+        check_on(&head, &["--quality", "preview"], OF_ANY_HAIR, &mut wrong);
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
@@ -224,24 +220,17 @@ fn heroes_sit_on_real_heads_with_all_their_hair() {
     let mut wrong = vec![];
     let laws = [LAWS, &[DIAMETERS, PITCHES, SHRINKAGE, OUTLINES]].concat();
     for head in real_heads("heroes_sit_on_real_heads_with_all_their_hair") {
-        let list = NOT_YET_ON.iter().find(|(name, _)| *name == head.name);
-        check_on(&head, &[], &laws, list.map_or(NOT_YET, |(_, list)| list), &mut wrong);
+        check_on(&head, &[], &laws, &mut wrong);
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Evaluates all heroes on a head and judges them by these laws, but for what `list` says that they do not keep yet.
-fn check_on(
-    head: &RealHead,
-    more: &[&str],
-    laws: &[&str],
-    list: &[(&str, &'static [&'static str])],
-    wrong: &mut Vec<String>,
-) {
+/// Evaluates all heroes on a head and judges them by these laws.
+fn check_on(head: &RealHead, more: &[&str], laws: &[&str], wrong: &mut Vec<String>) {
     for name in grooms::HEROES {
         let (report, prims) = measured(name, Some(head), more);
         let what = format!("{name} on {}", head.name);
         println!("{what}: {}", report["warnings"]);
-        check_laws(&what, &prims, laws, not_yet(list, name), wrong);
+        check_laws(&what, &prims, laws, not_yet(NOT_YET, name), wrong);
     }
 }
