@@ -35,9 +35,9 @@ pub struct Conformed {
 /// The largest distance between the two readings of a curve that is let pass, cm (methods.md 0).
 pub const AGREE: f32 = 1e-3;
 
-/// Resamples the curves whose uneven CVs would be read as another curve elsewhere: both ends stay, all other points are new
-/// ones of the same curve, as far out of `skin` as it allows. A curve that passes through a thin part of the skin, such as an
-/// ear, between its CVs is led round it.
+/// Resamples the curves whose uneven CVs would be read as another curve elsewhere: the root stays, all other points are new
+/// ones of the same curve, as far out of `skin` as it allows. A curve that the skin makes uneven, such as one that passes
+/// through an ear between its CVs, is moved out of it as a whole or led round it, its tip too.
 pub fn conform(curves: &Curves, skin: Option<Skin>, for_each: crate::eval::ForEach) -> Conformed {
     let all = |tufts: &[usize], effort: Effort| -> Vec<Done> {
         let cells: Vec<OnceLock<Done>> = tufts.iter().map(|_| OnceLock::new()).collect();
@@ -78,10 +78,11 @@ pub(super) enum Effort {
 }
 
 impl Effort {
-    /// So many curves are led: each may take a twentieth of a second. A smooth head tears a few hundred at its ears, the folds
+    /// So many curves are led, which is what takes longest. A smooth head tears a few hundred at its ears, the folds
     /// of a rough scan a few thousand.
     const LED: usize = 4_000;
-    /// So many are moved: each may take a hundredth of a second.
+    /// So many are moved. Most find their way in a few rounds; where none does, on a mesh of nothing but folds, 72,000 coils
+    /// took 50 s on two cores.
     const MOVED: usize = 40_000;
 
     /// For each of so many curves.
