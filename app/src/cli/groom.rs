@@ -22,7 +22,7 @@ use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{NodeError, Type, Value};
 use coif_nodes::eval::Quality;
-use coif_nodes::formats::conform::conform;
+use coif_nodes::formats::conform::{Conformed, conform};
 use coif_nodes::formats::export;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -284,16 +284,17 @@ impl Wanted {
             [only] => Some(only.skin()),
             _ => None,
         };
-        let conformed = conform(&curves, skin, &|n, f| evaluator.for_each(n, f));
+        let Conformed { curves: conformed, changes } =
+            conform(&curves, skin, &|n, f| evaluator.for_each(n, f));
         drop(curves);
         let socket = &self.socket;
-        if conformed.left_out > 0 {
+        if changes.left_out > 0 {
             report.warnings.push(format!(
                 "{socket}: {} curves of fewer than 2 points were left out",
-                conformed.left_out
+                changes.left_out
             ));
         }
-        let curves = conformed.curves;
+        let curves = conformed;
         report.outputs.push(Output {
             node: socket.node.to_string(),
             socket: socket.name.to_string(),
@@ -302,8 +303,10 @@ impl Wanted {
             points: curves.point_count(),
             bounds: curves.bounds().map(|(lo, hi)| [lo.to_array(), hi.to_array()]),
             hash: content_hash(&curves),
-            resampled: conformed.resampled,
-            reading_difference: conformed.difference,
+            resampled: changes.resampled,
+            moved: changes.moved,
+            farthest_cm: changes.farthest,
+            reading_difference: changes.difference,
             root_drift_cm: root_drift(&curves),
         });
         if curves.curve_count() == 0 {

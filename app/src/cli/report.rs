@@ -68,6 +68,9 @@ pub(crate) struct Output {
     pub(crate) hash: String,
     /// Curves resampled because other tools would have read another curve.
     pub(crate) resampled: usize,
+    /// How many of these a thin part or a fold of the skin made leave the curve they were, and how far (cm) the farthest.
+    pub(crate) moved: usize,
+    pub(crate) farthest_cm: f32,
     /// Largest distance, cm, between the curves as coif and as USD readers understand them.
     pub(crate) reading_difference: f32,
     /// How far roots lie from where they were drawn, carried over to this head: the middle and the largest distance, cm;

@@ -254,7 +254,7 @@ pub(crate) mod tests {
     }
 
     /// Hairs that hang past the left ear of the built-in head, before and behind it and through it.
-    fn hairs() -> Vec<Vec<Vec3>> {
+    pub(crate) fn hairs() -> Vec<Vec<Vec3>> {
         let mut out = vec![];
         for x in 0..24 {
             for z in 0..48 {

@@ -19,17 +19,38 @@ use crate::shape::resample::between;
 use glam::Vec3;
 use std::sync::{Arc, OnceLock};
 
-/// Curves as other tools will read them, and how far the two readings differ.
+/// Curves as other tools will read them, and what that took.
 #[derive(Clone, Debug)]
 pub struct Conformed {
     /// The curves, resampled where needed. Tufts that need nothing are the same.
     pub curves: Curves,
+    /// What was done to them.
+    pub changes: Changes,
+}
+
+/// What conforming did to curves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Changes {
     /// How many curves were resampled.
     pub resampled: usize,
+    /// How many of these had to leave the curve they were, out of the skin.
+    pub moved: usize,
+    /// The farthest that a point of these lies from where it was on its curve, cm.
+    pub farthest: f32,
     /// The largest distance between the two readings, cm.
     pub difference: f32,
     /// Curves of fewer than two points, which no format holds: left out.
     pub left_out: usize,
+}
+
+impl Changes {
+    fn join(&mut self, other: Self) {
+        self.resampled += other.resampled;
+        self.moved += other.moved;
+        self.farthest = self.farthest.max(other.farthest);
+        self.difference = self.difference.max(other.difference);
+        self.left_out += other.left_out;
+    }
 }
 
 /// The largest distance between the two readings of a curve that is let pass, cm (methods.md 0).
@@ -54,17 +75,13 @@ pub fn conform(curves: &Curves, skin: Option<Skin>, for_each: crate::eval::ForEa
     for (i, again) in differ.iter().zip(all(&differ, effort)) {
         done[*i] = again;
     }
-    let mut out =
-        Conformed { curves: Curves::default(), resampled: 0, difference: 0.0, left_out: 0 };
+    let mut changes = Changes::default();
     let mut tufts = vec![];
     for done in done {
         tufts.push(done.tuft);
-        out.resampled += done.resampled;
-        out.difference = out.difference.max(done.difference);
-        out.left_out += done.left_out;
+        changes.join(done.changes);
     }
-    out.curves = Curves::new(tufts);
-    out
+    Conformed { curves: Curves::new(tufts), changes }
 }
 
 /// What is tried on each curve whose readings still differ when its points are even.
@@ -100,41 +117,39 @@ impl Effort {
 /// The most points that resampling gives a curve: what game engines take. Where that is not enough, the difference that is
 /// left is told.
 pub const MOST_POINTS: usize = 255;
+
 /// What [`conform`] has made of a tuft.
 struct Done {
     tuft: Arc<Tuft>,
-    resampled: usize,
-    difference: f32,
-    left_out: usize,
+    changes: Changes,
     /// Curves of which the two readings still differ.
     differ: usize,
 }
 
 fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>, effort: Effort) -> Done {
-    let mut worst = 0.0f32;
+    let mut changes = Changes::default();
     let mut change = vec![false; tuft.len()];
-    let mut left_out = 0;
     for (i, change) in change.iter_mut().enumerate() {
         let points = tuft.curve(i);
         if points.len() < 2 {
-            left_out += 1;
+            changes.left_out += 1;
             continue;
         }
         let difference = readings_differ(points);
         if difference > AGREE {
             *change = true;
         } else {
-            worst = worst.max(difference);
+            changes.difference = changes.difference.max(difference);
         }
     }
-    if left_out == 0 && !change.contains(&true) {
-        return Done { tuft: tuft.clone(), resampled: 0, difference: worst, left_out, differ: 0 };
+    if changes.left_out == 0 && !change.contains(&true) {
+        return Done { tuft: tuft.clone(), changes, differ: 0 };
     }
     let allowed = tuft.view(a::ALLOW_DEPTH);
     let mut out = TuftBuilder::new();
     let (mut kept, mut places) = (vec![], vec![]);
     let (mut spline, mut led) = (Spline::default(), Spline::default());
-    let (mut resampled, mut differ) = (0, 0);
+    let mut differ = 0;
     for (i, change) in change.into_iter().enumerate() {
         let old = tuft.curve(i);
         if old.len() < 2 {
@@ -151,16 +166,21 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>, effort: Effort) -> Done {
             out.push_curve(old);
             continue;
         }
-        resampled += 1;
         // As the attribute will be read at the new points.
         let depth = |place: Place| {
             let at = |k: usize| allowed.at(i, first as usize + place.span + k);
             at(0) + (at(1) - at(0)) * place.t
         };
         let mut mender = Mender { old, spline: &spline, led: &mut led, skin, depth: &depth };
-        let Read { left, points, stops } = mender.read_alike(effort);
+        let Read { left, points, stops, moved } = mender.read_alike(effort);
         places.extend(stops.iter().map(|(_, place)| (first + place.span as u32, place.t)));
-        worst = worst.max(left);
+        changes.join(Changes {
+            resampled: 1,
+            moved: usize::from(moved > 0.0),
+            farthest: moved,
+            difference: left,
+            left_out: 0,
+        });
         differ += usize::from(left > AGREE);
         out.push_curve(&points);
     }
@@ -171,7 +191,7 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>, effort: Effort) -> Done {
         };
         out.set_column(a::Attribute { values, ..attribute.clone() });
     }
-    Done { tuft: Arc::new(out.build()), resampled, difference: worst, left_out, differ }
+    Done { tuft: Arc::new(out.build()), changes, differ }
 }
 
 /// The largest distance, cm, between the uniform and the centripetal Catmull-Rom spline through the points: the two have the
@@ -246,8 +266,11 @@ mod tests {
         let before = curves(&[&uneven, &even, &[Vec3::ONE]]);
         assert!(readings_differ(&uneven) > 0.05);
         let after = conform(&before, None, &in_order);
-        assert_eq!((after.resampled, after.left_out), (1, 1));
-        assert!(after.difference <= AGREE, "{}", after.difference);
+        assert_eq!(
+            (after.changes.resampled, after.changes.moved, after.changes.left_out),
+            (1, 0, 1)
+        );
+        assert!(after.changes.difference <= AGREE, "{}", after.changes.difference);
         let tuft = &after.curves.tufts()[0];
         assert_eq!(tuft.curve(1), even);
         assert_eq!(
@@ -273,7 +296,7 @@ mod tests {
         for curve in [hairpin, coil] {
             assert!(readings_differ(&curve) > 3.0 * AGREE, "{}", readings_differ(&curve));
             let after = conform(&curves(&[&curve]), None, &in_order);
-            assert!(after.difference <= AGREE, "{}", after.difference);
+            assert!(after.changes.difference <= AGREE, "{}", after.changes.difference);
             let points = after.curves.tufts()[0].curve(0);
             assert!(points.len() <= MOST_POINTS && points[0] == curve[0], "{}", points.len());
         }
