@@ -113,14 +113,15 @@ impl Mender<'_> {
                         }
                         starts.push(led);
                     }
-                    for finer in MOVED_FINER {
-                        match self.moved_out(skin, &starts[k], finer, manner) {
-                            Some(read) if read.moved <= near => return read,
-                            Some(read) if nearest.as_ref().is_none_or(|n| read.moved < n.moved) => {
-                                nearest = Some(read);
-                            }
-                            _ => {}
+                    let read = MOVED_FINER
+                        .into_iter()
+                        .find_map(|finer| self.moved_out(skin, &starts[k], finer, manner));
+                    match read {
+                        Some(read) if read.moved <= near => return read,
+                        Some(read) if nearest.as_ref().is_none_or(|n| read.moved < n.moved) => {
+                            nearest = Some(read);
                         }
+                        _ => {}
                     }
                 }
                 if let Some(read) = nearest {
