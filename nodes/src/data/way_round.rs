@@ -20,7 +20,10 @@ const FARTHEST: f32 = 5.0;
 /// How far a way keeps off the skin, cm, where it can.
 const OFF: f32 = 0.06;
 /// How many times as long a way may be to do so: past half of an ear, and out of the fold that an end lies in.
-const HARD: f32 = 30.0;
+const HARD: u32 = 30;
+/// Lengths of the steps along one, two and three axes, in thousandths of [`STEP`]: whole numbers, so that ways that are as long
+/// as each other are told apart by where they have come to, not by how they were added up.
+const LONG: [u32; 3] = [1000, 1414, 1732];
 /// So far off the skin (cm) half a step to the side is free too, even at a crease.
 const AIR: f32 = OFF + 0.9 * STEP + 0.1;
 
@@ -39,8 +42,6 @@ pub(super) fn way_round(skin: &Skin, from: Vec3, to: Vec3) -> Option<Vec<Vec3>> 
         [0, 1, 2].map(|axis| ((at[axis] + 0.5) as i32).min(size[axis] - 1))
     };
     let is_free = |p: Vec3| skin.about(p) > OFF;
-    let left = |at: [i32; 3], goal: [i32; 3]| place(at).distance(place(goal));
-
     let count = (size[0] * size[1] * size[2]) as usize;
     // How far off the skin places are, once asked for.
     let mut known = vec![f32::NAN; count];
@@ -68,44 +69,42 @@ pub(super) fn way_round(skin: &Skin, from: Vec3, to: Vec3) -> Option<Vec<Vec3>> 
         best.unwrap_or(at)
     };
     let (start, goal) = (beside(from), beside(to));
-    let mut cost = vec![f32::MAX; count];
-    let mut before = vec![start; count];
-    // Positive floats have the order of their bits.
+    let mut cost = vec![u32::MAX; count];
+    let mut before = vec![0u8; count];
+    // By the least that the whole way may cost; of equals first what is nearest to the goal.
     let mut open = BinaryHeap::new();
-    cost[index(start)] = 0.0;
-    open.push(Reverse((left(start, goal).to_bits(), start)));
-    while let Some(Reverse((guess, at))) = open.pop() {
-        let come = cost[index(at)];
+    cost[index(start)] = 0;
+    open.push(Reverse((left(start, goal), left(start, goal), start)));
+    while let Some(Reverse((whole, rest, at))) = open.pop() {
         if at == goal {
             break;
         }
-        if guess > (come + left(at, goal)).to_bits() {
+        let come = cost[index(at)];
+        if whole > come + rest {
             continue;
         }
-        for step in STEPS {
+        for (k, step) in STEPS.iter().enumerate() {
             let next = [0, 1, 2].map(|axis| at[axis] + step[axis]);
             if (0..3).any(|axis| !(0..size[axis]).contains(&next[axis])) {
                 continue;
             }
-            let (a, b) = (place(at), place(next));
-            if come + a.distance(b) >= cost[index(next)] {
+            let long = LONG[step.iter().filter(|x| **x != 0).count() - 1];
+            let known = cost[index(next)];
+            if come + long >= known {
                 continue;
             }
             let open_air = off(at).max(off(next)) > AIR;
-            let hard = match off(next) > OFF && (open_air || is_free((a + b) * 0.5)) {
-                true => 1.0,
-                false => HARD,
-            };
-            let come = come + hard * a.distance(b);
-            if come >= cost[index(next)] {
-                continue;
+            let free = off(next) > OFF && (open_air || is_free((place(at) + place(next)) * 0.5));
+            let come = come + if free { long } else { HARD * long };
+            if come < known {
+                cost[index(next)] = come;
+                before[index(next)] = k as u8;
+                let rest = left(next, goal);
+                open.push(Reverse((come + rest, rest, next)));
             }
-            cost[index(next)] = come;
-            before[index(next)] = at;
-            open.push(Reverse(((come + left(next, goal)).to_bits(), next)));
         }
     }
-    if cost[index(goal)] == f32::MAX {
+    if cost[index(goal)] == u32::MAX {
         return None;
     }
     let mut way = vec![to];
@@ -115,7 +114,8 @@ pub(super) fn way_round(skin: &Skin, from: Vec3, to: Vec3) -> Option<Vec<Vec3>> 
         if at == start {
             break;
         }
-        at = before[index(at)];
+        let step = STEPS[before[index(at)] as usize];
+        at = [0, 1, 2].map(|axis| at[axis] - step[axis]);
     }
     way.push(from);
     way.reverse();
@@ -134,6 +134,13 @@ const STEPS: [[i32; 3]; 26] = {
     }
     out
 };
+
+/// The length of the shortest way through open air, in thousandths of [`STEP`].
+fn left(at: [i32; 3], goal: [i32; 3]) -> u32 {
+    let mut far = [0, 1, 2].map(|axis| at[axis].abs_diff(goal[axis]));
+    far.sort_unstable();
+    LONG[2] * far[0] + LONG[1] * (far[1] - far[0]) + LONG[0] * (far[2] - far[1])
+}
 
 /// The way without the corners that it can do without.
 fn tight(way: &[Vec3], is_free: impl Fn(Vec3) -> bool) -> Vec<Vec3> {
