@@ -20,7 +20,7 @@ const FARTHEST: f32 = 5.0;
 /// How far a way keeps off the skin, cm, where it can.
 const OFF: f32 = 0.06;
 /// How many times as long a way may be to do so: past half of an ear, and out of the fold that an end lies in.
-const HARD: u32 = 30;
+const HARD: u32 = 15;
 /// Lengths of the steps along one, two and three axes, in thousandths of [`STEP`]: whole numbers, so that ways that are as long
 /// as each other are told apart by where they have come to, not by how they were added up.
 const LONG: [u32; 3] = [1000, 1414, 1732];
