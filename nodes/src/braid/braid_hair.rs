@@ -261,7 +261,13 @@ impl Filler<'_> {
                     .clamp(1e-4, 1.0),
                 length: fibre.at(i, first),
             };
-            let front = self.leader.lead(braid, way, &entry, &wish);
+            let front = match self.leader.lead(braid, way, &entry, &wish) {
+                Ok(front) => front,
+                Err(why) => {
+                    piece.trouble(tuft.id(i), why);
+                    continue;
+                }
+            };
             let made = &mut made[usize::from(is_fed)];
             points.clear();
             points.extend(self.leader.beads.iter().map(|bead| bead.p));

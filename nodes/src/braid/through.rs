@@ -12,6 +12,7 @@
 use super::even::{Bead, Even, relax, smooth, spline_point, unevenness};
 use super::tube::{Braid, FINE, Tube, place};
 use super::wander::{Parted, Wander};
+use crate::data::home::Home;
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::hash::Dice;
 use glam::{Vec2, Vec3};
@@ -23,6 +24,8 @@ const CLEAR: f32 = 0.025;
 /// Points that were made even may be so near (cm) and no nearer.
 const LEAST: f32 = 0.008;
 
+/// A step so deep (cm) under the skin goes through a thin part of it.
+const THROUGH: f32 = 0.08;
 /// Rounds in which a hair is led over the edges of the skin.
 const ROUNDS: usize = 4;
 
@@ -84,8 +87,14 @@ impl<'a> Leader<'a> {
         Self { manner, skin, scalp, beads: vec![], raw: vec![], even: Even::default() }
     }
 
-    /// Leads a hair; gives the front of the braid where it joins.
-    pub(super) fn lead(&mut self, braid: &Braid, way: &[Vec3], entry: &Entry, wish: &Wish) -> Vec3 {
+    /// Leads a hair; gives the front of the braid where it joins, or why no way leads there.
+    pub(super) fn lead(
+        &mut self,
+        braid: &Braid,
+        way: &[Vec3],
+        entry: &Entry,
+        wish: &Wish,
+    ) -> Result<Vec3, &'static str> {
         self.beads.clear();
         let tube = &braid.tubes[entry.tube];
         let (t, come) = self.joins(braid, tube, way, entry, wish);
@@ -99,7 +108,67 @@ impl<'a> Leader<'a> {
         }
         self.braided(braid, tube, (t, come, entry.q), wish, reached);
         self.rest(section.along);
-        tube.front(t)
+        if !wish.fed {
+            if self.crosses(section.along) {
+                self.stay_home(way, section.along);
+            }
+            if self.crosses(section.along) {
+                return Err(
+                    "a hair that only a way over a parting leads to its braid was left out",
+                );
+            }
+            if self.is_torn(section.along) {
+                return Err(
+                    "a hair that only a way through the skin leads to its braid was left out",
+                );
+            }
+        }
+        Ok(tube.front(t))
+    }
+
+    /// The section that the way of a hair keeps to, where the scalp is parted.
+    fn home_of(&self, way: &[Vec3]) -> Option<Home<'a>> {
+        let home = self.scalp.and_then(|scalp| scalp.home(way[0]));
+        home.filter(|home| home.holds(way[way.len() - 1]))
+    }
+
+    /// Points of a hair on its way over the scalp. The step after them leads into its strand, which may be wider than its
+    /// section.
+    fn on_way(&self, joined: f32) -> usize {
+        self.beads.partition_point(|bead| bead.along <= joined).saturating_sub(1)
+    }
+
+    /// Whether a hair crosses a parting on its way.
+    fn crosses(&self, joined: f32) -> bool {
+        let Some(sections) = self.scalp.and_then(Scalp::sections) else { return false };
+        let on_way = &self.beads[..self.on_way(joined)];
+        on_way.windows(2).any(|w| sections.passed(w[0].p, w[1].p, 0.0))
+    }
+
+    /// Whether a hair on a parted scalp goes through a thin part of the skin on its way. Where all else fails export leads such
+    /// hair round that, and knows no partings.
+    fn is_torn(&self, joined: f32) -> bool {
+        let (Some(_), Some(skin)) = (self.scalp.and_then(Scalp::sections), self.skin) else {
+            return false;
+        };
+        let on_way = &self.beads[..(self.on_way(joined) + 1).min(self.beads.len())];
+        on_way.windows(2).any(|w| {
+            let middle = (w[0].p + w[1].p) * 0.5;
+            w[0].near && skin.push_out(middle, THROUGH).1
+        })
+    }
+
+    /// Moves what evenness and the skin have led over a parting back.
+    fn stay_home(&mut self, way: &[Vec3], joined: f32) {
+        let Some(home) = self.home_of(way) else { return };
+        let on_way = self.on_way(joined);
+        let mut near = 0;
+        for bead in self.beads[..on_way].iter_mut().skip(1) {
+            let Some(kept) = home.kept(bead.p, &mut near).filter(|kept| *kept != bead.p) else {
+                continue;
+            };
+            bead.p = self.skin.map_or(kept, |skin| skin.push_out(kept, 0.0).0);
+        }
     }
 
     /// Sets a hair on the skin, evenly: out of it first, then even, over an edge not all at once; and one that an ear tears
@@ -329,8 +398,7 @@ impl<'a> Leader<'a> {
         let arriving = (end - combed(0.94)) / 0.06;
         let turn = along * (0.8 * chord.length()) - arriving;
         // Bent to its strand it still keeps to the section that its way keeps to.
-        let home = self.scalp.and_then(|scalp| scalp.home(root));
-        let home = home.filter(|home| home.holds(way[n - 1]));
+        let home = self.home_of(way);
         let mut near = 0;
         let mut fine = [Vec3::ZERO; SAMPLES + 1];
         let mut lengths = [0.0f32; SAMPLES + 1];

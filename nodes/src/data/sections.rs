@@ -207,7 +207,7 @@ impl Sections {
     }
     /// Whether the straight way between two points of space leads over a parting or as near to it as `aside` (cm), at most a
     /// quarter of a centimetre off it.
-    pub(super) fn passed(&self, from: Vec3, to: Vec3, aside: f32) -> bool {
+    pub(crate) fn passed(&self, from: Vec3, to: Vec3, aside: f32) -> bool {
         self.lines.passed(from, to, aside)
     }
     /// The straight piece of a parting that is nearest to a point of the scalp.

@@ -2,11 +2,13 @@
 //!
 //! Partings are the curves of a file with a `parting` number, mostly guides; their `radius` is half the parting's width and
 //! their `scalp_normal` the way off the skin. A hair can cross a parting only where it lies on the scalp: from its root
-//! until it is farther off the skin than [`ON`] or has joined a braid.
+//! until it is farther off the skin than [`ON`] or has joined a braid. Where `along` is told point by point a hair has joined
+//! where that begins to grow; the step that leads into its strand is the braid's, which may be wider than its section.
 
-use super::prim::{Prim, in_parts, quantile};
+use super::prim::{Column, Prim, in_parts, quantile};
 use glam::Vec3;
 use serde::Serialize;
+use std::ops::Range;
 
 #[derive(Serialize)]
 pub(super) struct Parted {
@@ -136,25 +138,24 @@ impl Partings {
 
     /// How the hair of a prim keeps to them.
     pub(super) fn judge(&self, prim: &Prim) -> Parted {
-        let joined = prim.numbers("along").filter(super::prim::Column::is_of_points);
+        let joined = prim.numbers("along").filter(Column::is_of_points);
         let braid = prim.whole("braid");
         let parts = in_parts(prim.len(), 1000, |part| {
             let (mut crossing, mut rooted_in) = (0, 0);
             for i in part {
-                let (points, first) = (prim.curve(i), prim.range(i).start);
+                let points = prim.curve(i);
                 let Some(root) = points.first() else { continue };
                 rooted_in +=
                     usize::from(self.near(*root).any(|p| p.distance(*root) < p.half - ROUNDING));
                 let braided = braid.as_ref().is_some_and(|b| b[i] != 0);
                 let mut s = 0.0;
-                for (k, w) in points.windows(2).enumerate() {
+                let until = match joined {
+                    Some(along) if braided => joins(along, i, prim.range(i)),
+                    _ => points.len(),
+                };
+                for w in points.windows(2).take(until) {
                     s += w[0].distance(w[1]);
-                    let in_braid = braided
-                        && match joined {
-                            Some(along) => along.at(i, first + k + 1) > 0.0,
-                            None => s > TO_ITS_BRAID,
-                        };
-                    if in_braid {
+                    if braided && joined.is_none() && s > TO_ITS_BRAID {
                         break;
                     }
                     if self.crossed(w[0], w[1]) {
@@ -183,6 +184,13 @@ impl Partings {
             self.near((a + b) * 0.5).any(|piece| piece.is_crossed(a, b))
         })
     }
+}
+
+/// How many steps a hair of a braid takes before the one that leads into its strand, by where it is `along` its braid.
+fn joins(along: Column<f32>, i: usize, points: Range<usize>) -> usize {
+    let root = along.at(i, points.start);
+    let on_way = points.take_while(|k| along.at(i, *k) <= root).count();
+    on_way.saturating_sub(2)
 }
 
 impl Piece {
@@ -262,17 +270,27 @@ mod tests {
     }
 
     #[test]
-    fn hair_in_its_braid_may_pass_over() {
-        let (parting, at) = (parting(), |x: f32| Vec3::new(x, 0.05, 4.5));
-        let hair = prim_of(
-            &[&[at(-1.0), at(-0.2), at(0.2), at(1.0)]],
-            &[
-                ("braid", ReadValues::Int(vec![3])),
-                ("along", ReadValues::Float(vec![0.0, 0.0, 0.1, 0.2])),
-            ],
-        );
-        let partings = Partings::of(&[Prim::new(&parting)]).unwrap();
-        assert_eq!(partings.judge(&Prim::new(&hair)).crossing, 0);
+    fn hair_in_its_braid_may_pass_over_and_none_on_its_way_to_it() {
+        let parting = parting();
+        // `along` tells where each point is in the braid; on its way to it a hair has the place where it will join.
+        let check = |along: [f32; 5], crossing: usize| {
+            let at = |x: f32| Vec3::new(x, 0.05, 4.5);
+            let hair = prim_of(
+                &[&[at(-1.0), at(-0.2), at(0.2), at(0.6), at(1.0)]],
+                &[
+                    ("braid", ReadValues::Int(vec![3])),
+                    ("along", ReadValues::Float(along.to_vec())),
+                ],
+            );
+            let partings = Partings::of(&[Prim::new(&parting)]).unwrap();
+            assert_eq!(partings.judge(&Prim::new(&hair)).crossing, crossing, "{along:?}");
+        };
+        check([0.0, 0.0, 0.1, 0.2, 0.3], 0);
+        check([0.3, 0.3, 0.4, 0.5, 0.6], 0);
+        check([0.3, 0.3, 0.3, 0.4, 0.5], 0);
+        check([0.3, 0.3, 0.3, 0.3, 0.4], 1);
+        check([0.0, 0.0, 0.0, 0.0, 0.1], 1);
+        check([0.3, 0.3, 0.3, 0.3, 0.3], 1);
     }
 
     #[test]
