@@ -609,6 +609,9 @@ impl Maker<'_> {
         out.set(ALONG, Domain::Curve, along);
         out.set_named(ORDER.into(), Domain::Curve, order);
         out.set(FED, Domain::Curve, vec![1]);
+        if let Some(section) = lane.section {
+            out.set(SECTION, Domain::Curve, vec![section]);
+        }
         if self.inputs.feed_length > 0.0 {
             out.set(FIBRE, Domain::Curve, fibre);
         }

@@ -14,7 +14,7 @@ use super::outline::Outline;
 use super::tie::Tie;
 use crate::data::attributes::{
     Domain, FIBRE, ID, PARENT, PUFF, PUFF_CENTRE, PUFF_RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
-    SCALP_NORMAL,
+    SCALP_NORMAL, SECTION,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp, Skin};
@@ -545,6 +545,10 @@ impl Bundle {
         tuft.set(ROOT_BARY, Domain::Curve, each(roots, |root| root.bary));
         tuft.set(ROOT_UV, Domain::Curve, each(roots, |root| root.uv));
         tuft.set(SCALP_NORMAL, Domain::Curve, each(roots, |root| root.normal));
+        if let Some(sections) = puff.inputs.scalp.sections() {
+            let id = |root: &Root| sections.id_at(root.point).unwrap_or_default();
+            tuft.set(SECTION, Domain::Curve, each(roots, id));
+        }
         tuft.set(FIBRE, Domain::Curve, self.fibres);
         tuft.set(PUFF, Domain::Curve, vec![puff.puff]);
         tuft.set(PUFF_CENTRE, Domain::Curve, vec![puff.centre]);

@@ -297,12 +297,14 @@ impl Measured {
 fn on_scalp(prim: &Prim, scalp: &Scalp) -> OnScalp {
     let (surface, skin) = (scalp.surface(), scalp.skin());
     let allowed = prim.numbers("allow_depth");
+    let fed = prim.whole("fed");
     let parts = in_parts(prim.len(), 200, |part| {
         let (mut distances, mut too_deep, mut deepest) = (vec![], 0, 0.0f32);
         for i in part {
             let first = prim.range(i).start;
             for (k, p) in prim.curve(i).iter().enumerate() {
-                if k == 0 {
+                // Hair that was fed into a braid has no root.
+                if k == 0 && fed.as_ref().is_none_or(|fed| fed[i] == 0) {
                     distances.extend(surface.closest(*p).map(|hit| hit.distance));
                 }
                 // The field is quick and may be wrong at creases; what it finds deep is measured exactly.
