@@ -7,7 +7,8 @@
 //! comes in forwards.
 //!
 //! Guarantees: a hair begins at its root, has at most [`MOST_POINTS`], evenly spaced, and stays within its strand's tube once
-//! it has joined (flyaways and the brush apart) and out of the skin. Not promised: hairs clear of each other.
+//! it has joined (flyaways and the brush apart) and out of the skin. On a parted scalp it crosses no parting before the step that
+//! leads into its strand, and what has no such way is not led, which is told. Not promised: hairs clear of each other.
 
 use super::even::{Bead, Even, relax, smooth, spline_point, unevenness};
 use super::tube::{Braid, FINE, Tube, place};

@@ -370,6 +370,16 @@ mod tests {
     use crate::data::scalp::tests::shared_ball;
     use crate::maths::transcendental::sin_cos_turns;
 
+    /// Of a curve that may nowhere lie in the skin.
+    fn mender<'a>(
+        old: &'a [Vec3],
+        spline: &'a Spline,
+        led: &'a mut Spline,
+        skin: &'a Skin<'a>,
+    ) -> Mender<'a> {
+        Mender { old, spline, led, skin: Some(skin), depth: &|_| 0.0 }
+    }
+
     #[test]
     fn coils_that_an_ear_tears_are_read_alike_and_stay_near_where_they_were() {
         let scalp = bust();
@@ -384,13 +394,8 @@ mod tests {
             };
             let coil: Vec<Vec3> = hair.into_iter().enumerate().map(push).collect();
             let spline = Spline::new(&coil).unwrap();
-            let mut mender = Mender {
-                old: &coil,
-                spline: &spline,
-                led: &mut Spline::default(),
-                skin: Some(&skin),
-                depth: &|_| 0.0,
-            };
+            let mut led = Spline::default();
+            let mut mender = mender(&coil, &spline, &mut led, &skin);
             let read = mender.read_alike(Effort::Led);
             if read.moved > 0.0 {
                 torn += 1;
@@ -420,13 +425,8 @@ mod tests {
             })
             .collect();
         let spline = Spline::new(&coil).unwrap();
-        let mut mender = Mender {
-            old: &coil,
-            spline: &spline,
-            led: &mut Spline::default(),
-            skin: Some(&skin),
-            depth: &|_| 0.0,
-        };
+        let mut led = Spline::default();
+        let mut mender = mender(&coil, &spline, &mut led, &skin);
         let deepest = |points: &[Vec3]| points.iter().map(|p| 8.9 - p.length()).fold(0.0, f32::max);
         let mut from = mender.resampled(1.0);
         for (p, stop) in from.points.iter_mut().zip(&from.stops) {

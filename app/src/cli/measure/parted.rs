@@ -8,6 +8,7 @@
 use super::prim::{Column, Prim, in_parts, quantile};
 use glam::Vec3;
 use serde::Serialize;
+use std::cmp::Ordering;
 use std::ops::Range;
 
 #[derive(Serialize)]
@@ -189,7 +190,9 @@ impl Partings {
 /// How many steps a hair of a braid takes before the one that leads into its strand, by where it is `along` its braid.
 fn joins(along: Column<f32>, i: usize, points: Range<usize>) -> usize {
     let root = along.at(i, points.start);
-    let on_way = points.take_while(|k| along.at(i, *k) <= root).count();
+    // What is no number says nothing of a braid: such a hair is judged to its end.
+    let grows = |k: usize| along.at(i, k).partial_cmp(&root) == Some(Ordering::Greater);
+    let on_way = points.take_while(|k| !grows(*k)).count();
     on_way.saturating_sub(2)
 }
 
@@ -291,6 +294,8 @@ mod tests {
         check([0.3, 0.3, 0.3, 0.3, 0.4], 1);
         check([0.0, 0.0, 0.0, 0.0, 0.1], 1);
         check([0.3, 0.3, 0.3, 0.3, 0.3], 1);
+        check([f32::NAN; 5], 1);
+        check([f32::NAN, 0.3, 0.4, 0.5, 0.6], 1);
     }
 
     #[test]
