@@ -43,8 +43,10 @@ const HEROES: &[(&str, &[Ask])] = &[
         "cornrows_puffs",
         &[
             Ask::Braids { at_least: 14, strands: 3, crossing: "under" },
-            Ask::Partings(2),
-            Ask::Sections(3),
+            Ask::Joins,
+            Ask::Partings(15),
+            Ask::Sections(16),
+            Ask::AllInSections,
             Ask::Puffs(2),
             Ask::Curls,
         ],

@@ -60,7 +60,7 @@ node! {
         frizz: f32 = 0.06, hard(0.0, 1.0), unit(Ratio), words("noise messy definition texture");
         /// How a free braid begins.
         root_start: RootStart = RootStart::Knotless, words("box braid knotless knot base");
-        /// How much thicker the braid is in the root knot: 0.5 is half as thick again.
+        /// How much wider the braid is in the root knot than behind it: 0.5 is half as wide again.
         knot_size: f32 = 0.5, hard(0.0, 5.0), soft(0.0, 1.5), unit(Ratio), words("bulge");
         /// Length of the root knot.
         knot_length: f32 = 0.8, hard(0.01, 20.0), soft(0.2, 2.0), unit(Length);
@@ -142,8 +142,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         .map(|tuft| inputs.fill.on(tuft, scalp))
         .collect::<Result<_, _>>()?;
     let knot = match inputs.root_start {
-        RootStart::Knotted => (inputs.knot_size, inputs.knot_length * unit),
-        RootStart::Knotless => (0.0, 1.0),
+        RootStart::Knotted => Some((inputs.knot_size, inputs.knot_length * unit)),
+        RootStart::Knotless => None,
     };
     let of_row = |row: u64| -> Option<&Braid> {
         let tufts = by_row.get(&row)?;

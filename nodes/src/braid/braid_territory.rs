@@ -155,10 +155,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 continue;
             }
         };
-        match Lane::new(id, &source, scalp, 0.9 * unit) {
-            Some(mut lane) => {
-                let section = tuft.view(SECTION).at(curve, tuft.range(curve).start);
-                lane.section = (section != 0).then_some(section);
+        let section = tuft.view(SECTION).at(curve, tuft.range(curve).start);
+        match Lane::new(id, &source, scalp, 0.9 * unit, (section != 0).then_some(section)) {
+            Some(lane) => {
                 lanes.push(lane);
                 rows.push((tuft, curve, source));
             }

@@ -47,8 +47,15 @@ const WAYS: usize = 48;
 const STEP: f32 = 0.15;
 
 impl Lane {
-    /// The lane of a source, as far as it is no higher than `off` (cm) over the skin; at least its first `off`.
-    pub(crate) fn new(id: u64, source: &Spline, scalp: &Scalp, off: f32) -> Option<Self> {
+    /// The lane of a source, as far as it is no higher than `off` (cm) over the skin; at least its first `off`. With a section
+    /// it ends where it leaves that for good: beyond, hair of others grows.
+    pub(crate) fn new(
+        id: u64,
+        source: &Spline,
+        scalp: &Scalp,
+        off: f32,
+        section: Option<u64>,
+    ) -> Option<Self> {
         let length = source.length();
         let n = (length / STEP).ceil().clamp(8.0, 2048.0) as usize;
         let step = length / n as f32;
@@ -61,6 +68,10 @@ impl Lane {
             }
             points.push(p);
         }
+        if let (Some(section), Some(sections)) = (section, scalp.sections()) {
+            let last = points.iter().rposition(|p| sections.id_at(*p) == Some(section));
+            points.truncate(last.map_or(points.len(), |last| (last + 1).max(3)));
+        }
         let row = Row::new(id, &points).ok()?;
         let way = |k: usize| {
             let place = row.spline.locate(k as f32 / (WAYS - 1) as f32);
@@ -72,7 +83,7 @@ impl Lane {
         };
         let ways = (0..WAYS).map(way).collect();
         let points = (0..WAYS).map(|k| row.spline.at(k as f32 / (WAYS - 1) as f32)).collect();
-        Some(Self { id, row, length, section: None, ways, points })
+        Some(Self { id, row, length, section, ways, points })
     }
     /// Along and the scalp's normal at a fraction of the row.
     fn way(&self, u: f32) -> (Vec3, Vec3) {

@@ -77,7 +77,7 @@ fn made(scalp: &Arc<Scalp>, rows: &Curves, territory: Set, hair: Set) -> Made {
 
 fn ground(scalp: &Scalp, rows: &Curves) -> Ground {
     let lane = |(tuft, i): (&Tuft, usize)| {
-        Lane::new(tuft.id(i), &Spline::new(tuft.curve(i)).unwrap(), scalp, 0.9)
+        Lane::new(tuft.id(i), &Spline::new(tuft.curve(i)).unwrap(), scalp, 0.9, None)
     };
     Ground::new(rows.each().filter_map(lane).collect(), scalp)
 }
@@ -274,6 +274,47 @@ fn hair_that_ends_makes_the_braid_thinner() {
     for (tuft, i) in m.hair.each() {
         let length = Spline::new(tuft.curve(i)).unwrap().length();
         assert!(length < 12.0 * 1.12 && length > 6.0, "{length}");
+    }
+}
+
+#[test]
+fn a_root_knot_is_as_much_wider_than_the_braid_as_was_asked() {
+    // A braid that stands on top of a ball, its strands gathered at its root.
+    let scalp = shared_ball();
+    let top = Vec3::new(0.0, 8.9, 0.0) + scalp.frame().origin;
+    let foot = scalp.surface().ray(top + Vec3::Y * 20.0, -Vec3::Y, 40.0).unwrap().point;
+    let mut b = TuftBuilder::new();
+    b.push_curve(&(0..20).map(|k| foot + Vec3::Y * (0.6 * k as f32)).collect::<Vec<_>>());
+    b.set(attr::ID, Domain::Curve, vec![50]);
+    let row = Curves::new(vec![Arc::new(b.build())]);
+    let make = |start: &'static str, size: f32| {
+        let territory: Set = vec![("density", 60.0f32.into()), ("reach", 1.2f32.into())];
+        let hair: Set = vec![
+            ("root_start", start.into()),
+            ("knot_size", size.into()),
+            ("knot_length", 1.0f32.into()),
+            ("frizz", 0.0f32.into()),
+        ];
+        by_id(&made(&scalp, &row, territory, hair).hair)
+    };
+    // How far hair reaches from the braid's middle within a height over the scalp, all but a twentieth of it: single hairs are
+    // still on their way in.
+    let outline = |hair: &BTreeMap<u64, Vec<Vec3>>, low: f32, high: f32| {
+        let points = hair.values().flat_map(|points| points.iter().map(|p| *p - foot));
+        let near = points.filter(|p| p.y > low && p.y < high);
+        let mut reach: Vec<f32> = near.map(|p| p.x.hypot(p.z)).collect();
+        reach.sort_by(f32::total_cmp);
+        reach[reach.len() * 95 / 100]
+    };
+    let none = make("knotless", 0.5);
+    let behind = outline(&none, 1.2, 2.4);
+    assert!(outline(&none, 0.15, 0.35) < 0.85 * behind, "strands are gathered at the root");
+    for size in [0.0, 0.5, 1.0] {
+        let knotted = make("knotted", size);
+        let ratio = outline(&knotted, 0.35, 0.65) / behind;
+        assert!((ratio / (1.0 + size) - 1.0).abs() < 0.15, "{size}: {ratio}");
+        assert!((outline(&knotted, 1.2, 2.4) / behind - 1.0).abs() < 0.02, "{size}");
+        assert_eq!(knotted.keys().collect::<Vec<_>>(), none.keys().collect::<Vec<_>>());
     }
 }
 

@@ -110,10 +110,10 @@ impl<'a> Leader<'a> {
         self.braided(braid, tube, (t, come, entry.q), wish, reached);
         self.rest(section.along);
         if !wish.fed {
-            if self.crosses(section.along) {
+            if self.crosses(section.along, spacing) {
                 self.stay_home(way, section.along);
             }
-            if self.crosses(section.along) {
+            if self.crosses(section.along, spacing) {
                 return Err(
                     "a hair that only a way over a parting leads to its braid was left out",
                 );
@@ -139,10 +139,15 @@ impl<'a> Leader<'a> {
         self.beads.partition_point(|bead| bead.along <= joined).saturating_sub(1)
     }
 
-    /// Whether a hair crosses a parting on its way.
-    fn crosses(&self, joined: f32) -> bool {
+    /// Whether a hair crosses a parting on its way. A step into its strand much longer than `spacing` is part of that: it is
+    /// many in a file.
+    fn crosses(&self, joined: f32, spacing: f32) -> bool {
         let Some(sections) = self.scalp.and_then(Scalp::sections) else { return false };
-        let on_way = &self.beads[..self.on_way(joined)];
+        let on_way = self.on_way(joined);
+        let far = |from: usize, to: usize| self.beads[from].p.distance(self.beads[to].p);
+        let long =
+            on_way > 0 && on_way < self.beads.len() && far(on_way - 1, on_way) > 1.5 * spacing;
+        let on_way = &self.beads[..on_way + usize::from(long)];
         on_way.windows(2).any(|w| sections.passed(w[0].p, w[1].p, 0.0))
     }
 
@@ -249,9 +254,14 @@ impl<'a> Leader<'a> {
         let last = (tube.tie - braid.per_stitch).max(entry.t);
         let (mut best, mut found) = (f32::MIN, (entry.t, entry.q));
         let mut first = None;
+        let home = self.home_of(way);
         for k in 0..=slides as usize {
             let t = (entry.t + k as f32 * braid.per_stitch / TRIED.0).min(last);
             let section = tube.section(t);
+            // Beyond a parting that its strand crosses it would have to cross that first.
+            if k > 0 && home.is_some_and(|home| !home.holds(section.centre)) {
+                break;
+            }
             let from = way[way.len() - 1] - section.centre;
             let x = Vec2::new(
                 from.dot(section.x.normalize_or_zero()),

@@ -20,8 +20,8 @@ pub(super) struct Asked<'a> {
     pub(super) broad: f32,
     /// Radians a cm.
     pub(super) twist: f32,
-    /// How much thicker the strands are in a root knot, and how long it is.
-    pub(super) knot: (f32, f32),
+    /// How much thicker the braid is in a root knot than behind it, and how long the knot is; none without one.
+    pub(super) knot: Option<(f32, f32)>,
     pub(super) skin: Option<&'a Skin<'a>>,
 }
 
@@ -175,10 +175,12 @@ impl Braid {
             braided / (count * asked.per_stitch)
         };
         let step = (spacing / FINE).max(first.length() / MOST);
-        let tubes: Vec<Tube> = splines
-            .iter()
-            .enumerate()
-            .map(|(i, spline)| Self::tube(strands, i, spline, step, tie_along, asked))
+        let knot = asked.knot.map(|knot| Knot::new(strands, &splines, step, knot));
+        let tubes: Vec<Tube> = (0..splines.len())
+            .map(|i| {
+                let cut = Cut { spline: &splines[i], step, tie: tie_along, knot: knot.as_ref() };
+                Self::tube(strands, i, &cut, asked)
+            })
             .collect();
         let mut braid = Self {
             id: strands.view(attr::BRAID).at(0, 0),
@@ -193,7 +195,8 @@ impl Braid {
         Some(braid)
     }
 
-    fn tube(strands: &Tuft, i: usize, spline: &Spline, step: f32, tie: f32, asked: &Asked) -> Tube {
+    fn tube(strands: &Tuft, i: usize, cut: &Cut, asked: &Asked) -> Tube {
+        let Cut { spline, step, tie, knot } = *cut;
         let range = strands.range(i);
         let (radius, normal) = (strands.view(attr::RADIUS), strands.view(attr::NORMAL));
         let along = strands.view(attr::ALONG);
@@ -215,9 +218,11 @@ impl Braid {
             let x = tangent.cross(y);
             let along = mix(&along);
             let thick = mix(&radius) * asked.fill.at(i, a, along);
-            let thick = thick * (1.0 + asked.knot.0 * bump(s / asked.knot.1.max(1e-4)));
+            let (centre, grown) =
+                knot.map_or((spline.point(place), 1.0), |knot| knot.moved(k, spline.point(place)));
+            let thick = thick * grown;
             let (sin, cos) = sin_cos(asked.twist * s);
-            let (centre, front) = (spline.point(place), y);
+            let front = y;
             // Broad in the braid, whatever its own twist: soft strands give way to each other.
             let (x, y) =
                 (x * (thick * (1.0 + asked.broad)), y * (thick * (1.0 - 0.3 * asked.broad)));
@@ -329,6 +334,59 @@ pub(super) fn place(section: &Section, q: Vec2) -> Vec3 {
     let inward = section.bend.dot(q).max(0.0) * (1.0 / INSIDE);
     let q = q / (1.0 + inward * inward).sqrt();
     section.centre + section.x * q.x + section.y * q.y
+}
+
+/// How the strands of a braid are cut into sections.
+#[derive(Clone, Copy)]
+struct Cut<'a> {
+    spline: &'a Spline,
+    step: f32,
+    /// Where along the source the tie is.
+    tie: f32,
+    knot: Option<&'a Knot>,
+}
+
+/// A root knot: where strands are still gathered the braid is as wide as behind the knot and so much wider as was asked.
+struct Knot {
+    /// The braid's middle at each step of the knot, and how much what is about it grows.
+    at: Vec<(Vec3, f32)>,
+}
+
+/// A bundle grows to no more than so many times its width.
+const MOST_GROWN: f32 = 20.0;
+
+impl Knot {
+    fn new(strands: &Tuft, splines: &[Spline], step: f32, (size, length): (f32, f32)) -> Self {
+        let steps = ((length / step).ceil() as usize).max(1);
+        let radius = strands.view(attr::RADIUS);
+        // The middle of the strands so far along them, and how far the outermost reaches from it.
+        let outline = |k: usize| {
+            let place =
+                |spline: &Spline| spline.locate_length((k as f32 * step).min(spline.length()));
+            let centre = |spline: &Spline| spline.point(place(spline));
+            let middle = splines.iter().map(centre).sum::<Vec3>() / splines.len() as f32;
+            let reach = splines.iter().enumerate().map(|(i, spline)| {
+                let thick = radius.at(i, strands.range(i).start + place(spline).span);
+                centre(spline).distance(middle) + thick
+            });
+            (middle, reach.fold(0.0, f32::max))
+        };
+        // Its stitches stand out over what it is on the mean.
+        let behind = (steps..=2 * steps).map(|k| outline(k).1).sum::<f32>() / (steps + 1) as f32;
+        let wanted = behind * (1.0 + size);
+        let at = (0..steps).map(|k| {
+            let (middle, reach) = outline(k);
+            let grown = (wanted / reach.max(1e-6)).clamp(1.0, MOST_GROWN);
+            (middle, 1.0 + (grown - 1.0) * bump(k as f32 * step / length))
+        });
+        Self { at: at.collect() }
+    }
+
+    /// Where a strand's middle lies in the knot, and how much thicker it is there.
+    fn moved(&self, k: usize, p: Vec3) -> (Vec3, f32) {
+        let (middle, grown) = self.at.get(k).copied().unwrap_or((p, 1.0));
+        (middle + (p - middle) * grown, grown)
+    }
 }
 
 /// A bulge: 1 at a half, 0 from 1 on and at 0.

@@ -22,6 +22,8 @@ const SPECK: (f32, f32) = (0.3, 0.06);
 /// What is narrower than this share of the middle section goes to its neighbour. Width is twice the area over the border's
 /// length: half the side of a square, half the width of a strip.
 const NARROW: f32 = 0.25;
+/// A cell is on a line that is nearer than half the line's width, but at least and at most so much, cm.
+const BARE: (f32, f32) = (0.05, 0.2);
 /// Scalp that hangs together with no section but lies this near to one (cells) belongs to it: the ragged edge of a region.
 const RAGGED: usize = 8;
 
@@ -32,6 +34,8 @@ pub(super) struct Piece {
     pub(super) ends: [Vec3; 2],
     /// The way off the scalp.
     up: Vec3,
+    /// Half of its parting's width, cm.
+    pub(super) half_width: f32,
     pub(super) parting: u32,
     /// Fraction along its parting.
     pub(super) along: f32,
@@ -73,8 +77,10 @@ pub(crate) fn off_the_scalp(scalp: &Scalp, line: &[Vec3]) -> Vec<Vec3> {
 }
 
 impl Piece {
-    /// Whether the straight way between two points leads over this piece, or comes as near to its two sides' border as `near`.
+    /// Whether the straight way between two points leads over this piece, or comes as near to its two sides' border as the share
+    /// `near` of half its width.
     fn is_passed(&self, from: Vec3, to: Vec3, near: f32) -> bool {
+        let near = near * self.half_width;
         let [a, b] = self.ends;
         let along = b - a;
         let aside = self.up.cross(along).normalize_or_zero();
@@ -102,7 +108,8 @@ impl Lines {
                 let ends = [w[0], w[1]];
                 let flat = ends.map(|p| spread.flat(p));
                 let up = (ups[k] + ups[k + 1]).normalize_or_zero();
-                pieces.push(Piece { flat, ends, up, parting, along: (k as f32 + 0.5) / last });
+                let (along, half_width) = ((k as f32 + 0.5) / last, line.half_width);
+                pieces.push(Piece { flat, ends, up, half_width, parting, along });
             }
         }
         let mut starts = vec![0u32; CELLS * CELLS + 1];
@@ -141,13 +148,18 @@ impl Lines {
         lines
     }
 
+    /// Half the width of the parting of a piece, cm; 0 for no piece.
+    pub(super) fn half_width(&self, piece: u32) -> f32 {
+        self.pieces.get(piece as usize).map_or(0.0, |piece| piece.half_width)
+    }
+
     /// The pieces near a point of space: all that are within half a place of it, and a little more.
     pub(super) fn near_place(&self, p: Vec3) -> &[u32] {
         self.places.get(&place(p)).map_or(&[], Vec::as_slice)
     }
 
-    /// Whether the straight way between two points of space leads over a parting or as near to it as `aside`, at most half a
-    /// place off it.
+    /// Whether the straight way between two points of space leads over a parting or as near to it as the share `aside` of half
+    /// its width, at most half a place off it.
     pub(super) fn passed(&self, from: Vec3, to: Vec3, aside: f32) -> bool {
         let parts = (from.distance(to) / (0.2 * PLACE)).ceil().clamp(1.0, 200.0);
         (0..parts as u32).any(|k| {
@@ -260,10 +272,10 @@ impl Tract {
     }
 }
 
-/// Cuts a scalp; `bare` is half of a parting's width.
-pub(super) fn cut(scalp: &Scalp, partings: Vec<Parting>, bare: f32) -> Cut {
+/// Cuts a scalp.
+pub(super) fn cut(scalp: &Scalp, partings: Vec<Parting>) -> Cut {
     let lines = Lines::new(scalp, &partings);
-    let mut labels = flood(scalp, &lines, bare.clamp(0.05, 0.2));
+    let mut labels = flood(scalp, &lines);
     let mut tracts = measured(scalp, &lines, &labels);
     let joined = join(scalp, &lines, &partings, &labels, &mut tracts);
     for label in labels.iter_mut().filter(|label| **label != NONE) {
@@ -280,18 +292,22 @@ pub(super) fn cut(scalp: &Scalp, partings: Vec<Parting>, bare: f32) -> Cut {
 }
 
 /// Joins cells where no parting is between them: those off the lines first, then what lies beside these, then what is left.
-fn flood(scalp: &Scalp, lines: &Lines, off: f32) -> Vec<u32> {
+fn flood(scalp: &Scalp, lines: &Lines) -> Vec<u32> {
     let spots = scalp.chart().spots();
     let mut labels = vec![NONE; CELLS * CELLS];
     let mut next = 0;
-    let spread = |labels: &mut [u32], mut front: Vec<usize>, least: f32| {
+    let on_line = |cell: usize| {
+        let bare = lines.half_width(lines.nearest[cell]).clamp(BARE.0, BARE.1);
+        lines.nearest[cell] != NONE && lines.clear[cell] < bare
+    };
+    let spread = |labels: &mut [u32], mut front: Vec<usize>, off: bool| {
         let mut at = 0;
         while let Some(cell) = front.get(at).copied() {
             at += 1;
             for other in around(cell).take(4) {
                 let open = spots[other].grows > 0.0
                     && labels[other] == NONE
-                    && lines.clear[other] >= least
+                    && !(off && on_line(other))
                     && lines.between(cell, other).next().is_none();
                 if open {
                     labels[other] = labels[cell];
@@ -300,16 +316,16 @@ fn flood(scalp: &Scalp, lines: &Lines, off: f32) -> Vec<u32> {
             }
         }
     };
-    for least in [off, 0.0] {
+    for off in [true, false] {
         let labelled = (0..CELLS * CELLS).filter(|cell| labels[*cell] != NONE).collect();
-        spread(&mut labels, labelled, least);
+        spread(&mut labels, labelled, off);
         // Row by row from the forehead, so that numbers run from front to back.
         for seed in (0..CELLS).rev().flat_map(|y| (0..CELLS).map(move |x| y * CELLS + x)) {
             let grows = spots[seed].grows > 0.0;
-            if grows && labels[seed] == NONE && lines.clear[seed] >= least {
+            if grows && labels[seed] == NONE && !(off && on_line(seed)) {
                 labels[seed] = next;
                 next += 1;
-                spread(&mut labels, vec![seed], least);
+                spread(&mut labels, vec![seed], off);
             }
         }
     }

@@ -91,7 +91,7 @@ impl Home<'_> {
         let Some(cell) = cell_of(chart.flat(p)) else { return true };
         let height = p.distance(chart.origin()) - chart.out(cell);
         // Off the skin what lies below is told by the skin's slope.
-        let least = self.sections.half_width() + NEAR + height.abs() + more;
+        let least = self.sections.widest_half() + NEAR + height.abs() + more;
         self.sections.labels()[cell] == self.number && self.sections.clear(cell) > least
     }
 
@@ -116,14 +116,13 @@ impl Home<'_> {
 
     /// A point of the scalp moved into the section and off its partings.
     fn off_partings(&self, surface: &Surface, mut at: Vec3, near: &mut u32) -> Option<Vec3> {
-        let bare = self.sections.half_width();
-        let least = 0.5 * bare;
         for _ in 0..ROUNDS {
             let within = self.within(at);
+            let Some(([a, b], bare)) = self.sections.nearest_piece(at) else { return Some(at) };
             if within >= bare {
                 return Some(at);
             }
-            let Some([a, b]) = self.sections.nearest_piece(at) else { return Some(at) };
+            let least = 0.5 * bare;
             // As it is at the edge of the bare skin and never less than the least, without a kink.
             let wanted = least + (bare - least) * (bare - least) / (2.0 * bare - least - within);
             let along = b - a;
@@ -156,7 +155,7 @@ impl Home<'_> {
             return false;
         }
         // In a fold of the skin the map tells two sides apart that hair over the fold knows nothing of.
-        if self.sections.passed(from, to, BESIDE * self.sections.half_width()) {
+        if self.sections.passed(from, to, BESIDE) {
             return true;
         }
         let skin = self.scalp.skin();
@@ -165,9 +164,8 @@ impl Home<'_> {
         let (Some(a), Some(b)) = (below(from), below(to)) else { return false };
         // On a bent scalp the straight piece does not lie over the straight way between its ends, so that its middle may touch a
         // corner of a line that the way passes.
-        let touches = |place: Place| {
-            place.section != self.number || place.distance < TOUCHING * self.sections.half_width()
-        };
+        let touches =
+            |place: Place| place.section != self.number || place.distance < TOUCHING * place.bare;
         let middle = below((from + to) * 0.5).and_then(|p| self.sections.at(p));
         self.sections.crosses(a, b) || middle.is_some_and(touches)
     }
@@ -203,7 +201,7 @@ impl<'a> Home<'a> {
             let here = chart.spots()[cell as usize].point;
             for other in around(cell as usize).filter(|o| labels[*o] == self.number) {
                 // Along a parting the way is long.
-                let clear = self.sections.clear(other) > self.sections.half_width();
+                let clear = self.sections.clear(other) > self.sections.widest_half();
                 let step = here.distance(chart.spots()[other].point);
                 let to = d + step * if clear { 1.0 } else { 4.0 };
                 if far.get(&(other as u32)).is_none_or(|known| to < *known) {

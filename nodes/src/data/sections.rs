@@ -24,6 +24,8 @@ pub struct Parting {
     pub id: u64,
     /// Points on the scalp, at most a few millimetres apart.
     pub points: Vec<Vec3>,
+    /// Half of its bare skin's width, cm: no hair is rooted nearer to it.
+    pub half_width: f32,
     /// Whether a pattern drew it: where it parts nothing, or only what is too small, it is left out.
     pub of_pattern: bool,
 }
@@ -48,8 +50,10 @@ pub struct Section {
 pub struct Place {
     /// Number of the section.
     pub section: u32,
-    /// Straight distance to the nearest parting, cm; a great number without any.
+    /// Straight distance to the parting whose bare skin is nearest, cm; a great number without any.
     pub distance: f32,
+    /// Half of that parting's width, cm.
+    pub bare: f32,
     /// Whether hair may be rooted there: not on a parting's bare skin.
     pub free: bool,
 }
@@ -59,7 +63,8 @@ pub struct Sections {
     key: Key,
     whole: Key,
     spread: Spread,
-    half_width: f32,
+    /// The widest of the partings' half widths, cm.
+    widest: f32,
     list: Vec<Section>,
     partings: Vec<Parting>,
     given: Vec<(String, Vec3)>,
@@ -80,31 +85,30 @@ const CONTACT: f32 = 0.3;
 pub(super) const FAR: f32 = 1e4;
 
 impl Sections {
-    /// Cuts a scalp. `width` is that of the bare skin of a parting, `names` are given names, each with a point in what it names.
-    /// Also gives what there is to say about it.
+    /// Cuts a scalp. `names` are given names, each with a point in what it names. Also gives what there is to say about it.
     pub fn new(
         scalp: &Scalp,
         partings: Vec<Parting>,
-        width: f32,
         names: &[(String, Vec3)],
     ) -> (Self, Vec<String>) {
-        let mut key = KeyBuilder::new("sections").float(width);
+        let mut key = KeyBuilder::new("sections");
         for parting in &partings {
             key = key
                 .int(parting.id)
                 .int(u64::from(parting.of_pattern))
+                .float(parting.half_width)
                 .column(bytemuck::cast_slice::<_, f32>(&parting.points));
         }
         for (name, anchor) in names {
             key = key.text(name).vec3(*anchor);
         }
         let spread = scalp.chart().spread();
-        let cut = cut(scalp, partings, 0.5 * width);
+        let cut = cut(scalp, partings);
         let mut sections = Self {
             key: key.finish(),
             whole: scalp.key(),
             spread,
-            half_width: 0.5 * width,
+            widest: cut.partings.iter().fold(0.0, |widest, line| line.half_width.max(widest)),
             list: vec![],
             partings: cut.partings,
             given: names.to_vec(),
@@ -142,9 +146,9 @@ impl Sections {
     pub fn given(&self) -> &[(String, Vec3)] {
         &self.given
     }
-    /// Half of a parting's width, cm: no hair is rooted nearer to a line.
-    pub fn half_width(&self) -> f32 {
-        self.half_width
+    /// Half the width of the widest parting, cm.
+    pub fn widest_half(&self) -> f32 {
+        self.widest
     }
     /// Number of the section of each cell of the map, or [`NONE`].
     pub fn labels(&self) -> &[u32] {
@@ -174,8 +178,9 @@ impl Sections {
         if (self.spread.out(point) - self.out[cell_of(q)?]).abs() > LAYER {
             return None;
         }
-        let distance = self.distance_at(q, point);
-        Some(Place { section, distance, free: distance >= self.half_width })
+        let (distance, i) = self.nearest_at(q, point).unwrap_or((FAR, NONE));
+        let bare = self.lines.half_width(i);
+        Some(Place { section, distance, bare, free: distance >= bare })
     }
 
     fn section_at(&self, q: Vec2) -> Option<u32> {
@@ -183,18 +188,19 @@ impl Sections {
     }
 
     fn distance_at(&self, q: Vec2, p: Vec3) -> f32 {
-        self.nearest_at(q, p).map_or(FAR, |(square, _)| square.sqrt())
+        self.nearest_at(q, p).map_or(FAR, |(distance, _)| distance)
     }
 
-    /// The squared distance to the nearest piece, and which it is.
+    /// The piece whose bare skin is nearest, and the distance to it (not to its bare skin), cm.
     fn nearest_at(&self, q: Vec2, p: Vec3) -> Option<(f32, u32)> {
         let own = cell_of(q)?;
-        let mut best = (FAR * FAR, NONE);
+        let mut best = (FAR, NONE, FAR);
         let mut see = |i: u32| {
             if let Some(piece) = self.lines.pieces.get(i as usize) {
-                let square = square_to(piece.ends, p);
-                if square < best.0 {
-                    best = (square, i);
+                let distance = square_to(piece.ends, p).sqrt();
+                let clear = distance - piece.half_width;
+                if clear < best.0 {
+                    best = (clear, i, distance);
                 }
             }
         };
@@ -203,21 +209,22 @@ impl Sections {
         self.lines.near_place(p).iter().for_each(|i| see(*i));
         see(self.lines.nearest[own]);
         around(own).for_each(|cell| see(self.lines.nearest[cell]));
-        (best.1 != NONE).then_some(best)
+        (best.1 != NONE).then_some((best.2, best.1))
     }
-    /// Whether the straight way between two points of space leads over a parting or as near to it as `aside` (cm), at most a
-    /// quarter of a centimetre off it.
+    /// Whether the straight way between two points of space leads over a parting or as near to it as `aside`, a share of half its
+    /// width, at most a quarter of a centimetre off it.
     pub(crate) fn passed(&self, from: Vec3, to: Vec3, aside: f32) -> bool {
         self.lines.passed(from, to, aside)
     }
-    /// The straight piece of a parting that is nearest to a point of the scalp.
-    pub(super) fn nearest_piece(&self, p: Vec3) -> Option<[Vec3; 2]> {
+    /// The straight piece of a parting whose bare skin is nearest to a point of the scalp, and half its width.
+    pub(super) fn nearest_piece(&self, p: Vec3) -> Option<([Vec3; 2], f32)> {
         let (_, i) = self.nearest_at(self.spread.flat(p), p)?;
-        Some(self.lines.pieces[i as usize].ends)
+        let piece = &self.lines.pieces[i as usize];
+        Some((piece.ends, piece.half_width))
     }
     /// Straight distance (cm) from a point of the scalp, in a section or not, to the nearest parting.
     pub(super) fn distance_to(&self, p: Vec3) -> Option<f32> {
-        Some(self.nearest_at(self.spread.flat(p), p)?.0.sqrt())
+        Some(self.nearest_at(self.spread.flat(p), p)?.0)
     }
     /// How far the middle of a cell of the map is from the nearest parting, cm.
     pub(super) fn clear(&self, cell: usize) -> f32 {
@@ -446,10 +453,10 @@ mod tests {
             let p = if turned { Vec3::new(p.z, p.y, p.x) } else { p };
             shared_ball().closest_root(p).unwrap().point
         });
-        Parting { id, points: points.collect(), of_pattern: false }
+        Parting { id, points: points.collect(), of_pattern: false, half_width: 0.08 }
     }
     fn cut(lines: Vec<Parting>, names: &[(String, Vec3)]) -> (Sections, Vec<String>) {
-        Sections::new(&shared_ball(), lines, 0.16, names)
+        Sections::new(&shared_ball(), lines, names)
     }
     fn ids(sections: &Sections) -> BTreeSet<u64> {
         sections.list().iter().map(|s| s.id).collect()
@@ -528,7 +535,7 @@ mod tests {
         let up = p.normalize();
         let check = |height: f32, from: f32, to: f32, passes: bool| {
             let at = |x: f32| p + up * height + Vec3::X * x;
-            assert_eq!(sections.passed(at(from), at(to), 0.02), passes, "{height} {from} {to}");
+            assert_eq!(sections.passed(at(from), at(to), 0.25), passes, "{height} {from} {to}");
         };
         check(0.1, -0.5, 0.5, true);
         check(0.2, -0.1, 0.3, true);

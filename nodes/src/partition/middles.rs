@@ -4,8 +4,10 @@
 //! by how far along it lies, and the centres of gravity make the line. Twice more along that line itself, and it no longer
 //! depends on where the first two points lay.
 
-use crate::data::chart::{CELLS, Chart, around, cell_of};
+use crate::data::chart::{CELL, CELLS, Chart, around, cell_of};
+use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
 use crate::data::sections::{NONE, Sections};
+use crate::maths::transcendental::sin_cos_turns;
 use crate::scalp::lay::{Polyline, filter};
 use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
@@ -78,7 +80,7 @@ fn reach_out(chart: &Chart, sections: &Sections, section: u32, line: &mut Vec<Ve
     }
     let n = line.len();
     let Some(way) = (line[n - 1] - line[n - 1 - (n - 1).min(3)]).try_normalize() else { return };
-    let step = 0.5 * crate::data::chart::CELL;
+    let step = 0.5 * CELL;
     let from = line[n - 1];
     let last = (1..200).map(|k| from + way * (step * k as f32)).take_while(|q| inside(*q)).last();
     line.extend(last);
@@ -131,4 +133,94 @@ fn centres(cells: &[u32], chart: &Chart, bands: usize, part: impl Fn(u32) -> f32
         }
     }
     sums.iter().filter(|(_, w)| *w > 0.0).map(|(sum, w)| (*sum / *w).as_vec3()).collect()
+}
+
+/// The part of a line that lies in one section, where most of it does.
+pub(crate) fn longest_run<'l>(
+    chart: &Chart,
+    sections: &Sections,
+    line: &'l [Vec2],
+) -> Option<(u32, &'l [Vec2])> {
+    let at = |q: &Vec2| {
+        let cell = cell_of(*q)?;
+        let grows = chart.spots()[cell].grows >= 0.5;
+        let p = chart.origin() + chart.direction(*q) * chart.out(cell);
+        sections.at(p).filter(|_| grows).map(|place| place.section)
+    };
+    let labels: Vec<Option<u32>> = line.iter().map(at).collect();
+    let mut best: Option<(usize, usize)> = None;
+    let mut from = 0;
+    for k in 1..=labels.len() {
+        if k == labels.len() || labels[k] != labels[from] {
+            if labels[from].is_some() && best.is_none_or(|(a, b)| b - a < k - from) {
+                best = Some((from, k));
+            }
+            from = k;
+        }
+    }
+    let (a, b) = best?;
+    (b - a > 3).then(|| (labels[a].unwrap_or_default(), &line[a..b]))
+}
+
+/// The line turned so that it starts at the hairline, or where both ends do (or none), in front.
+pub(crate) fn from_the_hairline(
+    scalp: &Scalp,
+    sections: &Sections,
+    mut line: Vec<Vec2>,
+) -> Vec<Vec2> {
+    let chart = scalp.chart();
+    let end = |q: Vec2| {
+        let cell = cell_of(q).unwrap_or(0);
+        let p = chart.spots()[cell].point;
+        // Nearer to where no hair grows than to any line.
+        let line = sections.at(p).map_or(0.0, |place| place.distance);
+        let reach = (line / (CELL * HEAD_RADIUS)).ceil() + 6.0;
+        let ring = (0..16).any(|k| {
+            let (s, c) = sin_cos_turns(k as f32 / 16.0);
+            chart.grows(q + Vec2::new(s, c) * (reach * CELL)) == 0.0
+        });
+        (ring, scalp.frame().head_from_point(p).z)
+    };
+    let (Some(first), Some(last)) = (line.first().copied(), line.last().copied()) else {
+        return line;
+    };
+    let (a, b) = (end(first), end(last));
+    let turn = if a.0 != b.0 { b.0 } else { b.1 > a.1 };
+    if turn {
+        line.reverse();
+    }
+    line
+}
+
+/// Half of a section's width beside each point of its row, cm; `unit` is a cm of a head of average size.
+pub(crate) fn half_widths(scalp: &Scalp, section: u32, roots: &[Root], unit: f32) -> Vec<f32> {
+    let (chart, step) = (scalp.chart(), 0.06 * unit);
+    let inside = |q: Vec2| {
+        let place = cell_of(q).filter(|_| chart.grows(q) >= 0.5).and_then(|cell| {
+            scalp.sections()?.at(chart.origin() + chart.direction(q) * chart.out(cell))
+        });
+        place.is_some_and(|place| place.section == section)
+    };
+    let mut widths: Vec<f32> = (0..roots.len())
+        .map(|k| {
+            let root = &roots[k];
+            let next = roots[(k + 1).min(roots.len() - 1)].point;
+            let along = next - roots[k.saturating_sub(1)].point;
+            let side = along.cross(root.normal).normalize_or_zero();
+            let mut sum = 0.0;
+            for way in [side, -side] {
+                let inside = |d: &f32| inside(chart.flat(root.point + way * *d));
+                let reach = (1..100).map(|k| k as f32 * step).take_while(inside).last();
+                sum += 0.5 * reach.unwrap_or(0.0);
+            }
+            sum.max(0.5 * step)
+        })
+        .collect();
+    for _ in 0..3 {
+        let before = widths.clone();
+        for k in 1..before.len().saturating_sub(1) {
+            widths[k] = 0.25 * (before[k - 1] + 2.0 * before[k] + before[k + 1]);
+        }
+    }
+    widths
 }

@@ -3,6 +3,7 @@
 use crate::define::NodeDef;
 
 mod baby_hair;
+mod between;
 mod edge_partition;
 mod hairline;
 mod lines;

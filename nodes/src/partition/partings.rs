@@ -8,9 +8,11 @@
 //! but for wobble; a section's curves change only when it does. Not promised: a drawn line that ends in the middle of hair cuts
 //! nothing, which is said.
 
+use super::between::between;
 use super::lines::{End, Uneven, end, fine, laid, uneven};
 use super::middles;
 use super::pattern::{self, Cut, Drawn, Flat, Rows, Wish};
+use super::territory::Row;
 use crate::data::attributes::{
     Domain, ID, PARENT, PARTING, RADIUS, ROOT_BARY, ROOT_TRIANGLE, SCALP_NORMAL, SECTION,
 };
@@ -39,6 +41,9 @@ node! {
         scalp: Arc<Scalp>;
         /// Drawn partings. Lines that end near another one or near the hairline are brought to it.
         lines: Option<Curves>, words("strokes drawn");
+        /// Rows that are drawn already: hair is parted half-way between each two that lie beside each other, so that every
+        /// row has a section of its own. The output rows is these then.
+        between: Option<Curves>, words("braids first rows neighbours half-way territory");
         /// Rows of a pattern, beside the drawn lines.
         pattern: Pattern = Pattern::None, words("rows generator cornrow layout style");
         /// How many rows: on both sides together, or rings.
@@ -83,7 +88,7 @@ node! {
         /// The lines, lying on the scalp; over an ear or what is too rough to lie on, straight on.
         partings: Curves;
         /// The middle line of each section, from the hairline on, as wide as the section: to braid along. The round section
-        /// that gathered rows end at has none.
+        /// that gathered rows end at has none. Where rows are drawn already, those, each with its section.
         rows: Curves;
         /// A short curve standing in the middle of each section: for free braids, twists and puffs.
         middles: Curves;
@@ -126,7 +131,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let chart = scalp.chart();
     cx.check()?;
     let part = part(&inputs, chart)?;
-    let Drawn { mut lines, middles } = lines(cx, &inputs, unit, &part);
+    let Drawn { mut lines, middles } = lines(cx, &inputs, unit, &part)?;
     cx.check()?;
     let old: Vec<Vec<Vec2>> = scalp
         .sections()
@@ -140,12 +145,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let before = partings.len();
     for line in &lines {
         let points = laid(scalp, chart, &line.points);
-        partings.push(Parting { id: line.id, points, of_pattern: !line.by_hand });
+        let (of_pattern, half_width) = (!line.by_hand, 0.5 * inputs.width * unit);
+        partings.push(Parting { id: line.id, points, of_pattern, half_width });
     }
     // Names given by a node before stay where they were put, unless this one names that section anew.
     let mut names = names(cx, &inputs.names, scalp);
     names.extend(scalp.sections().map_or(&[][..], Sections::given).iter().cloned());
-    let (sections, said) = Sections::new(scalp, partings, inputs.width * unit, &names);
+    let (sections, said) = Sections::new(scalp, partings, &names);
     for text in said {
         cx.warn(text);
     }
@@ -156,14 +162,17 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let parted = Arc::new(scalp.parted(sections.clone()));
     cx.check()?;
     let maker = Maker { scalp: &parted, chart, unit, seed: inputs.seed as u64, part: &part };
-    let lines = sections.partings()[before..].iter().map(|p| maker.parting(p, &sections));
+    let lines = sections.partings()[before..].iter().map(|p| maker.parting(p));
     let partings = Curves::new(lines.flatten().map(Arc::new).collect());
     // What rows are gathered to is no row.
     let tied = (inputs.pattern == Pattern::Gathered)
         .then(|| sections.at(scalp.frame().point_from_head(gathered_to(&inputs) * HEAD_RADIUS)))
         .flatten()
         .map(|place| place.section);
-    let rows = maker.rows(cx, &sections, &middles, tied)?;
+    let rows = match &inputs.between {
+        Some(rows) => maker.known_rows(cx, &sections, rows)?,
+        None => maker.rows(cx, &sections, &middles, tied)?,
+    };
     let middles = maker.middles(&sections);
     Ok(Outputs { scalp: parted, partings, rows, middles })
 }
@@ -198,7 +207,7 @@ fn part(inputs: &Inputs, chart: &Chart) -> Result<Vec<bool>, NodeError> {
 }
 
 /// Drawn lines and those of the pattern, on the map.
-fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Drawn {
+fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Result<Drawn, NodeError> {
     let scalp = &*inputs.scalp;
     let chart = scalp.chart();
     let mut drawn = Drawn::default();
@@ -251,6 +260,16 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Drawn {
         drawn.lines.extend(pattern.lines);
         drawn.middles = pattern.middles;
     }
+    let mut beside = vec![];
+    for (tuft, i) in inputs.between.iter().flat_map(|curves| curves.each()) {
+        match Row::new(tuft.id(i), tuft.curve(i)) {
+            Ok(row) => beside.push(row),
+            Err(fault) => cx.trouble(tuft.id(i), fault),
+        }
+    }
+    if beside.len() > 1 {
+        drawn.lines.extend(between(cx, scalp, part, beside, inputs.seed as u64)?);
+    }
     let how = Uneven {
         amplitude: inputs.zigzag * unit,
         period: inputs.zigzag_period * unit,
@@ -261,7 +280,7 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Drawn {
         uneven(chart, line, &how);
         line.points = fine(chart, &line.points);
     }
-    drawn
+    Ok(drawn)
 }
 
 /// Where rows gather, as a direction of the head frame.
@@ -337,7 +356,7 @@ impl Maker<'_> {
     }
 
     /// A parting as a curve.
-    fn parting(&self, parting: &Parting, sections: &Sections) -> Option<Tuft> {
+    fn parting(&self, parting: &Parting) -> Option<Tuft> {
         // It begins where it lies on the scalp.
         let off =
             |p: &&Vec3| self.scalp.closest_root(**p).is_none_or(|r| r.point.distance(**p) > 1e-3);
@@ -350,7 +369,7 @@ impl Maker<'_> {
         let points: Vec<Vec3> = roots.iter().map(|root| root.point).collect();
         b.set(SCALP_NORMAL, Domain::Point, off_the_scalp(self.scalp, &points));
         b.set(PARTING, Domain::Curve, vec![parting.id]);
-        b.set(RADIUS, Domain::Curve, vec![sections.half_width()]);
+        b.set(RADIUS, Domain::Curve, vec![parting.half_width]);
         Some(b.build())
     }
 
@@ -365,7 +384,7 @@ impl Maker<'_> {
         // A pattern knows the middles of its rows better than what lies between its lines shows.
         let mut known: BTreeMap<u32, &[Vec2]> = BTreeMap::new();
         for line in drawn {
-            if let Some((section, run)) = self.longest_run(sections, line) {
+            if let Some((section, run)) = middles::longest_run(self.chart, sections, line) {
                 known.entry(section).or_insert(run);
             }
         }
@@ -381,7 +400,7 @@ impl Maker<'_> {
             let line = match known.get(&number) {
                 Some(line) => Some(line.to_vec()),
                 None => middles::line(self.chart, sections, number, cells)
-                    .map(|line| self.run_from_the_hairline(sections, line)),
+                    .map(|line| middles::from_the_hairline(self.scalp, sections, line)),
             };
             let Some(line) = line.filter(|line| line.len() >= 2) else { continue };
             let roots = self.on_scalp(&line);
@@ -400,93 +419,50 @@ impl Maker<'_> {
             }
             let mut b = curve(&roots, curve_id(section.id, self.seed, 0), section.id);
             b.set(SECTION, Domain::Curve, vec![section.id]);
-            b.set(RADIUS, Domain::Point, self.half_widths(sections, number, &roots));
+            b.set(
+                RADIUS,
+                Domain::Point,
+                middles::half_widths(self.scalp, number, &roots, self.unit),
+            );
             rows.push(Arc::new(b.build()));
         }
         Ok(Curves::new(rows))
     }
 
-    /// The part of a line that lies in one section, where most of it does.
-    fn longest_run<'l>(&self, sections: &Sections, line: &'l [Vec2]) -> Option<(u32, &'l [Vec2])> {
-        let at = |q: &Vec2| {
-            let cell = cell_of(*q)?;
-            let grows = self.chart.spots()[cell].grows >= 0.5;
-            let p = self.chart.origin() + self.chart.direction(*q) * self.chart.out(cell);
-            sections.at(p).filter(|_| grows).map(|place| place.section)
-        };
-        let labels: Vec<Option<u32>> = line.iter().map(at).collect();
-        let mut best: Option<(usize, usize)> = None;
-        let mut from = 0;
-        for k in 1..=labels.len() {
-            if k == labels.len() || labels[k] != labels[from] {
-                if labels[from].is_some() && best.is_none_or(|(a, b)| b - a < k - from) {
-                    best = Some((from, k));
+    /// The rows that were drawn, each with the section that most of it lies in.
+    fn known_rows(
+        &self,
+        cx: &EvalCx,
+        sections: &Sections,
+        rows: &Curves,
+    ) -> Result<Curves, NodeError> {
+        let mut out = vec![];
+        for (tuft, i) in rows.each() {
+            cx.check()?;
+            let Ok(spline) = Spline::new(tuft.curve(i)) else { continue };
+            let count = ((spline.length() / (0.25 * self.unit)) as usize).clamp(4, 800);
+            let mut cells: BTreeMap<u32, usize> = BTreeMap::new();
+            spline.resample(count, |p| {
+                let cell = cell_of(self.chart.flat(p)).filter(|c| self.part[*c]);
+                if let Some(place) = cell.and_then(|_| sections.at(p)) {
+                    *cells.entry(place.section).or_default() += 1;
                 }
-                from = k;
-            }
-        }
-        let (a, b) = best?;
-        (b - a > 3).then(|| (labels[a].unwrap_or_default(), &line[a..b]))
-    }
-
-    /// The line turned so that it starts at the hairline, or where both ends do (or none), in front.
-    fn run_from_the_hairline(&self, sections: &Sections, mut line: Vec<Vec2>) -> Vec<Vec2> {
-        let end = |q: Vec2| {
-            let cell = cell_of(q).unwrap_or(0);
-            let p = self.chart.spots()[cell].point;
-            // Nearer to where no hair grows than to any line.
-            let line = sections.at(p).map_or(0.0, |place| place.distance);
-            let reach = (line / (crate::data::chart::CELL * HEAD_RADIUS)).ceil() + 6.0;
-            let ring = (0..16).any(|k| {
-                let (s, c) = crate::maths::transcendental::sin_cos_turns(k as f32 / 16.0);
-                self.chart.grows(q + Vec2::new(s, c) * (reach * crate::data::chart::CELL)) == 0.0
             });
-            (ring, self.scalp.frame().head_from_point(p).z)
-        };
-        let (Some(first), Some(last)) = (line.first().copied(), line.last().copied()) else {
-            return line;
-        };
-        let (a, b) = (end(first), end(last));
-        let turn = if a.0 != b.0 { b.0 } else { b.1 > a.1 };
-        if turn {
-            line.reverse();
-        }
-        line
-    }
-
-    /// Half of a section's width beside each point of its row, cm.
-    fn half_widths(&self, sections: &Sections, number: u32, roots: &[Root]) -> Vec<f32> {
-        let step = 0.06 * self.unit;
-        let mut widths: Vec<f32> = (0..roots.len())
-            .map(|k| {
-                let root = &roots[k];
-                let next = roots[(k + 1).min(roots.len() - 1)].point;
-                let along = next - roots[k.saturating_sub(1)].point;
-                let side = along.cross(root.normal).normalize_or_zero();
-                let mut sum = 0.0;
-                for way in [side, -side] {
-                    let inside = |d: &f32| {
-                        let q = self.chart.flat(root.point + way * *d);
-                        let p = cell_of(q).map(|c| (self.chart.out(c), self.chart.grows(q)));
-                        p.is_some_and(|(out, grows)| {
-                            let p = self.chart.origin() + self.chart.direction(q) * out;
-                            grows >= 0.5
-                                && sections.at(p).is_some_and(|place| place.section == number)
-                        })
-                    };
-                    let reach = (1..100).map(|k| k as f32 * step).take_while(inside).last();
-                    sum += 0.5 * reach.unwrap_or(0.0);
-                }
-                sum.max(0.5 * step)
-            })
-            .collect();
-        for _ in 0..3 {
-            let before = widths.clone();
-            for k in 1..before.len().saturating_sub(1) {
-                widths[k] = 0.25 * (before[k - 1] + 2.0 * before[k] + before[k + 1]);
+            let Some((number, _)) = cells.into_iter().max_by_key(|(n, most)| (*most, !*n)) else {
+                cx.trouble(tuft.id(i), "a row that lies in no section was left out");
+                continue;
+            };
+            let roots: Vec<Root> =
+                tuft.curve(i).iter().filter_map(|p| self.scalp.closest_root(*p)).collect();
+            let mut b = tuft.gather(&[i as u32]);
+            b.set(SECTION, Domain::Curve, vec![sections.list()[number as usize].id]);
+            if roots.len() == tuft.curve(i).len() {
+                let widths = middles::half_widths(self.scalp, number, &roots, self.unit);
+                b.set(RADIUS, Domain::Point, widths);
             }
+            out.push(Arc::new(b.build()));
         }
-        widths
+        Ok(Curves::new(out))
     }
 
     /// A short curve in the middle of every section of the part.
@@ -614,6 +590,50 @@ mod tests {
             // From the forehead to the nape.
             assert!(points[0].z > points[points.len() - 1].z + 5.0);
         }
+    }
+
+    #[test]
+    fn rows_that_are_drawn_already_are_parted_half_way_between_them() {
+        let (out, _) = part(&head(), &[("pattern", "straight_back".into())]);
+        let rows = curves_of(&out[2]).clone();
+        let between = |rows: &Curves| {
+            let set = [("between", Value::from(rows.clone())), ("wobble", Value::Float(0.0))];
+            let (out, said) = part(&head(), &set);
+            assert!(said.is_empty(), "{said:?}");
+            (scalp_of(&out[0]), curves_of(&out[1]).clone())
+        };
+        let (scalp, lines) = between(&rows);
+        let sections = scalp.sections().unwrap();
+        assert_eq!(sections.list().len(), rows.curve_count());
+        let own: std::collections::BTreeSet<u64> = rows
+            .each()
+            .map(|(tuft, i)| {
+                let ids: Vec<Option<u64>> =
+                    tuft.curve(i).iter().skip(1).map(|p| sections.id_at(*p)).collect();
+                assert!(ids.windows(2).all(|w| w[0] == w[1]), "a row leaves its section");
+                ids[0].unwrap()
+            })
+            .collect();
+        assert_eq!(own.len(), rows.curve_count(), "each row has a section of its own");
+        let known: Vec<Row> =
+            rows.each().map(|(tuft, i)| Row::new(tuft.id(i), tuft.curve(i)).unwrap()).collect();
+        // Half-way but where a line is led straight on to the hairline, beyond the rows' ends.
+        let mut off: Vec<f32> = vec![];
+        for p in lines.each().flat_map(|(tuft, i)| tuft.curve(i)) {
+            let mut far: Vec<f32> = known.iter().map(|row| row.nearest(*p).1).collect();
+            far.sort_by(f32::total_cmp);
+            off.push(far[1] - far[0]);
+        }
+        off.sort_by(f32::total_cmp);
+        let (most, last) = (off[off.len() * 95 / 100], off[off.len() - 1]);
+        assert!(most < 0.1 && last < 0.3, "{most} {last}");
+        // What lies beside other rows stays what it is.
+        let ids = |lines: &Curves| -> std::collections::BTreeSet<u64> {
+            lines.each().map(|(tuft, i)| tuft.id(i)).collect()
+        };
+        let fewer = Curves::new(rows.tufts()[1..].to_vec());
+        let (_, fewer) = between(&fewer);
+        assert!(ids(&fewer).intersection(&ids(&lines)).count() + 2 >= ids(&fewer).len());
     }
 
     #[test]

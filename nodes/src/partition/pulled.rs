@@ -57,9 +57,7 @@ impl Home<'_> {
     /// How far within the section and off the bare skin of its partings a point is, cm; negative elsewhere.
     fn slack(&self, p: Vec3) -> f32 {
         match self.sections.at(p) {
-            Some(place) if place.section == self.number => {
-                place.distance - self.sections.half_width()
-            }
+            Some(place) if place.section == self.number => place.distance - place.bare,
             _ => -1.0,
         }
     }

@@ -228,7 +228,7 @@ fn on_a_parted_scalp_rows_mind_their_neighbours_and_their_section() {
             let own = tuft.view(PARENT).at(i, tuft.range(i).start);
             *of.entry(own).or_default() += 1;
             let (mine, others): (Vec<_>, Vec<_>) = lines[0].iter().partition(|l| l.id == own);
-            assert!(near(&lines[1], points[0]) > sections.half_width() - 2e-3);
+            assert!(near(&lines[1], points[0]) > sections.widest_half() - 2e-3);
             // Rows of other sections count no more than the line that lies between.
             let home = cut.home(points[0]).unwrap();
             for l in others.iter().filter(|l| home.holds(l.spline.at(0.5))) {

@@ -1,0 +1,259 @@
+//! Lines half-way between rows: where hair parts when what will be braided was drawn first.
+//!
+//! methods.md 3, "braids first": the scalp is shared out among rows by the way over it (`territory.rs`), and where the ground of two
+//! rows meets there is a line. It is traced on the scalp's map through the cells whose corners are nearer to different rows; three
+//! rows meet in a point that their three lines share.
+//!
+//! Guarantees: points of a line are as far from its two rows as the map's cells can tell, which is half a millimetre on smooth skin;
+//! rows of one section share that section alone. Ids hang from the two rows. Not promised: lines beside rows that run into
+//! each other nearer than two cells of the map (2 mm).
+
+use super::pattern::Flat;
+use super::territory::{MOST_OVER, Row};
+use crate::data::chart::{CELLS, middle};
+use crate::data::scalp::Scalp;
+use crate::define::NodeError;
+use crate::eval::EvalCx;
+use crate::maths::hash::curve_id;
+use glam::Vec2;
+use std::collections::BTreeMap;
+
+/// Corners of the net lie on every so many-th cell of the map: 2.2 mm.
+const EVERY: usize = 2;
+/// Corners along a side of the net.
+const SIDE: usize = CELLS / EVERY;
+/// The nearest row of a corner where no hair grows.
+const NONE: u32 = u32::MAX;
+/// Rounds in which a line's points are eased: they jitter by a tenth of a cell about it.
+const EASED: usize = 6;
+/// Lines shorter than this, in corners of the net, part nothing.
+const LEAST: usize = 4;
+
+/// Where a line crosses the net: an edge between two corners, or the middle of a square in which three rows meet.
+type Crossing = (u32, u8);
+/// Two rows, by number, the lower first.
+type Pair = (u32, u32);
+
+/// Lines half-way between the rows, where hair grows and is `part` of what is parted.
+pub(crate) fn between(
+    cx: &EvalCx,
+    scalp: &Scalp,
+    part: &[bool],
+    rows: Vec<Row>,
+    seed: u64,
+) -> Result<Vec<Flat>, NodeError> {
+    let rows = over_the_scalp(scalp, part, rows);
+    let ground = Ground::new(cx, scalp, part, &rows)?;
+    let mut meetings: BTreeMap<Pair, Meeting> = BTreeMap::new();
+    for y in 0..SIDE - 1 {
+        cx.check()?;
+        for x in 0..SIDE - 1 {
+            ground.square(y * SIDE + x, &mut meetings);
+        }
+    }
+    let mut out = vec![];
+    for ((a, b), meeting) in meetings {
+        let (a, b) = (rows[a as usize].id, rows[b as usize].id);
+        let pair = curve_id(a.min(b), seed, a.max(b));
+        for (n, (mut points, closed)) in (0..).zip(meeting.lines()) {
+            ease(&mut points, closed);
+            if closed {
+                points.push(points[0]);
+            }
+            let id = curve_id(pair, seed, n);
+            out.push(Flat { id, points, closed, row: true, by_hand: false });
+        }
+    }
+    Ok(out)
+}
+
+/// The rows with their ways over the scalp, as far as hair is from them.
+fn over_the_scalp(scalp: &Scalp, part: &[bool], rows: Vec<Row>) -> Vec<Row> {
+    if !(2..=MOST_OVER).contains(&rows.len()) {
+        return rows;
+    }
+    let spots = scalp.chart().spots();
+    let mut farthest = 0.0f32;
+    for cell in (0..CELLS * CELLS).step_by(23).filter(|cell| part[*cell]) {
+        let nearer = |d: f32, row: &Row| row.distance_under(spots[cell].point, d);
+        farthest = farthest.max(rows.iter().fold(1e3, nearer));
+    }
+    let reach = 1.5 * farthest + 2.0;
+    let over = |row: Row| {
+        let ways = row.ways_over(scalp, reach);
+        row.going_over(ways)
+    };
+    rows.into_iter().map(over).collect()
+}
+
+/// Which row is nearest to each corner of the net.
+struct Ground<'a> {
+    scalp: &'a Scalp,
+    rows: &'a [Row],
+    nearest: Vec<u32>,
+}
+
+impl<'a> Ground<'a> {
+    fn new(
+        cx: &EvalCx,
+        scalp: &'a Scalp,
+        part: &[bool],
+        rows: &'a [Row],
+    ) -> Result<Self, NodeError> {
+        let sections = scalp.sections();
+        let section = |p| sections.and_then(|s| s.at(p)).map(|place| place.section);
+        let own: Vec<Option<u32>> = rows.iter().map(|row| section(row.spline.at(0.5))).collect();
+        let mut ground = Self { scalp, rows, nearest: vec![NONE; SIDE * SIDE] };
+        // Beside a corner its row is likely the same: what is not nearer is passed over quickly.
+        let mut last = 0;
+        for corner in 0..SIDE * SIDE {
+            if corner % SIDE == 0 {
+                cx.check()?;
+            }
+            let cell = cell_of(corner);
+            let spot = &scalp.chart().spots()[cell];
+            if !part[cell] || spot.area <= 0.0 {
+                continue;
+            }
+            let here = section(spot.point);
+            let mut best = (f32::MAX, NONE);
+            let others = (0..rows.len() as u32).filter(|row| *row != last);
+            for row in std::iter::once(last).chain(others) {
+                let known = sections.is_none() || own[row as usize] == here;
+                if known
+                    && ground.rows[row as usize].distance_under(spot.point, best.0.min(1e3))
+                        < best.0.min(1e3)
+                {
+                    let far = ground.far(corner, row);
+                    if (far, row) < best {
+                        best = (far, row);
+                    }
+                }
+            }
+            ground.nearest[corner] = best.1;
+            last = if best.1 == NONE { last } else { best.1 };
+        }
+        Ok(ground)
+    }
+
+    /// How far a corner is from a row, cm.
+    fn far(&self, corner: usize, row: u32) -> f32 {
+        let row = &self.rows[row as usize];
+        let p = self.scalp.chart().spots()[cell_of(corner)].point;
+        row.far(self.scalp, p, row.nearest(p).1)
+    }
+
+    /// Where the ground of two rows meets between two neighbouring corners, on the map.
+    fn crossing(&self, from: usize, to: usize) -> Option<(Pair, Vec2)> {
+        let (a, b) = (self.nearest[from], self.nearest[to]);
+        if a == b || a == NONE || b == NONE {
+            return None;
+        }
+        let ahead = (self.far(from, b) - self.far(from, a)).max(0.0);
+        let behind = (self.far(to, a) - self.far(to, b)).max(0.0);
+        let t = if ahead + behind > 0.0 { ahead / (ahead + behind) } else { 0.5 };
+        let p = middle(cell_of(from)).lerp(middle(cell_of(to)), t);
+        Some(((a.min(b), a.max(b)), p))
+    }
+
+    /// The pieces of lines in the square whose first corner this is.
+    fn square(&self, corner: usize, meetings: &mut BTreeMap<Pair, Meeting>) {
+        let corners = [corner, corner + 1, corner + SIDE + 1, corner + SIDE];
+        let first = self.nearest[corner];
+        if corners.iter().all(|c| self.nearest[*c] == first) {
+            return;
+        }
+        // Each edge has the name of its lower corner and its way.
+        let edges = [(0, 1, 0), (1, 2, 1), (3, 2, 0), (0, 3, 1)];
+        let found: Vec<(Pair, Crossing, Vec2)> = edges
+            .into_iter()
+            .filter_map(|(from, to, way)| {
+                let (pair, p) = self.crossing(corners[from], corners[to])?;
+                Some((pair, (corners[from] as u32, way), p))
+            })
+            .collect();
+        let all_one_pair = found.windows(2).all(|w| w[0].0 == w[1].0);
+        if all_one_pair {
+            // Two crossings, or four about a saddle; one where hair ends.
+            for two in found.chunks_exact(2) {
+                let meeting = meetings.entry(two[0].0).or_default();
+                meeting.piece((two[0].1, two[0].2), (two[1].1, two[1].2));
+            }
+            return;
+        }
+        let met = found.iter().map(|(_, _, p)| *p).sum::<Vec2>() / found.len() as f32;
+        for (pair, at, p) in found {
+            meetings.entry(pair).or_default().piece((at, p), ((corner as u32, 2), met));
+        }
+    }
+}
+
+/// The cell of the map that a corner of the net lies in.
+fn cell_of(corner: usize) -> usize {
+    (corner / SIDE * CELLS + corner % SIDE) * EVERY
+}
+
+/// Pieces of the lines between two rows.
+#[derive(Default)]
+struct Meeting {
+    pieces: Vec<[Crossing; 2]>,
+    places: BTreeMap<Crossing, Vec2>,
+}
+
+impl Meeting {
+    fn piece(&mut self, from: (Crossing, Vec2), to: (Crossing, Vec2)) {
+        self.pieces.push([from.0, to.0]);
+        self.places.extend([from, to]);
+    }
+
+    /// The lines that the pieces make, and whether each is closed.
+    fn lines(&self) -> Vec<(Vec<Vec2>, bool)> {
+        let mut beside: BTreeMap<Crossing, Vec<usize>> = BTreeMap::new();
+        for (i, piece) in self.pieces.iter().enumerate() {
+            piece.iter().for_each(|at| beside.entry(*at).or_default().push(i));
+        }
+        let mut left = vec![true; self.pieces.len()];
+        let mut out = vec![];
+        // From their ends first; what is left then is closed.
+        let ends = beside.iter().filter(|(_, pieces)| pieces.len() != 2).map(|(at, _)| *at);
+        for start in ends.chain(beside.keys().copied()) {
+            loop {
+                let mut line = vec![start];
+                let mut at = start;
+                while let Some(i) = beside[&at].iter().copied().find(|i| left[*i]) {
+                    left[i] = false;
+                    at =
+                        if self.pieces[i][0] == at { self.pieces[i][1] } else { self.pieces[i][0] };
+                    line.push(at);
+                    if beside[&at].len() != 2 {
+                        break;
+                    }
+                }
+                if line.len() == 1 {
+                    break;
+                }
+                let closed = at == start;
+                if closed {
+                    line.pop();
+                }
+                if line.len() >= LEAST {
+                    out.push((line.iter().map(|at| self.places[at]).collect(), closed));
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Brings points towards the middle of their neighbours, but for the ends.
+fn ease(points: &mut [Vec2], closed: bool) {
+    let n = points.len();
+    for _ in 0..EASED {
+        let was = points.to_vec();
+        for k in 0..n {
+            if closed || (k > 0 && k + 1 < n) {
+                points[k] = was[k] * 0.5 + (was[(k + n - 1) % n] + was[(k + 1) % n]) * 0.25;
+            }
+        }
+    }
+}
