@@ -56,7 +56,7 @@ node! {
         /// Distance of stitches, when they are spaced. 0 takes what suits firmly braided hair: one and a half times the
         /// amplitude (about half the braid's width) for up to four strands, less for more. Under one
         /// amplitude strands get thin. Longer sources get more stitches, and those there are stay where they are. A ramp or
-        /// an attribute such as girth makes stitches shorter where the braid is thinner.
+        /// an attribute such as girth makes stitches shorter where the braid is thinner, down to two fifths of the longest.
         stitch_spacing: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 4.0), unit(Length), words("knots frequency");
         /// Width of the whole braid over its tubes. A ramp or mask may vary it.
         width: FieldInput = 1.0f32, hard(0.01, 100.0), soft(0.2, 5.0), unit(Length), handle(Handle::Radius);
@@ -303,6 +303,8 @@ impl<'a> Plan<'a> {
 
 /// The most stitches that a spacing may ask for on one source.
 const MOST_STITCHES: f32 = 400.0;
+/// Stitches are not shorter than this share of the longest: hair is given points for a few on a stitch, and goes through more.
+const SHORTEST: f32 = 0.4;
 
 /// The strands, stitches and flyaways of one source; none where the source is no curve.
 fn braid(
@@ -400,7 +402,7 @@ fn braid(
             "stitches are closer than the amplitude of the braid, so strands are thin",
         );
     }
-    let least = 0.15 * size.pitch;
+    let least = SHORTEST * size.pitch;
     let along = |s: f32| spacing_at(s / length).clamp(least, size.pitch);
     let along: Option<&dyn Fn(f32) -> f32> = if varies { Some(&along) } else { None };
     let (advance, stitches) = advance(plan, braid_id, size.pitch, along, tied_at);

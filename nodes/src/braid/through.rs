@@ -11,7 +11,7 @@
 //! leads into its strand, and what has no such way is not led, which is told. Not promised: hairs clear of each other.
 
 use super::even::{Bead, Even, relax, smooth, spline_point, unevenness};
-use super::tube::{Braid, FINE, Tube, place};
+use super::tube::{Braid, Tube, place};
 use super::wander::{Parted, Wander};
 use crate::data::home::Home;
 use crate::data::scalp::{Scalp, Skin};
@@ -100,7 +100,7 @@ impl<'a> Leader<'a> {
         let tube = &braid.tubes[entry.tube];
         let (t, come) = self.joins(braid, tube, way, entry, wish);
         let section = tube.section(t);
-        let spacing = FINE * braid.step;
+        let spacing = braid.spacing(section.along);
         let mut reached = (0.0, spacing);
         if !wish.fed {
             let end = place(&section, come * share(wish, section.joined));
@@ -318,7 +318,8 @@ impl<'a> Leader<'a> {
         // Even steps of the hair, not of its strand: on the inside of a bend it is shorter. They begin with what the way
         // over the scalp had.
         let room = (MOST_POINTS - beads.len().min(MOST_POINTS - 3) - 1) as f32;
-        let spacing = (FINE * braid.step).max(1.12 * (until - from) * braid.step / room);
+        let fine = braid.spacing(tube.section(from).along);
+        let spacing = fine.max(1.12 * (until - from) * braid.step / room);
         let mut last = reached.1.clamp(0.4 * spacing, 2.0 * spacing);
         let (mut t, mut gone) = (from, if wish.fed { 0.0 } else { reached.0 - reached.1 });
         let settle = manner.settling * braid.per_stitch;

@@ -31,6 +31,10 @@ pub(super) const FINE: f32 = 4.0;
 const INSIDE: f32 = 0.8;
 /// Hair that keeps so far (cm) from the skin need not be kept out of it.
 const NEAR: f32 = 0.05;
+/// Stitches that tell how short they are at a place.
+const OF_STITCHES: usize = 4;
+/// The least share of the usual spacing.
+const FINEST: f32 = 0.35;
 /// The most steps of one strand's table.
 const MOST: f32 = 8192.0;
 
@@ -152,7 +156,8 @@ pub(super) struct Braid {
 
 impl Braid {
     /// The braid of these strands (one tuft); none where they are no curves.
-    pub(super) fn new(strands: &Tuft, stitches: Vec<Stitch>, asked: &Asked) -> Option<Self> {
+    pub(super) fn new(strands: &Tuft, mut stitches: Vec<Stitch>, asked: &Asked) -> Option<Self> {
+        stitches.sort_by(|a, b| a.along.total_cmp(&b.along).then(a.number.cmp(&b.number)));
         let splines: Vec<Spline> = (0..strands.len())
             .map(|i| Spline::new(strands.curve(i)).ok())
             .collect::<Option<_>>()?;
@@ -292,6 +297,20 @@ impl Braid {
             y: a.y.lerp(b.y, f),
             size: a.size + (b.size - a.size) * f,
         }
+    }
+    /// Distance (cm) between points of a hair that comes in at a place: where stitches are short it needs more, and keeps them, for
+    /// its points are even.
+    pub(super) fn spacing(&self, along: f32) -> f32 {
+        let n = self.stitches.len();
+        let even = FINE * self.step;
+        if n < 2 * OF_STITCHES {
+            return even;
+        }
+        let mean = (self.stitches[n - 1].along - self.stitches[0].along) / (n - 1) as f32;
+        let from = self.stitches.partition_point(|s| s.along < along).min(n - OF_STITCHES);
+        let here = (self.stitches[from + OF_STITCHES - 1].along - self.stitches[from].along)
+            / (OF_STITCHES - 1) as f32;
+        even * (here / mean.max(1e-9)).clamp(FINEST, 1.0)
     }
     /// The stitch nearest to a place on a side.
     pub(super) fn stitch(&self, along: f32, side: i32) -> Option<&Stitch> {

@@ -479,3 +479,64 @@ fn waved(points: &[Vec3]) -> (f32, f32) {
     let rms = ((xx + zz) / samples.len() as f32).sqrt();
     (2.0 * rms, period)
 }
+
+/// How far `fine` lies off the chords between `points`, chord by chord, cm.
+fn off_chords(points: &[Vec3], fine: &[Vec3]) -> Vec<f32> {
+    let mut at = 0;
+    points
+        .windows(2)
+        .map(|w| {
+            let along = w[1] - w[0];
+            let mut worst = 0.0f32;
+            let end = (at..(at + 4000).min(fine.len()))
+                .min_by(|a, b| fine[*a].distance(w[1]).total_cmp(&fine[*b].distance(w[1])))
+                .unwrap_or(at);
+            for p in &fine[at..=end.min(fine.len() - 1)] {
+                let t =
+                    ((*p - w[0]).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
+                worst = worst.max(p.distance(w[0] + along * t));
+            }
+            at = end;
+            worst
+        })
+        .collect()
+}
+
+#[test]
+fn chords_keep_to_the_curl_as_the_tolerance_asks() {
+    use crate::data::attributes::CURL_DIAMETER;
+    // How far the curl lies off chords, in tolerances: in the mean, and what a hundredth of them exceeds.
+    let check = |preset: &str, mean: f32, most: f32| {
+        let mut off: Vec<f32> = vec![];
+        for id in 0..4 {
+            let mut b = TuftBuilder::new();
+            b.push_curve(&(0..=8).map(|k| Vec3::Y * k as f32).collect::<Vec<_>>());
+            b.set(ID, Domain::Curve, vec![7 + id]);
+            b.set(PARENT, Domain::Curve, vec![3 + id]);
+            let source = Curves::new(vec![b.build().into()]);
+            let make = |tolerance: f32| {
+                let set = [
+                    ("curves", source.clone().into()),
+                    ("preset", preset.into()),
+                    ("points", "tolerance".into()),
+                    ("tolerance", Value::Float(tolerance)),
+                    ("most_points", Value::Int(16384)),
+                ];
+                let (out, _) = run(&NODE, &set);
+                let tuft = curves_of(&out[0]).tufts()[0].clone();
+                (tuft.curve(0).to_vec(), tuft.view(CURL_DIAMETER).at(0, 0))
+            };
+            let ((fine, diameter), (points, _)) = (make(0.0005), make(0.03));
+            off.extend(off_chords(&points, &fine).iter().map(|d| d / (0.03 * 0.5 * diameter)));
+        }
+        off.sort_by(f32::total_cmp);
+        let (found, last) = (off.iter().sum::<f32>() / off.len() as f32, off[off.len() * 99 / 100]);
+        assert!(found < mean && last < most, "{preset}: {found} in the mean, {last}");
+    };
+    for preset in ["custom", "3a", "3b", "3c", "4a", "4b"] {
+        check(preset, 1.15, 1.9);
+    }
+    // Waves so long that they have the fewest points of all, and kinks between two turns.
+    check("2a", 1.6, 3.5);
+    check("4c", 1.15, 3.5);
+}

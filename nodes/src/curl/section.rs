@@ -30,7 +30,7 @@ pub(crate) struct Shape {
     table: Vec<(Vec2, Vec2)>,
     /// Length around.
     pub(crate) perimeter: f32,
-    /// How much it bends: acceleration over a turn in the root of the mean square, that of a circle being 1.
+    /// How much it bends: the acceleration that nine tenths of a turn do not exceed, that of a circle being 1.
     pub(crate) bend: f32,
     /// The farthest it goes from its centre.
     pub(crate) widest: f32,
@@ -61,9 +61,10 @@ impl Shape {
             (outline[i % n], velocity * stride as f32)
         };
         let table: Vec<(Vec2, Vec2)> = (0..=TABLE).map(|i| entry((i * stride) % n)).collect();
-        let steps = table.windows(2).map(|w| (w[1].1 - w[0].1).length_squared());
+        let mut steps: Vec<f32> = table.windows(2).map(|w| (w[1].1 - w[0].1).length()).collect();
+        steps.sort_by(f32::total_cmp);
         let turn = std::f32::consts::TAU / TABLE as f32;
-        let bend = (steps.sum::<f32>() / TABLE as f32).sqrt() / (turn * turn);
+        let bend = steps[TABLE * 9 / 10] / (turn * turn);
         let widest = outline.iter().fold(0.0f32, |far, p| far.max(p.length()));
         Self { table, perimeter: perimeter(outline), bend, widest }
     }

@@ -103,7 +103,7 @@ node! {
         points: Points = Points::Auto, words("cvs resolution segments");
         /// Points on a turn of full size, when given by the turn. Smaller turns get fewer, but eight at least. Unset: as many as the tolerance asks for, or 12.
         points_per_turn: Option<f32>, hard(8.0, 256.0), soft(8.0, 32.0), unit(Count), words("cvs resolution segments");
-        /// How far a coil may lie off the straight line between two points, as a share of its radius: 3 % makes 13 points a turn, 1 % 22. Sharp shapes get more, small turns fewer.
+        /// How far a coil may lie off the straight line between two points, as a share of its radius: 3 % makes 13 points a turn, 1 % 22. Sharp shapes get more, small turns fewer. Where a turn runs into another of another size or kind it may be twice as far.
         tolerance: f32 = 0.03, hard(0.0005, 0.2), soft(0.01, 0.1), unit(Ratio), words("chord error accuracy cvs");
         /// The most points on a hair. Hairs that the tolerance would give more are drawn coarser, evenly, and counted.
         most_points: i64 = 255, hard(4.0, 16384.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
