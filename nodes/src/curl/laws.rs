@@ -540,3 +540,54 @@ fn chords_keep_to_the_curl_as_the_tolerance_asks() {
     check("2a", 1.6, 3.5);
     check("4c", 1.15, 3.5);
 }
+
+#[test]
+fn hair_is_as_long_as_asked_when_it_hangs_and_when_it_is_drawn_straight() {
+    for preset in ["2b", "3b", "4a", "4c"] {
+        let make = |length: &'static str, asked: f32| {
+            let set = [("length", length.into()), ("hair_length", Value::Float(asked))];
+            curled(&straight(40), preset, &set)
+        };
+        for asked in [6.0, 14.0] {
+            let visible = make("visible", asked);
+            let span = (visible[visible.len() - 1] - visible[0]).y;
+            assert!((span / asked - 1.0).abs() < 0.03, "{preset}: spans {span} of {asked}");
+            let stretched = make("stretched", asked);
+            let fibre = Spline::new(&stretched).unwrap().length();
+            assert!((fibre / asked - 1.0).abs() < 0.01, "{preset}: {fibre} of {asked}");
+            let span = (stretched[stretched.len() - 1] - stretched[0]).y;
+            assert!(span < asked, "{preset}: curled hair is shorter, {span}");
+        }
+    }
+}
+
+#[test]
+fn a_spongy_root_curls_smaller_and_closer_and_no_more_beyond_it() {
+    let make = |sponge: f32| {
+        let mut set = pure(Section::Circle);
+        set.push(("sponge", Value::Float(sponge)));
+        curled(&straight(16), "custom", &set)
+    };
+    // How far hair is from its source in the mean, and how many turns it makes about it, between two heights.
+    let coil = |points: &[Vec3], low: f32, high: f32| {
+        let part: Vec<&Vec3> = points.iter().filter(|p| p.y > low && p.y < high).collect();
+        let far = part.iter().map(|p| p.x.hypot(p.z)).sum::<f32>() / part.len() as f32;
+        let angle = |p: &Vec3| crate::maths::transcendental::atan2(p.z, p.x);
+        let turned: f32 = part
+            .windows(2)
+            .map(|w| {
+                let step = (angle(w[1]) - angle(w[0])) / std::f32::consts::TAU;
+                step - step.round()
+            })
+            .sum();
+        (far, turned.abs() / (high - low))
+    };
+    let (plain, spongy) = (make(0.0), make(6.0));
+    let (near, far) = ((1.5, 3.0), (9.0, 14.0));
+    let (r, n) = coil(&plain, near.0, near.1);
+    let (r_sponge, n_sponge) = coil(&spongy, near.0, near.1);
+    assert!(r_sponge < 0.85 * r && n_sponge > 1.15 * n, "{r_sponge} {r} {n_sponge} {n}");
+    let (r, n) = coil(&plain, far.0, far.1);
+    let (r_sponge, n_sponge) = coil(&spongy, far.0, far.1);
+    assert!((r_sponge / r - 1.0).abs() < 0.05 && (n_sponge / n - 1.0).abs() < 0.05, "{r} {n}");
+}

@@ -158,6 +158,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let area = |s: &crate::data::sections::Section| format!("{} {:.1} cm2", s.name, s.area);
     let list: Vec<String> = sections.list().iter().take(40).map(area).collect();
     cx.remark(format!("{} sections: {}", sections.list().len(), list.join(", ")));
+    for (name, parts) in cut_up(scalp, &sections) {
+        cx.remark(format!("{name:?} is cut into {parts}; the one about the name's point keeps it"));
+    }
     let sections = Arc::new(sections);
     let parted = Arc::new(scalp.parted(sections.clone()));
     cx.check()?;
@@ -322,6 +325,26 @@ fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec
             lines[i].points = points;
         }
     }
+}
+
+/// The named sections of a scalp that are several now, and how many.
+fn cut_up(scalp: &Scalp, now: &Sections) -> Vec<(String, usize)> {
+    let Some(before) = scalp.sections() else { return vec![] };
+    let parts = |old: u32| {
+        now.list()
+            .iter()
+            .filter(|s| before.at(s.middle).is_some_and(|at| at.section == old))
+            .count()
+    };
+    let mut out = vec![];
+    for (name, _) in before.given() {
+        let Some(old) = before.named(name) else { continue };
+        let parts = parts(old);
+        if parts > 1 {
+            out.push((name.clone(), parts));
+        }
+    }
+    out
 }
 
 /// Given names with their points, read from text.
@@ -634,6 +657,27 @@ mod tests {
         let fewer = Curves::new(rows.tufts()[1..].to_vec());
         let (_, fewer) = between(&fewer);
         assert!(ids(&fewer).intersection(&ids(&lines)).count() + 2 >= ids(&fewer).len());
+    }
+
+    #[test]
+    fn a_named_section_that_is_cut_is_told_of() {
+        let first = [
+            ("pattern", "across".into()),
+            ("count", Value::Int(2)),
+            ("names", "fringe 0 6 8".into()),
+        ];
+        let (out, _) = run(&NODE, &[&[("scalp", head().into())], &first[..]].concat());
+        let scalp = scalp_of(&out[0]);
+        let again = [
+            ("scalp", scalp.into()),
+            ("pattern", "straight_back".into()),
+            ("count", Value::Int(3)),
+            ("area", Value::Field(Arc::new(Field::Mask("fringe".into())))),
+            ("seed", Value::Int(1)),
+        ];
+        let (_, said) = run(&NODE, &again);
+        let told = said.iter().filter(|s| s.contains("\"fringe\" is cut into 3")).count();
+        assert_eq!(told, 1, "{said:?}");
     }
 
     #[test]

@@ -7,16 +7,18 @@ use crate::data::attributes::{
 };
 use crate::data::curves::{Curves, TuftBuilder};
 use crate::data::scalp::tests::ball;
-use crate::data::scalp::{Root, Scalp};
+use crate::data::scalp::{HeadFrame, REGION, Root, Scalp};
 use crate::define::Value;
 use crate::eval::{Log, PlainHost, Quality};
+use crate::maths::closest::{Surface, tests::sphere};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{acos, atan2, cos};
 use crate::testing::{curves_of, run, run_on};
 use glam::{Vec2, Vec3};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
 
 fn puff(set: &[(&str, Value)]) -> (Curves, Curves, Vec<String>) {
     let (out, said) = run(&NODE, &[&[("scalp", ball().into())], set].concat());
@@ -206,6 +208,19 @@ fn any_outline_is_met_and_soft_edges_and_neighbours_are_as_asked() {
         let d = (tip - centre) / 6.0;
         let local = Vec3::new(d.dot(right) / 1.2, d.dot(root.normal) / 0.9, d.dot(ahead));
         assert!((local.length() - 1.0).abs() < 1e-3, "{}", local.length());
+    }
+    // A mesh of any form: here an egg that was modelled beside the head; its own middle is the puff's.
+    let round = sphere(5.0, 32);
+    let egg = |p: &Vec3| *p * Vec3::new(1.0, 0.8, 1.2) + centre;
+    let mesh = Surface::new(round.points.iter().map(egg).collect(), round.triangles.clone());
+    let region = BTreeMap::from([(REGION.to_owned(), vec![1.0; mesh.points.len()])]);
+    let mesh = Arc::new(Scalp::new(mesh, None, HeadFrame::IDENTITY, region));
+    let drawn = [("shape", "mesh".into()), ("mesh", mesh.clone().into())];
+    let (guides, hair, _) = puff(&[&clean[..], &drawn].concat());
+    assert!(guides.curve_count() > 50 && hair.curve_count() == 400);
+    for tip in tips(&guides).into_iter().chain(tips(&hair)) {
+        let off = mesh.surface().closest(tip).unwrap().distance;
+        assert!(off < 0.02, "{tip} is {off} off the mesh");
     }
     let soft = [("edge_softness", Value::Float(1.0))];
     let (_, hair, _) = puff(&[&clean[..], &soft].concat());
