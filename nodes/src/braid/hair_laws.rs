@@ -302,7 +302,7 @@ fn a_root_knot_is_as_much_wider_than_the_braid_as_was_asked() {
     let outline = |hair: &BTreeMap<u64, Vec<Vec3>>, low: f32, high: f32| {
         let points = hair.values().flat_map(|points| points.iter().map(|p| *p - foot));
         let near = points.filter(|p| p.y > low && p.y < high);
-        let mut reach: Vec<f32> = near.map(|p| p.x.hypot(p.z)).collect();
+        let mut reach: Vec<f32> = near.map(|p| glam::Vec2::new(p.x, p.z).length()).collect();
         reach.sort_by(f32::total_cmp);
         reach[reach.len() * 95 / 100]
     };

@@ -571,7 +571,8 @@ fn a_spongy_root_curls_smaller_and_closer_and_no_more_beyond_it() {
     // How far hair is from its source in the mean, and how many turns it makes about it, between two heights.
     let coil = |points: &[Vec3], low: f32, high: f32| {
         let part: Vec<&Vec3> = points.iter().filter(|p| p.y > low && p.y < high).collect();
-        let far = part.iter().map(|p| p.x.hypot(p.z)).sum::<f32>() / part.len() as f32;
+        let far =
+            part.iter().map(|p| Vec2::new(p.x, p.z).length()).sum::<f32>() / part.len() as f32;
         let angle = |p: &Vec3| crate::maths::transcendental::atan2(p.z, p.x);
         let turned: f32 = part
             .windows(2)

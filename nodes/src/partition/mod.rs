@@ -5,6 +5,7 @@ use crate::define::NodeDef;
 mod baby_hair;
 mod between;
 mod edge_partition;
+mod given;
 mod hairline;
 mod lines;
 mod middles;

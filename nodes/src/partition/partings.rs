@@ -9,24 +9,20 @@
 //! nothing, which is said.
 
 use super::between::between;
+use super::given::Maker;
 use super::lines::{End, Uneven, end, fine, laid, uneven};
-use super::middles;
 use super::pattern::{self, Cut, Drawn, Flat, Rows, Wish};
 use super::territory::Row;
-use crate::data::attributes::{
-    Domain, ID, PARENT, PARTING, RADIUS, ROOT_BARY, ROOT_TRIANGLE, SCALP_NORMAL, SECTION,
-};
-use crate::data::chart::{CELLS, Chart, cell_of};
-use crate::data::curves::{Curves, Tuft, TuftBuilder};
-use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
-use crate::data::sections::{Parting, Sections, off_the_scalp};
+use crate::data::attributes::{DRIFT, Domain, ROOT_BARY, ROOT_TRIANGLE};
+use crate::data::chart::{CELLS, Chart};
+use crate::data::curves::{Curves, TuftBuilder};
+use crate::data::scalp::{HEAD_RADIUS, Scalp};
+use crate::data::sections::{Parting, Sections};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::EvalCx;
 use crate::maths::hash::curve_id;
 use crate::maths::spline::Spline;
-use crate::scalp::lay::{Polyline, bind, filter};
 use glam::{Vec2, Vec3};
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 node! {
@@ -164,7 +160,16 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let sections = Arc::new(sections);
     let parted = Arc::new(scalp.parted(sections.clone()));
     cx.check()?;
-    let maker = Maker { scalp: &parted, chart, unit, seed: inputs.seed as u64, part: &part };
+    let seed = inputs.seed as u64;
+    let drawn = inputs.lines.iter().flat_map(|lines| lines.each());
+    let drifted = drawn.filter(|(tuft, _)| tuft.attribute(DRIFT.name).is_some());
+    let drift = drifted
+        .map(|(tuft, i)| {
+            let drift = tuft.view(DRIFT).at(i, tuft.range(i).start);
+            (curve_id(tuft.id(i), seed, 0), drift)
+        })
+        .collect();
+    let maker = Maker { scalp: &parted, chart, unit, seed, part: &part, drift };
     let lines = sections.partings()[before..].iter().map(|p| maker.parting(p));
     let partings = Curves::new(lines.flatten().map(Arc::new).collect());
     // What rows are gathered to is no row.
@@ -365,171 +370,14 @@ fn names(cx: &EvalCx, text: &str, scalp: &Scalp) -> Vec<(String, Vec3)> {
     out
 }
 
-struct Maker<'a> {
-    scalp: &'a Scalp,
-    chart: &'a Chart,
-    unit: f32,
-    seed: u64,
-    part: &'a [bool],
-}
-
-impl Maker<'_> {
-    fn on_scalp(&self, flat: &[Vec2]) -> Vec<Root> {
-        flat.iter().filter_map(|q| self.chart.root(self.scalp, *q)).collect()
-    }
-
-    /// A parting as a curve.
-    fn parting(&self, parting: &Parting) -> Option<Tuft> {
-        // It begins where it lies on the scalp.
-        let off =
-            |p: &&Vec3| self.scalp.closest_root(**p).is_none_or(|r| r.point.distance(**p) > 1e-3);
-        let root = |p: &Vec3| Some(Root { point: *p, ..self.scalp.closest_root(*p)? });
-        let roots: Vec<Root> = parting.points.iter().skip_while(off).filter_map(root).collect();
-        if roots.len() < 2 {
-            return None;
-        }
-        let mut b = curve(&roots, parting.id, parting.id);
-        let points: Vec<Vec3> = roots.iter().map(|root| root.point).collect();
-        b.set(SCALP_NORMAL, Domain::Point, off_the_scalp(self.scalp, &points));
-        b.set(PARTING, Domain::Curve, vec![parting.id]);
-        b.set(RADIUS, Domain::Curve, vec![parting.half_width]);
-        Some(b.build())
-    }
-
-    /// The middle line of every section of the part, from the hairline on.
-    fn rows(
-        &self,
-        cx: &EvalCx,
-        sections: &Sections,
-        drawn: &[Vec<Vec2>],
-        tied: Option<u32>,
-    ) -> Result<Curves, NodeError> {
-        // A pattern knows the middles of its rows better than what lies between its lines shows.
-        let mut known: BTreeMap<u32, &[Vec2]> = BTreeMap::new();
-        for line in drawn {
-            if let Some((section, run)) = middles::longest_run(self.chart, sections, line) {
-                known.entry(section).or_insert(run);
-            }
-        }
-        let members = middles::members(sections);
-        let mut rows = vec![];
-        for (number, section) in (0..).zip(sections.list()) {
-            cx.check()?;
-            let cells = &members[number as usize];
-            let mine = cells.iter().filter(|c| self.part[**c as usize]).count();
-            if 2 * mine < cells.len() || tied == Some(number) {
-                continue;
-            }
-            let line = match known.get(&number) {
-                Some(line) => Some(line.to_vec()),
-                None => middles::line(self.chart, sections, number, cells)
-                    .map(|line| middles::from_the_hairline(self.scalp, sections, line)),
-            };
-            let Some(line) = line.filter(|line| line.len() >= 2) else { continue };
-            let roots = self.on_scalp(&line);
-            let mut points: Vec<Vec3> = roots.iter().map(|r| r.point).collect();
-            filter(&mut points, 2);
-            let smooth = Polyline::new(points);
-            if smooth.length() < 0.3 * self.unit {
-                continue;
-            }
-            let n = ((smooth.length() / (0.5 * self.unit)).round() as usize).clamp(4, 400) + 1;
-            let even = smooth.evenly(n);
-            let roots: Vec<Root> =
-                even.iter().filter_map(|p| self.scalp.closest_root(*p)).collect();
-            if roots.len() < 2 {
-                continue;
-            }
-            let mut b = curve(&roots, curve_id(section.id, self.seed, 0), section.id);
-            b.set(SECTION, Domain::Curve, vec![section.id]);
-            b.set(
-                RADIUS,
-                Domain::Point,
-                middles::half_widths(self.scalp, number, &roots, self.unit),
-            );
-            rows.push(Arc::new(b.build()));
-        }
-        Ok(Curves::new(rows))
-    }
-
-    /// The rows that were drawn, each with the section that most of it lies in.
-    fn known_rows(
-        &self,
-        cx: &EvalCx,
-        sections: &Sections,
-        rows: &Curves,
-    ) -> Result<Curves, NodeError> {
-        let mut out = vec![];
-        for (tuft, i) in rows.each() {
-            cx.check()?;
-            let Ok(spline) = Spline::new(tuft.curve(i)) else { continue };
-            let count = ((spline.length() / (0.25 * self.unit)) as usize).clamp(4, 800);
-            let mut cells: BTreeMap<u32, usize> = BTreeMap::new();
-            spline.resample(count, |p| {
-                let cell = cell_of(self.chart.flat(p)).filter(|c| self.part[*c]);
-                if let Some(place) = cell.and_then(|_| sections.at(p)) {
-                    *cells.entry(place.section).or_default() += 1;
-                }
-            });
-            let Some((number, _)) = cells.into_iter().max_by_key(|(n, most)| (*most, !*n)) else {
-                cx.trouble(tuft.id(i), "a row that lies in no section was left out");
-                continue;
-            };
-            let roots: Vec<Root> =
-                tuft.curve(i).iter().filter_map(|p| self.scalp.closest_root(*p)).collect();
-            let mut b = tuft.gather(&[i as u32]);
-            b.set(SECTION, Domain::Curve, vec![sections.list()[number as usize].id]);
-            if roots.len() == tuft.curve(i).len() {
-                let widths = middles::half_widths(self.scalp, number, &roots, self.unit);
-                b.set(RADIUS, Domain::Point, widths);
-            }
-            out.push(Arc::new(b.build()));
-        }
-        Ok(Curves::new(out))
-    }
-
-    /// A short curve in the middle of every section of the part.
-    fn middles(&self, sections: &Sections) -> Curves {
-        let one = |section: &crate::data::sections::Section| {
-            let root = self.scalp.closest_root(section.middle)?;
-            let cell = cell_of(self.chart.flat(root.point))?;
-            if !self.part[cell] {
-                return None;
-            }
-            let at = |k: i32| root.point + root.normal * (k as f32 / 3.0 * self.unit);
-            let mut b = TuftBuilder::new();
-            b.push_curve(&(0..4).map(at).collect::<Vec<_>>());
-            b.set(ID, Domain::Curve, vec![curve_id(section.id, self.seed, 1)]);
-            b.set(PARENT, Domain::Curve, vec![section.id]);
-            b.set(SECTION, Domain::Curve, vec![section.id]);
-            b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
-            // As wide as a disc of the section's area.
-            let radius = (section.area / std::f32::consts::PI).sqrt();
-            b.set(RADIUS, Domain::Curve, vec![radius]);
-            bind(&mut b, &[root]);
-            Some(Arc::new(b.build()))
-        };
-        Curves::new(sections.list().iter().filter_map(one).collect())
-    }
-}
-
-/// A curve through roots.
-fn curve(roots: &[Root], id: u64, parent: u64) -> TuftBuilder {
-    let mut b = TuftBuilder::new();
-    b.push_curve(&roots.iter().map(|r| r.point).collect::<Vec<_>>());
-    b.set(ID, Domain::Curve, vec![id]);
-    b.set(PARENT, Domain::Curve, vec![parent]);
-    b.set(SCALP_NORMAL, Domain::Point, roots.iter().map(|r| r.normal).collect());
-    bind(&mut b, &roots[..1]);
-    b
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::attributes::{PARENT, PARTING, RADIUS, SECTION};
     use crate::data::field::Field;
     use crate::define::Value;
     use crate::testing::{curves_of, run};
+    use std::collections::BTreeMap;
 
     fn head() -> Arc<Scalp> {
         static HEAD: std::sync::OnceLock<Arc<Scalp>> = std::sync::OnceLock::new();
@@ -650,6 +498,19 @@ mod tests {
         off.sort_by(f32::total_cmp);
         let (most, last) = (off[off.len() * 95 / 100], off[off.len() - 1]);
         assert!(most < 0.1 && last < 0.3, "{most} {last}");
+        // A row that has drifted still tells how far; and so does a parting that was drawn.
+        let mut b = rows.tufts()[0].edit();
+        b.set(DRIFT, Domain::Curve, vec![0.25]);
+        let drifted = Curves::new(vec![Arc::new(b.build()), rows.tufts()[1].clone()]);
+        let set = [("between", Value::from(drifted.clone())), ("lines", drifted.into())];
+        let (out, _) = part(&head(), &set);
+        let told = |curves: &Curves| -> Vec<f32> {
+            let each = curves.each().filter(|(tuft, _)| tuft.attribute(DRIFT.name).is_some());
+            each.map(|(tuft, i)| tuft.view(DRIFT).at(i, tuft.range(i).start)).collect()
+        };
+        assert_eq!(told(curves_of(&out[1])), [0.25]);
+        assert_eq!(told(curves_of(&out[2])), [0.25]);
+        assert!(curves_of(&out[1]).each().all(|(tuft, i)| tuft.view(PARTING).at(i, 0) != 0));
         // What lies beside other rows stays what it is.
         let ids = |lines: &Curves| -> std::collections::BTreeSet<u64> {
             lines.each().map(|(tuft, i)| tuft.id(i)).collect()
@@ -657,27 +518,6 @@ mod tests {
         let fewer = Curves::new(rows.tufts()[1..].to_vec());
         let (_, fewer) = between(&fewer);
         assert!(ids(&fewer).intersection(&ids(&lines)).count() + 2 >= ids(&fewer).len());
-    }
-
-    #[test]
-    fn a_named_section_that_is_cut_is_told_of() {
-        let first = [
-            ("pattern", "across".into()),
-            ("count", Value::Int(2)),
-            ("names", "fringe 0 6 8".into()),
-        ];
-        let (out, _) = run(&NODE, &[&[("scalp", head().into())], &first[..]].concat());
-        let scalp = scalp_of(&out[0]);
-        let again = [
-            ("scalp", scalp.into()),
-            ("pattern", "straight_back".into()),
-            ("count", Value::Int(3)),
-            ("area", Value::Field(Arc::new(Field::Mask("fringe".into())))),
-            ("seed", Value::Int(1)),
-        ];
-        let (_, said) = run(&NODE, &again);
-        let told = said.iter().filter(|s| s.contains("\"fringe\" is cut into 3")).count();
-        assert_eq!(told, 1, "{said:?}");
     }
 
     #[test]
@@ -692,7 +532,7 @@ mod tests {
             ("area", Field::Mask("front".into()).into()),
         ];
         let (out, said) = part(&parted, &set);
-        assert!(said.is_empty(), "{said:?}");
+        assert_eq!(said, ["\"front\" is cut into 6; the one about the name's point keeps it"]);
         let scalp = scalp_of(&out[0]);
         assert_eq!(scalp.sections().unwrap().list().len(), 7);
         assert_eq!(curves_of(&out[2]).curve_count(), 6);
