@@ -5,7 +5,8 @@ use super::lissajous_braid::NODE;
 use super::weave::{Weave, coprime, default_frequency};
 use crate::data::attributes::{self as attr, Domain};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
-use crate::data::ramp::Ramp;
+use crate::data::field::Field;
+use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::{HeadFrame, REGION, Scalp, tests::ball};
 use crate::define::{FileData, Value};
 use crate::eval::{Log, Quality};
@@ -437,6 +438,25 @@ fn tubes_touch_and_never_overlap() {
     for m in [5i64, 7, 11] {
         let set = [bare(), vec![("strands", Value::Int(12)), ("weave", m.into())]];
         check(format!("12:{m}"), &straight(3.0), &set, 0.03);
+    }
+    // Thin at the root and gathered there, as braids are that grow with their hair.
+    let ramp = |from: f32, to: f32| {
+        let keys = vec![(0.0, from), (0.1, 0.5 * (from + to)), (0.4, to), (1.0, 0.6 * to)];
+        Value::Field(Arc::new(Field::Ramp(Ramp::new(Blend::Smooth, keys).unwrap())))
+    };
+    for n in 2..=6i64 {
+        for (thin, gather) in [(0.15, 0.5f32), (0.3, 0.5), (0.3, 1.5), (0.15, 0.0)] {
+            let set = vec![
+                ("strands", n.into()),
+                ("width", ramp(thin, 1.0)),
+                ("height", ramp(0.6 * thin, 0.6)),
+                ("stitch_spacing", ramp(0.6 * thin, 0.6)),
+                ("root_gather", gather.into()),
+                ("tie", 1.0f32.into()),
+                ("tip_amplitude", 0.8f32.into()),
+            ];
+            check(format!("{n} growing from {thin} {gather}"), &straight(12.0), &[set], 0.02);
+        }
     }
     println!("largest overlap {} at {}", worst.0, worst.1);
 }
