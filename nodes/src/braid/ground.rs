@@ -14,7 +14,7 @@ use crate::maths::frame::{across, any_normal};
 use crate::maths::nearest::Nearest;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{atan2, exp, sin_cos};
-use crate::partition::territory::{MOST_OVER, Row};
+use crate::partition::territory::{MOST_OVER, Row, farthest};
 use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::FRAC_PI_2;
@@ -197,22 +197,14 @@ fn over_the_scalp(lanes: Vec<Lane>, scalp: &Scalp) -> Vec<Lane> {
     if lanes.len() < 2 || lanes.len() > MOST_OVER || each_its_own {
         return lanes;
     }
-    // As far as the place that is farthest from all rows is from its own, and somewhat more.
-    let spots = scalp.chart().spots().iter().step_by(EVERY).filter(|spot| spot.area > 0.0);
-    let far = spots.map(|spot| {
-        let other = |d: f32, lane: &Lane| lane.row.distance_under(spot.point, d);
-        lanes.iter().fold(f32::MAX.sqrt(), other)
-    });
-    let reach = 1.5 * far.fold(0.0, f32::max) + 2.0;
+    let spots = scalp.chart().spots();
+    let reach = farthest(lanes.iter().map(|lane| &lane.row), scalp, |cell| spots[cell].area > 0.0);
     let over = |lane: Lane| {
         let ways = lane.row.ways_over(scalp, reach);
         Lane { row: lane.row.going_over(ways), ..lane }
     };
     lanes.into_iter().map(over).collect()
 }
-
-/// Of so many cells of the map one is asked how far it is from all rows.
-const EVERY: usize = 23;
 
 fn cell_of(p: Vec3, cell: f32) -> [i32; 3] {
     (p / cell).floor().as_ivec3().to_array()

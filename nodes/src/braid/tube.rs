@@ -310,7 +310,9 @@ impl Braid {
         let from = self.stitches.partition_point(|s| s.along < along).min(n - OF_STITCHES);
         let here = (self.stitches[from + OF_STITCHES - 1].along - self.stitches[from].along)
             / (OF_STITCHES - 1) as f32;
-        even * (here / mean.max(1e-9)).clamp(FINEST, 1.0)
+        // Stitches of a file may be anywhere.
+        let share = here / mean.max(1e-9);
+        if share.is_finite() { even * share.clamp(FINEST, 1.0) } else { even }
     }
     /// The stitch nearest to a place on a side.
     pub(super) fn stitch(&self, along: f32, side: i32) -> Option<&Stitch> {
@@ -376,6 +378,8 @@ const MOST_GROWN: f32 = 20.0;
 
 impl Knot {
     fn new(strands: &Tuft, splines: &[Spline], step: f32, (size, length): (f32, f32)) -> Self {
+        // A knot as long as a short braid is all of it.
+        let length = splines.iter().fold(length, |least, spline| least.min(spline.length()));
         let steps = ((length / step).ceil() as usize).max(1);
         let radius = strands.view(attr::RADIUS);
         // The middle of the strands so far along them, and how far the outermost reaches from it.

@@ -6,10 +6,11 @@
 //!
 //! Guarantees: points of a line are as far from its two rows as the map's cells can tell, which is half a millimetre on smooth skin;
 //! rows of one section share that section alone. Ids hang from the two rows. Not promised: lines beside rows that run into
-//! each other nearer than two cells of the map (2 mm).
+//! each other nearer than two cells of the map (2 mm); and where rows lie about scattered, so that many lines meet in points, lines are
+//! led on over these and cut more sections than there are rows.
 
 use super::pattern::Flat;
-use super::territory::{MOST_OVER, Row};
+use super::territory::{MOST_OVER, Row, farthest};
 use crate::data::chart::{CELLS, middle};
 use crate::data::scalp::Scalp;
 use crate::define::NodeError;
@@ -26,6 +27,8 @@ const SIDE: usize = CELLS / EVERY;
 const NONE: u32 = u32::MAX;
 /// Rounds in which a line's points are eased: they jitter by a tenth of a cell about it.
 const EASED: usize = 6;
+/// Narrower than the map tells would be the ground of more rows than this.
+const MOST_ROWS: usize = 4096;
 /// Lines shorter than this, in corners of the net, part nothing.
 const LEAST: usize = 4;
 
@@ -42,6 +45,12 @@ pub(crate) fn between(
     rows: Vec<Row>,
     seed: u64,
 ) -> Result<Vec<Flat>, NodeError> {
+    if rows.len() > MOST_ROWS {
+        let n = rows.len();
+        return Err(NodeError::failed(format!(
+            "{n} rows to part between, at most {MOST_ROWS} are: wire the rows that braids are laid along, not hair"
+        )));
+    }
     let rows = over_the_scalp(scalp, part, rows);
     let ground = Ground::new(cx, scalp, part, &rows)?;
     let mut meetings: BTreeMap<Pair, Meeting> = BTreeMap::new();
@@ -72,13 +81,7 @@ fn over_the_scalp(scalp: &Scalp, part: &[bool], rows: Vec<Row>) -> Vec<Row> {
     if !(2..=MOST_OVER).contains(&rows.len()) {
         return rows;
     }
-    let spots = scalp.chart().spots();
-    let mut farthest = 0.0f32;
-    for cell in (0..CELLS * CELLS).step_by(23).filter(|cell| part[*cell]) {
-        let nearer = |d: f32, row: &Row| row.distance_under(spots[cell].point, d);
-        farthest = farthest.max(rows.iter().fold(1e3, nearer));
-    }
-    let reach = 1.5 * farthest + 2.0;
+    let reach = farthest(rows.iter(), scalp, |cell| part[cell]);
     let over = |row: Row| {
         let ways = row.ways_over(scalp, reach);
         row.going_over(ways)

@@ -521,6 +521,20 @@ mod tests {
     }
 
     #[test]
+    fn hair_wired_where_rows_belong_is_refused() {
+        let mut b = TuftBuilder::new();
+        for k in 0..5000 {
+            let x = k as f32 * 1e-3;
+            b.push_curve(&[Vec3::new(x, 9.0, 0.0), Vec3::new(x, 9.0, 1.0)]);
+        }
+        b.set(crate::data::attributes::ID, Domain::Curve, (1..=5000).collect::<Vec<u64>>());
+        let hair = Curves::new(vec![Arc::new(b.build())]);
+        let set = [("scalp", head().into()), ("between", Value::from(hair))];
+        let fault = crate::testing::fails(&NODE, &set);
+        assert!(fault.contains("5000 rows") && fault.contains("4096"), "{fault}");
+    }
+
+    #[test]
     fn a_second_node_cuts_the_sections_of_the_first_where_a_mask_says() {
         let half = [("pattern", "across".into()), ("count", Value::Int(2))];
         let names = [("names", "front 0 7 6; back 0 3 -8".into()), ("seed", Value::Int(1))];

@@ -149,6 +149,23 @@ impl Row {
 /// The most rows whose ways over the scalp are found: half a megabyte each.
 pub(crate) const MOST_OVER: usize = 256;
 
+/// How far (cm) ways from rows are wanted: as far as the place that is farthest from all of them is from its own, and somewhat more.
+/// `counts` says which cells of the map count; one of [`EVERY`] is asked.
+pub(crate) fn farthest<'r>(
+    rows: impl Iterator<Item = &'r Row> + Clone,
+    scalp: &Scalp,
+    counts: impl Fn(usize) -> bool,
+) -> f32 {
+    let spots = scalp.chart().spots().iter().enumerate().step_by(EVERY);
+    let far = spots.filter(|(cell, _)| counts(*cell)).map(|(_, spot)| {
+        rows.clone().fold(f32::MAX.sqrt(), |d, row| row.distance_under(spot.point, d))
+    });
+    1.5 * far.fold(0.0, f32::max) + 2.0
+}
+
+/// Of so many cells of the map one is asked how far it is from all rows.
+const EVERY: usize = 23;
+
 /// The ways of many rows over the scalp, each found once, when it is first asked for.
 pub(crate) struct Overs<'a> {
     scalp: &'a Scalp,
