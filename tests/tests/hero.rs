@@ -63,7 +63,7 @@ const HEROES: &[(&str, &[Ask])] = &[
     ),
     ("afro_4c", &[Ask::Curls]),
     ("finger_coils", &[Ask::Curls]),
-    ("waves_2b", &[Ask::Curls]),
+    ("waves_2b", &[Ask::Partings(1), Ask::AllInSections, Ask::Curls]),
     ("ponytail", &[]),
     ("french_braid", &[Ask::Braids { at_least: 1, strands: 3, crossing: "over" }, Ask::Joins]),
 ];

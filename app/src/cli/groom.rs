@@ -222,8 +222,9 @@ impl Opened {
         let Opened { document, outputs, folder, graph } = self;
         let mut targets: Vec<Socket> = outputs.iter().map(|o| o.socket.clone()).collect();
         targets.extend_from_slice(more);
-        let heads = heads(document, &targets);
-        let wanted: Vec<Socket> = targets.iter().chain(&heads).cloned().collect();
+        let heads = of_kind(document, &targets, "head");
+        let parted = of_kind(document, &targets, "partings");
+        let wanted: Vec<Socket> = targets.iter().chain(&heads).chain(&parted).cloned().collect();
         let plan = plan(document, &wanted, quality, &DiskFiles::new(folder))
             .map_err(|err| Stop::refused(format!("{graph}: {err}")))?;
         let evaluator = Evaluator::new(threads, 0).map_err(Stop::failed)?;
@@ -245,7 +246,7 @@ impl Opened {
             let lines = failures.iter().map(|(node, err)| format!("{graph}: {node}: {err}"));
             return Err(Stop(if refused { Exit::Refused } else { Exit::Failed }, lines.collect()));
         }
-        let scalps: Vec<Arc<Scalp>> = outcome
+        let mut scalps: Vec<Arc<Scalp>> = outcome
             .targets
             .split_off(targets.len())
             .into_iter()
@@ -254,13 +255,14 @@ impl Opened {
                 _ => None,
             })
             .collect();
+        let parted = scalps.split_off(heads.len().min(scalps.len()));
         let more = outcome.targets.split_off(outputs.len()).into_iter().flatten().collect();
         report.head =
             heads.first().zip(scalps.first()).map(|(socket, scalp)| head_of(socket, scalp));
         let mut groups = vec![];
         for (output, value) in outputs.iter().zip(outcome.targets) {
             let Some(Value::Curves(curves)) = value else { continue };
-            groups.push(output.group(curves, &scalps, &evaluator, graph, report)?);
+            groups.push(output.group(curves, (&scalps, &parted), &evaluator, graph, report)?);
         }
         if groups.is_empty() {
             return Err(Stop::refused(format!("{graph}: no output gives curves")));
@@ -274,7 +276,7 @@ impl Wanted {
     fn group(
         &self,
         curves: Curves,
-        scalps: &[Arc<Scalp>],
+        (scalps, parted): (&[Arc<Scalp>], &[Arc<Scalp>]),
         evaluator: &Evaluator,
         graph: &str,
         report: &mut Report,
@@ -285,13 +287,21 @@ impl Wanted {
             _ => None,
         };
         let Conformed { curves: conformed, changes } =
-            conform(&curves, skin, &|n, f| evaluator.for_each(n, f));
+            conform(&curves, skin, parted, &|n, f| evaluator.for_each(n, f));
         drop(curves);
         let socket = &self.socket;
         if changes.left_out > 0 {
             report.warnings.push(format!(
                 "{socket}: {} curves of fewer than 2 points were left out",
                 changes.left_out
+            ));
+        }
+        if changes.astray > 0 {
+            report.warnings.push(format!(
+                "{socket}: {} curves find no way out of the skin on which all tools read one shape, or none but over a \
+                 parting; they were {}",
+                changes.astray,
+                if changes.keeps_astray { "kept" } else { "left out" }
             ));
         }
         let curves = conformed;
@@ -519,11 +529,11 @@ impl Opened {
     }
 }
 
-/// The scalps that the targets stand on, to be reported.
-fn heads(document: &Document, targets: &[Socket]) -> Vec<Socket> {
+/// The scalps that nodes of a kind give the targets: `head` those that they stand on, `partings` those that are parted.
+fn of_kind(document: &Document, targets: &[Socket], kind: &str) -> Vec<Socket> {
     upstream(document, targets.iter().map(|t| &t.node))
         .into_iter()
-        .filter(|id| document.node(id.as_str()).is_some_and(|n| n.kind == "head"))
+        .filter(|id| document.node(id.as_str()).is_some_and(|n| n.kind == kind))
         .map(|id| Socket::new(id, "scalp"))
         .collect()
 }

@@ -5,7 +5,8 @@
 //! exactly the hair that follows it. Guarantees: roots on the scalp; more only adds hair; weights go to zero where a
 //! guide stops counting, so nothing pops as roots move; no point under the skin by more than the guide's
 //! `allow_depth`; a hair rooted where a guide is has its shape; on a parted scalp no hair is rooted on a parting or led by a
-//! guide of another section, and what lies on the skin stays in its section as far along it as the nearest guide does in its own. Not
+//! guide of another section, what lies on the skin stays in its section as far along it as the nearest guide does in its own, and
+//! where that would lead it over a parting it gathers to the guide sooner, so that both leave the section in one place. Not
 //! promised: that hair stays over its section beyond that, for it goes where its guides go.
 
 use super::plan::{Hair, Plan};
@@ -239,6 +240,14 @@ impl Maker<'_> {
             (1..each).take_while(|k| home.holds(at(*k))).count()
         });
 
+        // The last of its points over the section, however high.
+        let over = home.map_or(1, |home| {
+            let at = |k: usize| guide_root + Vec3::from(shapes[0].axes.each_ref().map(|x| x[k]));
+            (1..each).take_while(|k| home.is_under(at(*k))).count().max(1)
+        });
+
+        let guide_passes = home.is_some_and(|home| home.passes(own.curve(0)));
+
         // Found when the first hair asks for it.
         let mut ways = None;
         let mut points: Vec<Vec3> = Vec::with_capacity(hairs.len() * each);
@@ -254,46 +263,63 @@ impl Maker<'_> {
                 let turn = smallest_rotation(shape.normal, hair.normal) * *weight;
                 shape.add_to(&turn, &mut blended);
             }
-            let (first, mut near) = (points.len(), hair.triangle);
-            // Drawn to its guide round a corner of its section.
-            let bent = home.filter(|home| clumps && !home.is_straight(hair.point, guide_root));
-            let way = bent.and_then(|home| {
-                ways.get_or_insert_with(|| home.ways(guide_root)).from(hair.point)
-            });
-            points.push(hair.point);
-            points.extend((1..each).map(|k| {
-                let of = |axes: &[Vec<f32>; 3]| match cut {
-                    1.0 => Vec3::from(axes.each_ref().map(|axis| axis[k])),
-                    _ => cut_at(axes, k as f32 * cut),
+            let first = points.len();
+            let of = |axes: &[Vec<f32>; 3], k: usize| match cut {
+                1.0 => Vec3::from(axes.each_ref().map(|axis| axis[k])),
+                _ => cut_at(axes, k as f32 * cut),
+            };
+            // Its way to the guide, none where that is straight.
+            let mut way_of = |drawn: bool| -> Option<Vec<Vec3>> {
+                let bent =
+                    home.filter(|home| drawn && !home.is_straight(hair.point, guide_root))?;
+                ways.get_or_insert_with(|| bent.ways(guide_root)).from(hair.point)
+            };
+            let lay =
+                |points: &mut Vec<Vec3>, clump: &dyn Fn(usize) -> f32, way: Option<&[Vec3]>| {
+                    let mut near = hair.triangle;
+                    points.truncate(first);
+                    points.push(hair.point);
+                    points.extend((1..each).map(|k| {
+                        let (mut p, drawn) = (hair.point + of(&blended, k), clump(k));
+                        if drawn > 0.0 {
+                            p = p.lerp(guide_root + of(&shapes[0].axes, k), drawn);
+                        }
+                        if let Some(way) = way {
+                            let x = drawn * (way.len() - 1) as f32;
+                            let i = (x as usize).min(way.len() - 2);
+                            let on_way = way[i].lerp(way[i + 1], x - i as f32);
+                            p += on_way - hair.point.lerp(guide_root, drawn);
+                        }
+                        match home.filter(|_| k <= at_home) {
+                            Some(home) => home.kept(p, &mut near).unwrap_or(p),
+                            None => p,
+                        }
+                    }));
+                    if let Some(skin) = &self.skin {
+                        skin.clear(&mut points[first..], |k| Some(depths[k]));
+                    }
                 };
-                let mut p = hair.point + of(&blended);
-                if clumps {
-                    p = p.lerp(guide_root + of(&shapes[0].axes), clump[k]);
-                    if let Some(way) = &way {
-                        let x = clump[k] * (way.len() - 1) as f32;
-                        let i = (x as usize).min(way.len() - 2);
-                        let on_way = way[i].lerp(way[i + 1], x - i as f32);
-                        p += on_way - hair.point.lerp(guide_root, clump[k]);
+            lay(&mut points, &|k| clump[k], way_of(clumps).as_deref());
+            if let Some(home) = home {
+                let crosses = |points: &[Vec3]| {
+                    points[first..].windows(2).take(at_home).any(|w| home.crosses(w[0], w[1]))
+                };
+                if crosses(&points) || home.passes(&points[first..]) {
+                    // Where the guide leaves the section, so does the hair: it is with it by then.
+                    let gathered = |k: usize| {
+                        let x = (k as f32 / over as f32).min(1.0);
+                        clump[k].max(x * x * (3.0 - 2.0 * x))
+                    };
+                    lay(&mut points, &gathered, way_of(true).as_deref());
+                    if crosses(&points) || (!guide_passes && home.passes(&points[first..])) {
+                        piece.trouble(
+                            id,
+                            "a hair that no way leads to its guide without crossing a parting was left out; with more points or guides there are fewer",
+                        );
+                        points.truncate(first);
+                        continue;
                     }
                 }
-                match home.filter(|_| k <= at_home) {
-                    Some(home) => home.kept(p, &mut near).unwrap_or(p),
-                    None => p,
-                }
-            }));
-            if let Some(skin) = &self.skin {
-                skin.clear(&mut points[first..], |k| Some(depths[k]));
-            }
-            let crosses = |home: crate::data::home::Home| {
-                points[first..].windows(2).take(at_home).any(|w| home.crosses(w[0], w[1]))
-            };
-            if home.is_some_and(crosses) {
-                piece.trouble(
-                    id,
-                    "a hair that no way leads to its guide without crossing a parting was left out",
-                );
-                points.truncate(first);
-                continue;
             }
             grown.push(hair);
         }

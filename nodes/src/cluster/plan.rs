@@ -68,6 +68,8 @@ pub(super) struct Plan {
 
 /// Roots found in one piece of work.
 const BATCH: usize = 4096;
+/// Where a parting stands before guides so many times as many are asked.
+const BEYOND: usize = 4;
 
 /// A root with its guides, nearest first.
 struct Found {
@@ -184,7 +186,8 @@ impl Plan {
                         alone += 1;
                         return None;
                     };
-                    let (blend, count) = weigh(tree, root.point, asked, &mut near);
+                    forest.candidates(tree, root.point, roots, asked.neighbours + 1, &mut near);
+                    let (blend, count) = weigh(&near, asked);
                     (count > 0).then_some(Found { index, root, blend, count })
                 };
                 let found = found[b].set(some.into_iter().filter_map(blend).collect());
@@ -250,7 +253,8 @@ impl Plan {
     }
 }
 
-/// Guides by the section that they are rooted in: those of another section have no say, however near they are.
+/// Guides by the section that they are rooted in: those of another section have no say, however near they are, nor have those
+/// beyond a parting that ends within the section.
 struct Forest<'a> {
     cut: Option<&'a Sections>,
     /// One for each section (with guides), or one for a scalp that is not parted.
@@ -276,6 +280,31 @@ impl<'a> Forest<'a> {
         let trees = (0..cut.list().len() as u32).map(of).collect();
         let id = |at: &Option<u32>| at.map_or(0, |at| cut.list()[at as usize].id);
         Self { cut: Some(cut), trees, ids: at.iter().map(id).collect() }
+    }
+    /// The `count` guides nearest to `p` that no parting stands before, nearest first; all that are near where one stands before
+    /// every one of them.
+    fn candidates(
+        &self,
+        tree: &Nearest,
+        p: Vec3,
+        roots: &[Vec3],
+        count: usize,
+        near: &mut Vec<(f32, u32)>,
+    ) {
+        tree.find(p, count, near);
+        let (Some(cut), Some((far, _))) = (self.cut, near.last()) else { return };
+        if cut.at(p).is_none_or(|place| place.distance * place.distance > *far) {
+            return;
+        }
+        let open = |(_, guide): &(f32, u32)| !cut.crosses(p, roots[*guide as usize]);
+        if near.iter().all(open) {
+            return;
+        }
+        tree.find(p, count * BEYOND, near);
+        if near.iter().any(open) {
+            near.retain(open);
+        }
+        near.truncate(count);
     }
     fn tree_at(&self, p: Vec3) -> Option<&Nearest> {
         let at = match self.cut {
@@ -307,14 +336,8 @@ fn masked(
 
 /// The guides of a hair with their weights, nearest first: (1/d - 1/R)^2 with R the distance of the first guide
 /// that does not count, so that a guide's weight is zero when another takes its place.
-fn weigh(
-    tree: &Nearest,
-    p: Vec3,
-    asked: &Asked,
-    near: &mut Vec<(f32, u32)>,
-) -> ([(u32, f32); MOST_GUIDES], u32) {
+fn weigh(near: &[(f32, u32)], asked: &Asked) -> ([(u32, f32); MOST_GUIDES], u32) {
     let mut blend = [(0, 0.0); MOST_GUIDES];
-    tree.find(p, asked.neighbours + 1, near);
     let mut horizon = near.get(asked.neighbours).map_or(f32::MAX, |(d2, _)| d2.sqrt());
     if asked.reach > 0.0 {
         horizon = horizon.min(asked.reach);

@@ -2,7 +2,8 @@
 //!
 //! Guarantees: roots stay where they are; equal ids give equal curls whatever else is there; the path is C1 while
 //! `blend` is above 0; a size of 0 changes nothing; in `fibre` mode the arc length is the source's within
-//! 0.5 %, or that of a `fibre_length` that the source has room for. Not promised: that hairs keep clear of each other, or that a curl much wider than its
+//! 0.5 %, or that of a `fibre_length` that the source has room for. On a parted scalp hair whose curl would lead over a
+//! parting that its source does not stays straight beside it. Not promised: that hairs keep clear of each other, or that a curl much wider than its
 //! source's bends does not loop through itself.
 
 use super::drawn::with_drawn;
@@ -15,6 +16,7 @@ use crate::data::attributes::{
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::{Scalp, Skin};
+use crate::data::sections::Sections;
 use crate::data::shapes::{ShapeList, Tier};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece};
@@ -37,7 +39,7 @@ node! {
     inputs {
         /// Curves to wind, one curl along each.
         curves: Curves;
-        /// Head that curls stay out of, and whose masks numbers may use. Where a curl is pushed out, its length is put right once.
+        /// Head that curls stay out of, and whose masks numbers may use. A curl that would lead over a parting of it begins later. Where a curl is pushed out, its length is put right once.
         scalp: Option<Arc<Scalp>>;
         /// Type that unset numbers are taken from. Starting points, not measurements.
         preset: Preset = Preset::Type3b, words("type hair pattern chart");
@@ -332,6 +334,9 @@ impl Preset {
     }
 }
 
+/// How often a curl is wound that leads over a parting, each time later from its root.
+const HELD: usize = 4;
+
 /// Every curve of `tuft` as a curl. Curves that cannot be wound are left out and noted.
 fn curl(
     tuft: &Tuft,
@@ -359,6 +364,7 @@ fn curl(
     let (mut kept, mut places, mut fibres, mut shrinkages) = (vec![], vec![], vec![], vec![]);
     let (mut diameters, mut pitches) = (vec![], vec![]);
     let (mut longer, mut near): (Vec<Vec3>, Vec<bool>) = (vec![], vec![]);
+    let sections = scalp.and_then(Scalp::sections);
     for i in 0..tuft.len() {
         piece.tick()?;
         let (points, first) = (tuft.curve(i), tuft.offsets()[i]);
@@ -433,29 +439,42 @@ fn curl(
         if missing > 0.0 && extend(&mut rail, missing) {
             goal.reach = rail.length();
         }
-        winder.draw(pattern, &rail, (clump, id), &sizes);
-        winder.lay(pattern, &rail, goal, fewest, roll);
-        // A wave wider than its source's bends cuts across them and may even be shorter than the source.
-        let mut more = 0.0;
-        for _ in 0..6 {
-            if !goes_on || winder.fibre >= 0.997 * goal.fibre {
-                break;
-            }
-            more += 1.5 * (goal.fibre - winder.fibre).max(1e-3 * goal.fibre);
-            if !extend(&mut rail, more) {
-                break;
-            }
-            goal.reach = rail.length();
+        winder.held = 0.0;
+        for tries in (0..HELD).rev() {
             winder.draw(pattern, &rail, (clump, id), &sizes);
             winder.lay(pattern, &rail, goal, fewest, roll);
-        }
-        winder.points[0] = points[0];
-        if let Some(skin) = skin {
-            // Where a curl lies beside its source no one point of that is under it: the least that any of them may.
-            let depth = tuft.range(i).map(|k| depth.at(i, k)).fold(f32::MAX, f32::min);
-            let clear = |middle, radius| skin.is_clear(middle, radius);
-            winder.near(&rail, pattern, clear, &mut near);
-            rest_on(skin, &mut winder.points, &near, depth, &mut spline);
+            // A wave wider than its source's bends cuts across them and may even be shorter than the source.
+            let mut more = 0.0;
+            for _ in 0..6 {
+                if !goes_on || winder.fibre >= 0.997 * goal.fibre {
+                    break;
+                }
+                more += 1.5 * (goal.fibre - winder.fibre).max(1e-3 * goal.fibre);
+                if !extend(&mut rail, more) {
+                    break;
+                }
+                goal.reach = rail.length();
+                winder.draw(pattern, &rail, (clump, id), &sizes);
+                winder.lay(pattern, &rail, goal, fewest, roll);
+            }
+            winder.points[0] = points[0];
+            if let Some(skin) = skin {
+                // Where a curl lies beside its source no one point of that is under it: the least that any of them may.
+                let depth = tuft.range(i).map(|k| depth.at(i, k)).fold(f32::MAX, f32::min);
+                let clear = |middle, radius| skin.is_clear(middle, radius);
+                winder.near(&rail, pattern, clear, &mut near);
+                rest_on(skin, &mut winder.points, &near, depth, &mut spline);
+            }
+            let passing = sections.and_then(|sections| last_over(sections, &winder.points));
+            match passing {
+                // Where its source leads over a parting, so may the curl.
+                Some(k)
+                    if tries > 0 && sections.is_some_and(|s| last_over(s, points).is_none()) =>
+                {
+                    winder.held = winder.end_of_turn(k);
+                }
+                _ => break,
+            }
         }
         let length = arc_length(&winder.points);
         fibres.push(length);
@@ -485,6 +504,11 @@ fn curl(
     out.set(CURL_DIAMETER, Domain::Curve, diameters);
     out.set(CURL_PITCH, Domain::Curve, pitches);
     Ok(out.build())
+}
+
+/// The point of a curl up to which it lies over a parting last; none where it lies over none.
+fn last_over(sections: &Sections, points: &[Vec3]) -> Option<usize> {
+    (1..points.len()).rev().find(|k| sections.passed(points[k - 1], points[*k], 0.0))
 }
 
 /// The normal that a curl's section starts from: the curve's own where it has one, else a direction that changes

@@ -277,6 +277,8 @@ pub(crate) struct Winder {
     amount: f32,
     /// What was asked of the curl last drawn.
     pub(crate) asked: Asked,
+    /// cm from the root that this one curl stays straight, where that is more than the pattern's.
+    pub(crate) held: f32,
     /// The curl, root first.
     pub(crate) points: Vec<Vec3>,
     marks: Vec<Mark>,
@@ -719,7 +721,8 @@ impl Winder {
             velocity = leaving + (velocity - leaving) * w + step * slope;
             across = from + step * w;
         }
-        let size = envelope(s, pattern.start, self.rise) * self.amount_at(s / rail.length());
+        let size = envelope(s, pattern.start.max(self.held), self.rise)
+            * self.amount_at(s / rail.length());
         across *= size;
         let speed = (along * along + velocity.length_squared() * size * size).sqrt();
         let stop = rail.at(cursor, s);
@@ -768,6 +771,12 @@ impl Winder {
             }
             out.push(near);
         }
+    }
+
+    /// Where the turn that a point of the curl lies on ends, cm from the source's root.
+    pub(crate) fn end_of_turn(&self, point: usize) -> f32 {
+        let turn = self.marks.get(point).map_or(0, |mark| mark.turn as usize);
+        self.laid.get(turn + 1).or(self.laid.last()).map_or(0.0, |next| next.s)
     }
 
     /// The fraction of turn `j` at which it has come to `s` along the source.

@@ -51,7 +51,93 @@ pub(super) struct Lines {
     pub(super) nearest: Vec<u32>,
     pub(super) clear: Vec<f32>,
     /// Pieces by where they lie in space, for what lies near one and not beside it on the map, as on an ear.
-    places: BTreeMap<[i32; 3], Vec<u32>>,
+    places: Places,
+}
+
+/// A grid over the pieces in space.
+struct Places {
+    low: Vec3,
+    side: f32,
+    size: [usize; 3],
+    /// Where each place's pieces start in `listed`.
+    starts: Vec<u32>,
+    listed: Vec<u32>,
+}
+
+impl Places {
+    /// The most places along an axis; what is larger has larger places.
+    const MOST: f32 = 128.0;
+
+    fn new(pieces: &[Piece]) -> Self {
+        let ends = || pieces.iter().flat_map(|piece| piece.ends);
+        let low = ends().fold(Vec3::INFINITY, Vec3::min) - PLACE;
+        let high = ends().fold(Vec3::NEG_INFINITY, Vec3::max) + PLACE;
+        let longest = (high - low).max_element();
+        if !longest.is_finite() {
+            let (size, starts) = ([0; 3], vec![0]);
+            return Self { low: Vec3::ZERO, side: PLACE, size, starts, listed: vec![] };
+        }
+        let side = PLACE.max(longest / Self::MOST);
+        let size = ((high - low) / side).to_array().map(|x| x as usize + 1);
+        let mut places = Self { low, side, size, starts: vec![], listed: vec![] };
+        let mut starts = vec![0u32; size.iter().product::<usize>() + 1];
+        for piece in pieces {
+            places.about(piece).for_each(|at| starts[at + 1] += 1);
+        }
+        for at in 1..starts.len() {
+            starts[at] += starts[at - 1];
+        }
+        let mut next = starts.clone();
+        let mut listed = vec![0; starts[starts.len() - 1] as usize];
+        for (i, piece) in (0..).zip(pieces) {
+            for at in places.about(piece) {
+                listed[next[at] as usize] = i;
+                next[at] += 1;
+            }
+        }
+        (places.starts, places.listed) = (starts, listed);
+        places
+    }
+
+    /// The place of a point, where the grid has one.
+    fn at(&self, p: Vec3) -> Option<usize> {
+        let at = ((p - self.low) / self.side).to_array();
+        let [nx, ny, nz] = self.size;
+        let within = |x: f32, n: usize| x >= 0.0 && x < n as f32;
+        let there = within(at[0], nx) && within(at[1], ny) && within(at[2], nz);
+        let [x, y, z] = at.map(|x| x as usize);
+        there.then(|| (x * ny + y) * nz + z)
+    }
+
+    /// The places that lie within half a place of a piece, and a little more.
+    fn about(&self, piece: &Piece) -> impl Iterator<Item = usize> + use<> {
+        let [a, b] = piece.ends;
+        let span = |low: Vec3, high: Vec3| {
+            let (low, high) = ((low / self.side).to_array(), (high / self.side).to_array());
+            let axis = |k: usize| {
+                let end = (high[k].max(0.0) as usize).min(self.size[k] - 1);
+                low[k].max(0.0) as usize..=end
+            };
+            [axis(0), axis(1), axis(2)]
+        };
+        let [xs, ys, zs] =
+            span(a.min(b) - self.low - 0.6 * PLACE, a.max(b) - self.low + 0.6 * PLACE);
+        let [_, ny, nz] = self.size;
+        xs.flat_map(move |x| {
+            let zs = zs.clone();
+            ys.clone().flat_map(move |y| zs.clone().map(move |z| (x * ny + y) * nz + z))
+        })
+    }
+
+    /// The pieces near a point.
+    fn near(&self, p: Vec3) -> &[u32] {
+        let range = |at| self.starts[at] as usize..self.starts[at + 1] as usize;
+        self.at(p).map_or(&[], |at| &self.listed[range(at)])
+    }
+
+    fn bytes(&self) -> usize {
+        4 * (self.starts.len() + self.listed.len())
+    }
 }
 
 /// Side of a place, cm: partings up to twice as wide are seen from either side.
@@ -127,22 +213,7 @@ impl Lines {
                 next[cell] += 1;
             }
         }
-        let mut places: BTreeMap<[i32; 3], Vec<u32>> = BTreeMap::new();
-        for (i, piece) in (0..).zip(&pieces) {
-            let [a, b] = piece.ends;
-            let low = place(a.min(b) - 0.6 * PLACE);
-            let high = place(a.max(b) + 0.6 * PLACE);
-            // A piece is a few millimetres long; what is longer was drawn on no head.
-            let [nx, ny, nz] = [0, 1, 2].map(|k| (high[k] - low[k]).clamp(0, 16));
-            for x in 0..=nx {
-                for y in 0..=ny {
-                    for z in 0..=nz {
-                        let at = [low[0] + x, low[1] + y, low[2] + z];
-                        places.entry(at).or_default().push(i);
-                    }
-                }
-            }
-        }
+        let places = Places::new(&pieces);
         let mut lines = Self { pieces, starts, listed, nearest: vec![], clear: vec![], places };
         lines.near(scalp);
         lines
@@ -155,7 +226,7 @@ impl Lines {
 
     /// The pieces near a point of space: all that are within half a place of it, and a little more.
     pub(super) fn near_place(&self, p: Vec3) -> &[u32] {
-        self.places.get(&place(p)).map_or(&[], Vec::as_slice)
+        self.places.near(p)
     }
 
     /// Whether the straight way between two points of space leads over a parting or as near to it as the share `aside` of half
@@ -238,12 +309,8 @@ impl Lines {
     pub(super) fn bytes(&self) -> usize {
         self.pieces.len() * size_of::<Piece>()
             + 4 * (self.starts.len() + self.listed.len() + self.nearest.len() + self.clear.len())
-            + self.places.values().map(|place| 4 * place.len() + 64).sum::<usize>()
+            + self.places.bytes()
     }
-}
-
-fn place(p: Vec3) -> [i32; 3] {
-    (p / PLACE).floor().to_array().map(|x| x.clamp(-1e6, 1e6) as i32)
 }
 
 /// A scalp cut.

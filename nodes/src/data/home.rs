@@ -9,7 +9,7 @@
 
 use super::chart::{CELL, around, cell_of};
 use super::scalp::{Root, Scalp};
-use super::sections::{Place, Sections};
+use super::sections::{NONE, Place, Sections};
 use crate::maths::closest::Surface;
 use glam::Vec3;
 use std::cmp::Reverse;
@@ -21,6 +21,8 @@ pub const FREE: f32 = 0.7;
 const NEAR: f32 = 0.24;
 /// A piece of hair nearer to a parting than such a share of half its bare skin touches it.
 const TOUCHING: f32 = 0.5;
+/// Skin without hair so far (cm) from any parting is no other section's.
+const BEYOND: f32 = 1.0;
 /// Hair over a fold that comes nearer to a parting than such a share of half its bare skin counts as on its other side.
 const BESIDE: f32 = 0.3;
 /// Rounds in which a point is moved off one line after the other: a corner has two.
@@ -80,6 +82,16 @@ impl Home<'_> {
         }
     }
 
+    /// Whether the section lies under a point, however far.
+    pub fn is_under(&self, p: Vec3) -> bool {
+        self.sections.of_point(p) == Some(self.number)
+    }
+
+    /// Whether a hair leads over a parting on the skin.
+    pub fn passes(&self, hair: &[Vec3]) -> bool {
+        hair.windows(2).any(|w| self.sections.passed(w[0], w[1], 0.0))
+    }
+
     /// Whether a glance tells that a point needs no keeping.
     fn is_clear(&self, p: Vec3) -> bool {
         self.is_clear_by(0.0, p)
@@ -92,7 +104,13 @@ impl Home<'_> {
         let height = p.distance(chart.origin()) - chart.out(cell);
         // Off the skin what lies below is told by the skin's slope.
         let least = self.sections.widest_half() + NEAR + height.abs() + more;
-        self.sections.labels()[cell] == self.number && self.sections.clear(cell) > least
+        let least = match self.sections.labels()[cell] {
+            own if own == self.number => least,
+            // Forehead and neck.
+            NONE => least.max(BEYOND + height.abs() + more),
+            _ => return false,
+        };
+        self.sections.clear(cell) > least
     }
 
     /// `p`, or where it lies on the skin in another section or on a parting, the point beside it that does not; `near` is a
@@ -119,7 +137,9 @@ impl Home<'_> {
         for _ in 0..ROUNDS {
             let within = self.within(at);
             let Some(([a, b], bare)) = self.sections.nearest_piece(at) else { return Some(at) };
-            if within >= bare {
+            // On forehead and neck there is no section to be brought back to where no parting is near.
+            let beyond = within < -BEYOND && self.sections.at(at).is_none();
+            if within >= bare || beyond {
                 return Some(at);
             }
             let least = 0.5 * bare;

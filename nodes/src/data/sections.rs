@@ -163,6 +163,10 @@ impl Sections {
         let section = self.section_at(self.spread.flat(point))?;
         Some(self.list[section as usize].id)
     }
+    /// Number of the section under a point.
+    pub(super) fn of_point(&self, point: Vec3) -> Option<u32> {
+        self.section_at(self.spread.flat(point))
+    }
     /// Number of the section under a root.
     pub fn of(&self, root: &Root) -> Option<u32> {
         self.section_at(self.spread.flat(root.point))

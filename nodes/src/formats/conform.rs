@@ -6,14 +6,15 @@
 //! Guarantees: the root of a curve stays, all other points are new ones of the same curve, as far out of the skin as it
 //! allows. Where no points of the same curve do, which is where the skin makes it leap or kink (an ear between two points),
 //! the stretch about that place leaves the curve it was (`mend.rs`): it is led round what tears it, or moved out as a whole, its
-//! tip where it is too. Not promised: that this is enough where folds leave a curve no way; the report gives the difference
-//! that is left. How hard is tried hangs from how many of the curves given at once ask for it, so what few curves
-//! get, many may not.
+//! tip where it is too. A curve is astray where folds leave it no way, or none but over a parting: such curves are left out where
+//! they are one in [`FEW`] or less, and kept where they are more. Not promised: that those are read alike; the report gives the difference that
+//! is left. How hard is tried hangs from how many of the curves given at once ask for it, so what few curves get, many may not.
 
 use super::mend::{Mender, Read};
 use crate::data::attributes::{self as a, Domain};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
-use crate::data::scalp::Skin;
+use crate::data::scalp::{Scalp, Skin};
+use crate::data::sections::Sections;
 use crate::maths::spline::{Place, Spline};
 use crate::shape::resample::between;
 use glam::Vec3;
@@ -41,6 +42,10 @@ pub struct Changes {
     pub difference: f32,
     /// Curves of fewer than two points, which no format holds: left out.
     pub left_out: usize,
+    /// Curves that still differ, or that no way led out of the skin but over a parting.
+    pub astray: usize,
+    /// Whether these were kept: they are more than one in [`FEW`].
+    pub keeps_astray: bool,
 }
 
 impl Changes {
@@ -50,20 +55,31 @@ impl Changes {
         self.farthest = self.farthest.max(other.farthest);
         self.difference = self.difference.max(other.difference);
         self.left_out += other.left_out;
+        self.astray += other.astray;
     }
 }
 
 /// The largest distance between the two readings of a curve that is let pass, cm (methods.md 0).
 pub const AGREE: f32 = 1e-3;
+/// Of so many curves one that is astray is left out: nobody misses a hair, and everybody a guide.
+pub const FEW: usize = 1000;
 
 /// Resamples the curves whose uneven CVs would be read as another curve elsewhere: the root stays, all other points are new
 /// ones of the same curve, as far out of `skin` as it allows. A curve that the skin makes uneven, such as one that passes
-/// through an ear between its CVs, is moved out of it as a whole or led round it, its tip too.
-pub fn conform(curves: &Curves, skin: Option<Skin>, for_each: crate::eval::ForEach) -> Conformed {
+/// through an ear between its CVs, is moved out of it as a whole or led round it, its tip too, but over no parting of the scalps
+/// `parted`.
+pub fn conform(
+    curves: &Curves,
+    skin: Option<Skin>,
+    parted: &[Arc<Scalp>],
+    for_each: crate::eval::ForEach,
+) -> Conformed {
+    let sections: Vec<&Sections> = parted.iter().filter_map(|scalp| scalp.sections()).collect();
+    let land = Land { skin: skin.as_ref(), sections: &sections };
     let all = |tufts: &[usize], effort: Effort| -> Vec<Done> {
         let cells: Vec<OnceLock<Done>> = tufts.iter().map(|_| OnceLock::new()).collect();
         for_each(cells.len(), &|i| {
-            let _ = cells[i].set(conform_tuft(&curves.tufts()[tufts[i]], skin.as_ref(), effort));
+            let _ = cells[i].set(conform_tuft(&curves.tufts()[tufts[i]], &land, effort));
         });
         cells.into_iter().filter_map(|cell| cell.into_inner()).collect()
     };
@@ -75,13 +91,38 @@ pub fn conform(curves: &Curves, skin: Option<Skin>, for_each: crate::eval::ForEa
     for (i, again) in differ.iter().zip(all(&differ, effort)) {
         done[*i] = again;
     }
+    let astray: usize = done.iter().map(|done| done.astray.len()).sum();
+    let few = astray * FEW <= curves.curve_count();
     let mut changes = Changes::default();
     let mut tufts = vec![];
     for done in done {
-        tufts.push(done.tuft);
         changes.join(done.changes);
+        if few && !done.astray.is_empty() {
+            let stays = |i: &u32| !done.astray.contains(i);
+            let kept: Vec<u32> = (0..done.tuft.len() as u32).filter(stays).collect();
+            tufts.push(Arc::new(done.tuft.gather(&kept).build()));
+        } else {
+            changes.difference = changes.difference.max(done.difference_astray);
+            tufts.push(done.tuft);
+        }
     }
+    (changes.astray, changes.keeps_astray) = (astray, astray > 0 && !few);
     Conformed { curves: Curves::new(tufts), changes }
+}
+
+/// What curves keep clear of.
+struct Land<'a> {
+    skin: Option<&'a Skin<'a>>,
+    sections: &'a [&'a Sections],
+}
+
+impl Land<'_> {
+    /// Whether a curve leads over a parting.
+    fn is_over_a_parting(&self, points: &[Vec3]) -> bool {
+        let passes =
+            |sections: &&Sections| points.windows(2).any(|w| sections.passed(w[0], w[1], 0.0));
+        self.sections.iter().any(passes)
+    }
 }
 
 /// What is tried on each curve whose readings still differ when its points are even.
@@ -121,12 +162,16 @@ pub const MOST_POINTS: usize = 255;
 /// What [`conform`] has made of a tuft.
 struct Done {
     tuft: Arc<Tuft>,
+    /// Without the difference of curves astray.
     changes: Changes,
     /// Curves of which the two readings still differ.
     differ: usize,
+    /// Places in the tuft of curves astray, and the largest difference between their readings.
+    astray: Vec<u32>,
+    difference_astray: f32,
 }
 
-fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>, effort: Effort) -> Done {
+fn conform_tuft(tuft: &Arc<Tuft>, land: &Land, effort: Effort) -> Done {
     let mut changes = Changes::default();
     let mut change = vec![false; tuft.len()];
     for (i, change) in change.iter_mut().enumerate() {
@@ -143,13 +188,19 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>, effort: Effort) -> Done {
         }
     }
     if changes.left_out == 0 && !change.contains(&true) {
-        return Done { tuft: tuft.clone(), changes, differ: 0 };
+        return Done {
+            tuft: tuft.clone(),
+            changes,
+            differ: 0,
+            astray: vec![],
+            difference_astray: 0.0,
+        };
     }
     let allowed = tuft.view(a::ALLOW_DEPTH);
     let mut out = TuftBuilder::new();
     let (mut kept, mut places) = (vec![], vec![]);
     let (mut spline, mut led) = (Spline::default(), Spline::default());
-    let mut differ = 0;
+    let (mut differ, mut astray, mut difference_astray) = (0, vec![], 0.0f32);
     for (i, change) in change.into_iter().enumerate() {
         let old = tuft.curve(i);
         if old.len() < 2 {
@@ -171,17 +222,32 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>, effort: Effort) -> Done {
             let at = |k: usize| allowed.at(i, first as usize + place.span + k);
             at(0) + (at(1) - at(0)) * place.t
         };
-        let mut mender = Mender { old, spline: &spline, led: &mut led, skin, depth: &depth };
+        // What lay over a parting before may after.
+        let is_barred =
+            |points: &[Vec3]| land.is_over_a_parting(points) && !land.is_over_a_parting(old);
+        let mut mender = Mender {
+            old,
+            spline: &spline,
+            led: &mut led,
+            skin: land.skin,
+            depth: &depth,
+            is_barred: &is_barred,
+        };
         let Read { left, points, stops, moved } = mender.read_alike(effort);
         places.extend(stops.iter().map(|(_, place)| (first + place.span as u32, place.t)));
         changes.join(Changes {
             resampled: 1,
             moved: usize::from(moved > 0.0),
             farthest: moved,
-            difference: left,
-            left_out: 0,
+            ..Changes::default()
         });
         differ += usize::from(left > AGREE);
+        if left > AGREE || (moved > 0.0 && is_barred(&points)) {
+            astray.push(kept.len() as u32 - 1);
+            difference_astray = difference_astray.max(left);
+        } else {
+            changes.difference = changes.difference.max(left);
+        }
         out.push_curve(&points);
     }
     for attribute in tuft.attributes() {
@@ -191,7 +257,7 @@ fn conform_tuft(tuft: &Arc<Tuft>, skin: Option<&Skin>, effort: Effort) -> Done {
         };
         out.set_column(a::Attribute { values, ..attribute.clone() });
     }
-    Done { tuft: Arc::new(out.build()), changes, differ }
+    Done { tuft: Arc::new(out.build()), changes, differ, astray, difference_astray }
 }
 
 /// The largest distance, cm, between the uniform and the centripetal Catmull-Rom spline through the points: the two have the
@@ -265,7 +331,7 @@ mod tests {
         let even = [0.0, 1.0, 2.0, 3.0f32].map(|x| Vec3::new(x, x * 0.1, 0.0));
         let before = curves(&[&uneven, &even, &[Vec3::ONE]]);
         assert!(readings_differ(&uneven) > 0.05);
-        let after = conform(&before, None, &in_order);
+        let after = conform(&before, None, &[], &in_order);
         assert_eq!(
             (after.changes.resampled, after.changes.moved, after.changes.left_out),
             (1, 0, 1)
@@ -277,7 +343,7 @@ mod tests {
             (tuft.curve(0)[0], tuft.curve(0)[tuft.curve(0).len() - 1]),
             (uneven[0], uneven[4])
         );
-        let again = conform(&after.curves, None, &in_order);
+        let again = conform(&after.curves, None, &[], &in_order);
         assert!(Arc::ptr_eq(&again.curves.tufts()[0], tuft), "what agrees is not copied");
     }
 
@@ -295,11 +361,60 @@ mod tests {
             .collect();
         for curve in [hairpin, coil] {
             assert!(readings_differ(&curve) > 3.0 * AGREE, "{}", readings_differ(&curve));
-            let after = conform(&curves(&[&curve]), None, &in_order);
+            let after = conform(&curves(&[&curve]), None, &[], &in_order);
             assert!(after.changes.difference <= AGREE, "{}", after.changes.difference);
             let points = after.curves.tufts()[0].curve(0);
             assert!(points.len() <= MOST_POINTS && points[0] == curve[0], "{}", points.len());
         }
+    }
+
+    #[test]
+    fn a_hair_that_would_be_moved_over_a_parting_is_left_out_and_a_guide_is_kept() {
+        let ball = crate::data::scalp::tests::shared_ball();
+        // A parting over the top of the ball, and a coarse hair that dives under it.
+        let arc = |k: i32, r: f32| {
+            let (sin, cos) = crate::maths::transcendental::sin_cos_turns(k as f32 / 240.0);
+            (sin * r, cos * r)
+        };
+        let points = (-50..=50).map(|k| {
+            let (z, y) = arc(k, 8.9);
+            ball.closest_root(Vec3::new(0.0, y, z)).unwrap().point
+        });
+        let line = crate::data::sections::Parting {
+            id: 1,
+            points: points.collect(),
+            half_width: 0.08,
+            of_pattern: false,
+        };
+        let (sections, _) = Sections::new(&ball, vec![line], &[]);
+        let parted = [Arc::new(ball.parted(Arc::new(sections)))];
+        let skin = ball.skin();
+        // Its turns are half in the ball, and far under it where the parting is.
+        let hair: Vec<Vec3> = (-80..=80)
+            .map(|k: i32| {
+                let (sin, cos) = crate::maths::transcendental::sin_cos_turns(k as f32 * 0.0875);
+                let (x, y) = arc(k / 3 + k % 3, 1.0);
+                let r = if k.abs() < 24 { 7.9 } else { 8.9 + 0.4 * sin };
+                Vec3::new(x, y, 0.0) * r + Vec3::Z * 0.4 * cos
+            })
+            .collect();
+        let check = |others: usize, parted: &[Arc<Scalp>], astray: usize, keeps: bool| {
+            let beside = [0.0, 0.5, 1.0].map(|x| Vec3::new(x - 6.0, 9.0 + x, 4.0));
+            let mut lists: Vec<&[Vec3]> = vec![&beside; others];
+            lists.push(&hair);
+            let curves = curves(&lists);
+            let after = conform(&curves, Some(ball.skin()), parted, &in_order);
+            let Changes { astray: found, keeps_astray, difference, .. } = after.changes;
+            assert_eq!((found, keeps_astray), (astray, keeps), "{others}");
+            let left_out = if keeps { 0 } else { astray };
+            assert_eq!(after.curves.curve_count(), others + 1 - left_out);
+            assert!(keeps || difference <= AGREE, "{difference}");
+        };
+        assert!(skin.push_out(hair[80], 0.0).1 && readings_differ(&hair) > AGREE);
+        check(FEW, &[], 0, false);
+        check(FEW, &parted, 1, false);
+        check(FEW - 2, &parted, 1, true);
+        check(0, &parted, 1, true);
     }
 
     #[test]

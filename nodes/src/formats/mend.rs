@@ -3,7 +3,8 @@
 //! What is tried, in turn until they agree: points with chords alike; the same moved out of the skin as a whole, so that
 //! chords stay alike where pushing each point would make them uneven; both once more after the curve is led round what tears
 //! it. Of those that move it as a whole the first is taken that leaves it near where it was ([`NEARBY`]), else the one that
-//! leaves it nearest: a hair that a fold has thrown across the forehead is seen, though its readings agree.
+//! leaves it nearest: a hair that a fold has thrown across the forehead is seen, though its readings agree. What is barred, such
+//! as a way over a parting, is not taken.
 //!
 //! Guarantees: the root stays, and the tip but for curves that are moved as a whole, whose tips go along; no other point is
 //! deeper in the skin than allowed by more than [`NEAR`] cm. Not promised: that readings agree at the end, which
@@ -87,6 +88,8 @@ pub(super) struct Mender<'a> {
     pub(super) skin: Option<&'a Skin<'a>>,
     /// How deep in the skin it may lie at a place, cm.
     pub(super) depth: &'a dyn Fn(Place) -> f32,
+    /// Whether it may not be moved to these points.
+    pub(super) is_barred: &'a dyn Fn(&[Vec3]) -> bool,
 }
 
 impl Mender<'_> {
@@ -108,14 +111,15 @@ impl Mender<'_> {
                 for k in 0..=leads.len() {
                     if k == starts.len() {
                         let led = self.led_round(skin, leads[k - 1]);
-                        if led.agrees() {
+                        if led.agrees() && !(self.is_barred)(&led.points) {
                             return led;
                         }
                         starts.push(led);
                     }
                     let read = MOVED_FINER
                         .into_iter()
-                        .find_map(|finer| self.moved_out(skin, &starts[k], finer, manner));
+                        .find_map(|finer| self.moved_out(skin, &starts[k], finer, manner))
+                        .filter(|read| !(self.is_barred)(&read.points));
                     match read {
                         Some(read) if read.moved <= near => return read,
                         Some(read) if nearest.as_ref().is_none_or(|n| read.moved < n.moved) => {
@@ -377,7 +381,7 @@ mod tests {
         led: &'a mut Spline,
         skin: &'a Skin<'a>,
     ) -> Mender<'a> {
-        Mender { old, spline, led, skin: Some(skin), depth: &|_| 0.0 }
+        Mender { old, spline, led, skin: Some(skin), depth: &|_| 0.0, is_barred: &|_| false }
     }
 
     #[test]
