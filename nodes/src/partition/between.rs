@@ -6,8 +6,7 @@
 //!
 //! Guarantees: points of a line are as far from its two rows as the map's cells can tell, which is half a millimetre on smooth skin;
 //! rows of one section share that section alone. Ids hang from the two rows. Not promised: lines beside rows that run into
-//! each other nearer than two cells of the map (2 mm); and where rows lie about scattered, so that many lines meet in points, lines are
-//! led on over these and cut more sections than there are rows.
+//! each other nearer than two cells of the map (2 mm).
 
 use super::pattern::Flat;
 use super::territory::{MOST_OVER, Row, farthest};
@@ -32,8 +31,11 @@ const MOST_ROWS: usize = 4096;
 /// Lines shorter than this, in corners of the net, part nothing.
 const LEAST: usize = 4;
 
-/// Where a line crosses the net: an edge between two corners, or the middle of a square in which three rows meet.
+/// Where a line crosses the net: an edge between two corners, or the middle of a square in which three rows meet ([`MET`]).
 type Crossing = (u32, u8);
+/// Of a square in which three rows meet, and of one at the hairline, where lines go on.
+const MET: u8 = 2;
+const MET_AT_HAIRLINE: u8 = 3;
 /// Two rows, by number, the lower first.
 type Pair = (u32, u32);
 
@@ -64,13 +66,13 @@ pub(crate) fn between(
     for ((a, b), meeting) in meetings {
         let (a, b) = (rows[a as usize].id, rows[b as usize].id);
         let pair = curve_id(a.min(b), seed, a.max(b));
-        for (n, (mut points, closed)) in (0..).zip(meeting.lines()) {
+        for (n, Line { mut points, closed, tied }) in (0..).zip(meeting.lines()) {
             ease(&mut points, closed);
             if closed {
                 points.push(points[0]);
             }
             let id = curve_id(pair, seed, n);
-            out.push(Flat { id, points, closed, row: true, by_hand: false });
+            out.push(Flat { id, points, closed, tied, row: true, by_hand: false });
         }
     }
     Ok(out)
@@ -185,8 +187,12 @@ impl<'a> Ground<'a> {
             return;
         }
         let met = found.iter().map(|(_, _, p)| *p).sum::<Vec2>() / found.len() as f32;
+        let kind = match corners.iter().any(|c| self.nearest[*c] == NONE) {
+            true => MET_AT_HAIRLINE,
+            false => MET,
+        };
         for (pair, at, p) in found {
-            meetings.entry(pair).or_default().piece((at, p), ((corner as u32, 2), met));
+            meetings.entry(pair).or_default().piece((at, p), ((corner as u32, kind), met));
         }
     }
 }
@@ -194,6 +200,14 @@ impl<'a> Ground<'a> {
 /// The cell of the map that a corner of the net lies in.
 fn cell_of(corner: usize) -> usize {
     (corner / SIDE * CELLS + corner % SIDE) * EVERY
+}
+
+/// A line between two rows.
+struct Line {
+    points: Vec<Vec2>,
+    closed: bool,
+    /// Whether other lines end where its first and its last point are.
+    tied: [bool; 2],
 }
 
 /// Pieces of the lines between two rows.
@@ -209,8 +223,8 @@ impl Meeting {
         self.places.extend([from, to]);
     }
 
-    /// The lines that the pieces make, and whether each is closed.
-    fn lines(&self) -> Vec<(Vec<Vec2>, bool)> {
+    /// The lines that the pieces make.
+    fn lines(&self) -> Vec<Line> {
         let mut beside: BTreeMap<Crossing, Vec<usize>> = BTreeMap::new();
         for (i, piece) in self.pieces.iter().enumerate() {
             piece.iter().for_each(|at| beside.entry(*at).or_default().push(i));
@@ -239,8 +253,11 @@ impl Meeting {
                 if closed {
                     line.pop();
                 }
-                if line.len() >= LEAST {
-                    out.push((line.iter().map(|at| self.places[at]).collect(), closed));
+                let is_tied = |at: Crossing| !closed && at.1 == MET;
+                let tied = [is_tied(line[0]), is_tied(line[line.len() - 1])];
+                if line.len() >= LEAST || tied.contains(&true) {
+                    let points = line.iter().map(|at| self.places[at]).collect();
+                    out.push(Line { points, closed, tied });
                 }
             }
         }

@@ -81,7 +81,7 @@ pub(crate) fn laid(scalp: &Scalp, chart: &Chart, line: &[Vec2]) -> Vec<Vec3> {
     evenly(points, STEP)
 }
 
-/// Makes a line uneven. Its ends stay where they are.
+/// Makes a line uneven. Ends that are tied stay where they are.
 pub(crate) fn uneven(chart: &Chart, line: &mut Flat, how: &Uneven) {
     let total = lengths(chart, line.points.iter().copied()).last().copied().unwrap_or(0.0);
     if line.points.len() < 2 || total < 0.5 {
@@ -100,6 +100,9 @@ pub(crate) fn uneven(chart: &Chart, line: &mut Flat, how: &Uneven) {
     let last = base.len() - 1;
     let moved = (0..=last).map(|k| {
         let part = k as f32 / last as f32;
+        // From where lines meet on it grows over a centimetre.
+        let from = |tied: bool, s: f32| if tied { (s * total).min(1.0) } else { 1.0 };
+        let near_end = from(line.tied[0], part).min(from(line.tied[1], 1.0 - part));
         let mut off = 0.0;
         if zigzag {
             let x = part * halves;
@@ -110,7 +113,7 @@ pub(crate) fn uneven(chart: &Chart, line: &mut Flat, how: &Uneven) {
         if how.wobble > 0.0 {
             let wave = |i: usize| sin(TAU * (phase[i] + part * waves[i]));
             let stray = 0.55 * wave(0) + 0.3 * wave(1) + 0.15 * wave(2);
-            off += how.wobble * stray;
+            off += how.wobble * stray * near_end;
         }
         if off == 0.0 {
             return base[k];

@@ -237,7 +237,7 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Result<Drawn
             points.push(points[0]);
         }
         let id = curve_id(id, inputs.seed as u64, 0);
-        drawn.lines.push(Flat { id, points, closed, row: true, by_hand: true });
+        drawn.lines.push(Flat { id, points, closed, tied: [false; 2], row: true, by_hand: true });
     }
     let rows = match inputs.pattern {
         Pattern::None => None,
@@ -320,8 +320,13 @@ fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec
             // Lines of a pattern go on until they meet something.
             let reach = if lines[i].by_hand { join } else { join.max(FARTHEST) };
             let mut loose = 0;
-            for _ in 0..2 {
-                loose += usize::from(end(chart, &mut points, &others, [join, reach]) == End::Loose);
+            let [first, last_tied] = lines[i].tied;
+            for tied in [last_tied, first] {
+                let end = match tied {
+                    true => End::Met,
+                    false => end(chart, &mut points, &others, [join, reach]),
+                };
+                loose += usize::from(end == End::Loose);
                 points.reverse();
             }
             // What of a pattern parts nothing is left out when the scalp is cut.
@@ -524,6 +529,34 @@ mod tests {
         let fewer = Curves::new(rows.tufts()[1..].to_vec());
         let (_, fewer) = between(&fewer);
         assert!(ids(&fewer).intersection(&ids(&lines)).count() + 2 >= ids(&fewer).len());
+    }
+
+    #[test]
+    fn rows_that_lie_about_scattered_have_a_section_each() {
+        let check = |count: i64, apart: f32| {
+            let scatter = crate::by_id("scatter_guides").unwrap();
+            let set = [
+                ("scalp", head().into()),
+                ("count", Value::Int(count)),
+                ("min_distance", Value::Float(apart)),
+                ("length", Value::Float(0.4 * apart)),
+                ("lie", Value::Float(0.0)),
+            ];
+            let rows = curves_of(&run(scatter, &set).0[0]).clone();
+            assert_eq!(rows.curve_count(), count as usize);
+            let (out, said) = part(&head(), &[("between", rows.clone().into())]);
+            assert!(said.is_empty(), "{said:?}");
+            let scalp = scalp_of(&out[0]);
+            let sections = scalp.sections().unwrap();
+            let own: std::collections::BTreeSet<u64> =
+                rows.each().filter_map(|(tuft, i)| sections.id_at(tuft.curve(i)[0])).collect();
+            let (n, each) = (sections.list().len(), own.len());
+            // Narrow strips behind the ears are too small to cut.
+            assert!(n == each && each * 100 >= rows.curve_count() * 95, "{n} {each} of {count}");
+        };
+        check(20, 3.0);
+        check(60, 2.0);
+        check(120, 1.5);
     }
 
     #[test]

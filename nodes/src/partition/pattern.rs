@@ -60,6 +60,8 @@ pub(crate) struct Flat {
     pub(crate) id: u64,
     pub(crate) points: Vec<Vec2>,
     pub(crate) closed: bool,
+    /// Whether its first and its last point are where it meets others that end there: they stay.
+    pub(crate) tied: [bool; 2],
     /// Whether it parts rows (else it cuts one).
     pub(crate) row: bool,
     /// Whether a hand drew it.
@@ -245,7 +247,14 @@ impl Family<'_> {
         for (k, (run, closed)) in (0..).zip(self.runs(level)) {
             let id = curve_id(curve_id(wish.tag, 1, number), 2, k);
             let points = run.into_iter().map(|r| r.0).collect();
-            out.lines.push(Flat { id, points, closed, row: true, by_hand: false });
+            out.lines.push(Flat {
+                id,
+                points,
+                closed,
+                tied: [false; 2],
+                row: true,
+                by_hand: false,
+            });
         }
     }
 
@@ -309,7 +318,14 @@ impl Family<'_> {
             });
             let id = curve_id(number, 4, i as u64);
             let points = points.collect();
-            out.lines.push(Flat { id, points, closed: false, row: false, by_hand: false });
+            out.lines.push(Flat {
+                id,
+                points,
+                closed: false,
+                tied: [false; 2],
+                row: false,
+                by_hand: false,
+            });
         };
         let at = |i: f32| {
             let s = (i + shift) / n as f32 * length;
@@ -519,5 +535,5 @@ fn cut_at_ring(family: &Family, wish: &Wish, out: &mut Drawn) {
     }
     let points = (0..=96).map(|k| family.flat(k as f32 / 96.0 * TAU, ring)).collect();
     let id = curve_id(wish.tag, 5, 0);
-    out.lines.push(Flat { id, points, closed: true, row: true, by_hand: false });
+    out.lines.push(Flat { id, points, closed: true, tied: [false; 2], row: true, by_hand: false });
 }
