@@ -240,8 +240,8 @@ declare! {
     SHRINKAGE: f32 = "shrinkage", 0.0;
     /// Id of the puff, bun or tail that a hair belongs to. 0: none.
     PUFF: u64 = "puff", 0;
-    /// Middle of the sphere that the tips of a puff lie on, cm.
+    /// Middle of the outline that the tips of a puff lie on, cm.
     PUFF_CENTRE: Vec3 = "puff_centre", Vec3::ZERO;
-    /// Radius of the sphere that the tips of a puff lie on, cm; 0: its outline is no sphere.
+    /// Distance from a puff's middle to its outline where this hair ends, cm; 0: it has none.
     PUFF_RADIUS: f32 = "puff_radius", 0.0;
 }

@@ -199,8 +199,15 @@ fn any_outline_is_met_and_soft_edges_and_neighbours_are_as_asked() {
     let clean = [("depth_to", Value::Float(0.0)), ("count", Value::Int(400))];
     let egg = [("shape", "ellipsoid".into()), ("stretch", Vec3::new(1.2, 0.9, 1.0).into())];
     let (guides, hair, _) = puff(&[&clean[..], &egg].concat());
-    let tuft = &guides.tufts()[0];
-    assert_eq!(tuft.view(PUFF_RADIUS).at(0, 0), 0.0);
+    // Every hair tells how far off the outline is where it ends.
+    let told = |hair: &Curves| {
+        for (tuft, i) in hair.each() {
+            let tip = tuft.curve(i).last().unwrap().distance(tuft.view(PUFF_CENTRE).at(i, 0));
+            assert!((tuft.view(PUFF_RADIUS).at(i, 0) / tip - 1.0).abs() < 1e-3);
+        }
+    };
+    told(&guides);
+    told(&hair);
     let (root, _) = middle(&scalp);
     let ahead = across(Vec3::Z, root.normal).unwrap();
     let right = ahead.cross(root.normal);
@@ -218,6 +225,7 @@ fn any_outline_is_met_and_soft_edges_and_neighbours_are_as_asked() {
     let drawn = [("shape", "mesh".into()), ("mesh", mesh.clone().into())];
     let (guides, hair, _) = puff(&[&clean[..], &drawn].concat());
     assert!(guides.curve_count() > 50 && hair.curve_count() == 400);
+    told(&hair);
     for tip in tips(&guides).into_iter().chain(tips(&hair)) {
         let off = mesh.surface().closest(tip).unwrap().distance;
         assert!(off < 0.02, "{tip} is {off} off the mesh");

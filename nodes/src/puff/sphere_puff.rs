@@ -340,6 +340,11 @@ impl<'a> Puff<'a> {
         tip
     }
 
+    /// Where the outline is in a direction from the middle.
+    fn on_outline(&self, direction: Vec3) -> Vec3 {
+        self.pressed(self.centre + direction * self.reach(direction))
+    }
+
     /// The angle from the top within which lies the share `area` of the covered cap.
     fn polar(&self, area: f32) -> f32 {
         acos(1.0 - area * (1.0 - cos(self.inputs.coverage.to_radians())))
@@ -372,12 +377,13 @@ impl<'a> Puff<'a> {
             let (row, column) = (i / columns, i % columns);
             let area = (row + 1) as f32 / self.inputs.rows as f32;
             let (y, x) = sin_cos_turns(column as f32 / columns as f32);
-            let tip = self.pressed(self.centre + *direction * self.reach(*direction));
+            let tip = self.on_outline(*direction);
             let id = self.guide_id(row, column);
             if self.skin.distance(tip) < 0.0 {
                 piece.trouble(id, DIPS);
             }
-            self.grow(Vec2::new(x, y) * area.sqrt(), tip, (id, self.id), &mut out);
+            let radius = tip.distance(self.centre);
+            self.grow(Vec2::new(x, y) * area.sqrt(), tip, radius, (id, self.id), &mut out);
         }
         Ok(out.build(self))
     }
@@ -405,7 +411,8 @@ impl<'a> Puff<'a> {
             let tip = self.pressed(self.centre + direction * reach);
             // Where the sphere dips into the head, hair ends on the skin.
             let tip = self.skin.push_out(tip, 0.0).0;
-            self.grow(place, tip, (id, self.guide_id(row, column)), &mut out);
+            let radius = self.on_outline(direction).distance(self.centre);
+            self.grow(place, tip, radius, (id, self.guide_id(row, column)), &mut out);
         }
         Ok(out.build(self))
     }
@@ -433,8 +440,8 @@ impl<'a> Puff<'a> {
         (slerp(along(row), along(row + 1), out), (nearest, nearest_column))
     }
 
-    /// Adds the curve from a place of the unit disc to a tip.
-    fn grow(&self, place: Vec2, tip: Vec3, ids: (u64, u64), out: &mut Bundle) {
+    /// Adds the curve from a place of the unit disc to a tip, where the outline is this far from the middle.
+    fn grow(&self, place: Vec2, tip: Vec3, radius: f32, ids: (u64, u64), out: &mut Bundle) {
         let Some(root) = self.root(place) else { return };
         let up = self.axis;
         let aside = (self.right * place.x + self.ahead * place.y) * self.root_radius;
@@ -492,6 +499,7 @@ impl<'a> Puff<'a> {
         }
         out.tuft.push_curve(&out.points);
         out.ids.push(ids);
+        out.radii.push(radius);
         out.fibres.push(out.spline.length() / (1.0 - self.inputs.shrinkage));
         out.roots.push(root);
     }
@@ -527,6 +535,8 @@ struct Bundle {
     ids: Vec<(u64, u64)>,
     roots: Vec<Root>,
     fibres: Vec<f32>,
+    /// Distances of the outline from the middle.
+    radii: Vec<f32>,
     path: Vec<Vec3>,
     points: Vec<Vec3>,
     spline: Spline,
@@ -552,9 +562,9 @@ impl Bundle {
         tuft.set(FIBRE, Domain::Curve, self.fibres);
         tuft.set(PUFF, Domain::Curve, vec![puff.puff]);
         tuft.set(PUFF_CENTRE, Domain::Curve, vec![puff.centre]);
-        if matches!(puff.outline, Outline::Sphere) {
-            tuft.set(PUFF_RADIUS, Domain::Curve, vec![puff.radius]);
-        }
+        let is_sphere = matches!(puff.outline, Outline::Sphere) && puff.others.is_empty();
+        let radii = if is_sphere { vec![puff.radius] } else { self.radii };
+        tuft.set(PUFF_RADIUS, Domain::Curve, radii);
         tuft.build()
     }
 }

@@ -10,6 +10,7 @@ use super::prim::{Column, Prim, in_parts, quantile};
 use coif_nodes::data::attributes::CURL_MIDDLE;
 use coif_nodes::maths::frame::carry;
 use coif_nodes::maths::spline::Spline;
+use coif_nodes::maths::transcendental::atan2;
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 
@@ -251,7 +252,7 @@ fn turns(at: &[Vec3], axis: &[Vec3]) -> Vec<f32> {
             let off = at[k] - axis[k];
             let here = Vec2::new(off.dot(normal), off.dot(along.cross(normal)));
             if let Some(last) = last {
-                angle += last.perp_dot(here).atan2(last.dot(here)).abs();
+                angle += atan2(last.perp_dot(here), last.dot(here)).abs();
             }
             if here.length_squared() > 0.0 {
                 last = Some(here);

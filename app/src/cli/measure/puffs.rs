@@ -1,13 +1,14 @@
-//! How clean the outline of puffs is: how far out hairs reach in every direction, against the sphere that the file says they
-//! lie on.
+//! How clean the outline of puffs is: how far out hairs reach in every direction, against the radius that the file says their
+//! outline has there: the same for all hairs of a sphere, each hair's own for an ellipsoid, a mesh or a drawn outline.
 //!
-//! Directions from the middle of a puff's sphere are cut into cells of equal area, 5 degrees wide, and each hair counts in the cell
-//! of its outermost point. A cell is clean that holds a hair which ends at the sphere (methods.md 5), as long as no more than a
+//! Directions from the middle of a puff are cut into cells of equal area, 5 degrees wide, and each hair counts in the cell
+//! of its outermost point. A cell is clean that holds a hair which ends at the outline (methods.md 5), as long as no more than a
 //! tenth of its hairs, or one, stand over it: single hairs do so at every puff, and make no outline. Rings of cells about the axis
-//! away from the head belong to the outline as long as most of their cells are filled to the sphere; one ring further in, nearly
+//! away from the head belong to the outline as long as most of their cells are filled to it; one ring further in, nearly
 //! all must be clean. A puff of too few hairs is not judged.
 
 use super::prim::Prim;
+use coif_nodes::maths::transcendental::{acos, atan2, sin};
 use glam::Vec3;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -26,10 +27,10 @@ pub(super) struct Puffs {
     pub(super) a_cell: f32,
     /// Share of cells within the coverage that are clean to 3 % of the radius: the worst puff.
     pub(super) within: f32,
-    /// Distance of the sphere from that hair of a cell which comes closest, as a share of its radius: 95 % of the cells
+    /// Distance of the outline from that hair of a cell which comes closest, as a share of its radius: 95 % of the cells
     /// have less.
     pub(super) deviation: f32,
-    /// Share of hairs that stand over the sphere by more than 3 %: the puff with the most.
+    /// Share of hairs that stand over the outline by more than 3 %: the puff with the most.
     pub(super) over: f32,
 }
 
@@ -68,17 +69,21 @@ pub(super) fn measure(prim: &Prim) -> Option<Puffs> {
     };
     for hairs in members.values() {
         let first = prim.range(hairs[0]).start;
-        let (middle, r) = (centre.at(hairs[0], first), radius.at(hairs[0], first));
+        let middle = centre.at(hairs[0], first);
         let root = hairs.iter().map(|i| prim.curve(*i)[0]).sum::<Vec3>() / hairs.len() as f32;
         let away = (middle - root).normalize_or(Vec3::Y);
         // The root, which may lie beside the sphere, is no part of the outline.
         let outermost = hairs.iter().filter_map(|i| {
             let curve = prim.curve(*i);
             let far = |p: &&Vec3| p.distance_squared(middle);
-            curve[curve.len() / 2..].iter().max_by(|a, b| far(a).total_cmp(&far(b)))
+            let point = curve[curve.len() / 2..].iter().max_by(|a, b| far(a).total_cmp(&far(b)))?;
+            Some((*point, radius.at(*i, prim.range(*i).start)))
         });
-        let outline = Outline::of(outermost, middle, r, away);
-        out.radius_cm = [out.radius_cm[0].min(r), out.radius_cm[1].max(r)];
+        let outline = Outline::of(outermost, middle, away);
+        for i in hairs {
+            let r = radius.at(*i, prim.range(*i).start);
+            out.radius_cm = [out.radius_cm[0].min(r), out.radius_cm[1].max(r)];
+        }
         out.coverage = out.coverage.min(outline.coverage);
         out.a_cell = out.a_cell.min(outline.a_cell);
         out.over = out.over.max(outline.over);
@@ -100,9 +105,9 @@ struct Outline {
 #[derive(Clone, Copy)]
 struct Cell {
     hairs: usize,
-    /// Those that stand over the sphere.
+    /// Those that stand over the outline.
     over: usize,
-    /// How far the hair that comes closest to the sphere is from it, and how far out any goes, as shares of the radius.
+    /// How far the hair that comes closest to the outline is from it, and how far out any goes, as shares of the radius.
     nearest: f32,
     farthest: f32,
 }
@@ -113,30 +118,30 @@ impl Cell {
     }
 }
 
-/// How far from the sphere a hair may end, as a share of the radius.
+/// How far from the outline a hair may end, as a share of the radius.
 const CLEAN: f32 = 0.03;
 
 impl Outline {
-    /// Of the outermost point of each hair.
-    fn of<'a>(points: impl Iterator<Item = &'a Vec3>, middle: Vec3, r: f32, away: Vec3) -> Self {
+    /// Of the outermost point of each hair, with the outline's radius there.
+    fn of(points: impl Iterator<Item = (Vec3, f32)>, middle: Vec3, away: Vec3) -> Self {
         let side = away.any_orthonormal_vector();
         let other = away.cross(side);
         let in_ring = |ring: usize| {
-            let circle = TAU * ((ring as f32 + 0.5) * CELL).sin();
+            let circle = TAU * sin((ring as f32 + 0.5) * CELL);
             ((circle / CELL).round() as usize).max(1)
         };
         let starts: Vec<usize> = (0..=RINGS).map(|ring| (0..ring).map(in_ring).sum()).collect();
         let none = Cell { hairs: 0, over: 0, nearest: 1.0, farthest: 0.0 };
         let mut cells = vec![none; starts[RINGS]];
-        for p in points {
-            let v = *p - middle;
+        for (p, r) in points {
+            let v = p - middle;
             let far = v.length();
             if far == 0.0 || !far.is_finite() {
                 continue;
             }
-            let polar = (v.dot(away) / far).clamp(-1.0, 1.0).acos();
+            let polar = acos(v.dot(away) / far);
             let ring = ((polar / CELL) as usize).min(RINGS - 1);
-            let turn = v.dot(other).atan2(v.dot(side)) / TAU + 0.5;
+            let turn = atan2(v.dot(other), v.dot(side)) / TAU + 0.5;
             let n = in_ring(ring);
             let cell = &mut cells[starts[ring] + ((turn * n as f32) as usize).min(n - 1)];
             cell.hairs += 1;
@@ -186,7 +191,7 @@ mod tests {
     }
 
     fn outline(points: &[Vec3]) -> Outline {
-        Outline::of(points.iter(), Vec3::ONE, 5.0, Vec3::Y)
+        Outline::of(points.iter().map(|p| (*p, 5.0)), Vec3::ONE, Vec3::Y)
     }
 
     #[test]
@@ -235,6 +240,19 @@ mod tests {
             measure(&Prim::new(&read)).unwrap().can_be_judged()
         };
         assert_eq!((judged(1), judged(10)), (true, false));
+    }
+
+    #[test]
+    fn an_outline_that_is_no_sphere_is_judged_by_each_hairs_own_radius() {
+        let reach = |d: Vec3| 5.0 / (d / Vec3::new(1.3, 0.8, 1.0)).length();
+        let egg = |radius: &dyn Fn(Vec3) -> f32| {
+            let points = sphere(120.0, reach).into_iter();
+            let told = points.map(|p| (p, radius((p - Vec3::ONE).normalize())));
+            Outline::of(told, Vec3::ONE, Vec3::Y)
+        };
+        let (own, round) = (egg(&reach), egg(&|_| 5.0));
+        assert_eq!((own.coverage, own.within), (120.0, 1.0));
+        assert!(round.within < 0.5, "{}", round.within);
     }
 
     #[test]

@@ -8,6 +8,7 @@ use super::strands::{Braid, Section};
 use super::word::Word;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::maths::frame::{across, any_normal, carry};
+use coif_nodes::maths::transcendental::{atan2, cos, sin, sin_cos};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -124,7 +125,7 @@ impl Spine {
             .map(|k| {
                 let front = across(told[k].try_normalize()?, self.tangents[k])?;
                 let right = self.tangents[k].cross(self.fronts[k]);
-                Some(front.dot(-right).atan2(front.dot(self.fronts[k])))
+                Some(atan2(front.dot(-right), front.dot(self.fronts[k])))
             })
             .collect();
         let turned = match angles.iter().copied().collect() {
@@ -134,7 +135,7 @@ impl Spine {
         let front = |(k, turned): (usize, f32)| {
             let (front, right) = (self.fronts[k], self.tangents[k].cross(self.fronts[k]));
             // The broad side turned from `right` towards `front` by the angle.
-            front * turned.cos() - right * turned.sin()
+            front * cos(turned) - right * sin(turned)
         };
         Self {
             at: self.at.clone(),
@@ -170,9 +171,9 @@ impl Spine {
             }
             let told = told[places].iter().flatten().next();
             let of = |i: usize| {
-                let (sin, cos) = way(i).sin_cos();
-                let deep = (xx * sin * sin - 2.0 * xy * sin * cos + yy * cos * cos) / (xx + yy);
-                let off = told.map_or(0.0, |told| TOLD * (1.0 - (way(i) - told).cos()));
+                let (s, c) = sin_cos(way(i));
+                let deep = (xx * s * s - 2.0 * xy * s * c + yy * c * c) / (xx + yy);
+                let off = told.map_or(0.0, |told| TOLD * (1.0 - cos(way(i) - told)));
                 step * (broad * deep + off)
             };
             (0..WAYS).map(of).collect()

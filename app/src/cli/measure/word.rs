@@ -5,6 +5,7 @@
 //! crosses always the same way and neighbouring pairs take turns: up to exchange of commuting generators and rotation
 //! such a word is (one stitch's factor)^stitches.
 
+use coif_nodes::maths::transcendental::sin;
 use glam::Vec2;
 
 /// What the crossings of one braid say.
@@ -98,7 +99,7 @@ fn factor_of(n: usize, m: usize) -> Vec<bool> {
             let c = ((k as f32 + 0.37) / (FINE * n) as f32 + i as f32 / n as f32)
                 * std::f32::consts::TAU;
             let quarter = if m % 2 == 1 { std::f32::consts::FRAC_PI_2 } else { 0.0 };
-            Vec2::new(c.sin(), (m as f32 * c + quarter).sin())
+            Vec2::new(sin(c), sin(m as f32 * c + quarter))
         };
         (0..n).map(strand).collect()
     };
