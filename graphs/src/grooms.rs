@@ -8,6 +8,8 @@ pub const ALL: &[(&str, &str)] = &[
     ("cornrows_puffs", include_str!("../grooms/cornrows_puffs.ron")),
     ("box_braids", include_str!("../grooms/box_braids.ron")),
     ("french_braid", include_str!("../grooms/french_braid.ron")),
+    ("dutch_braids", include_str!("../grooms/dutch_braids.ron")),
+    ("twists", include_str!("../grooms/twists.ron")),
     ("braids", include_str!("../grooms/braids.ron")),
     ("curls", include_str!("../grooms/curls.ron")),
     ("waves_2b", include_str!("../grooms/waves_2b.ron")),
@@ -31,6 +33,8 @@ pub const HEROES: &[&str] = &[
     "waves_2b",
     "ponytail",
     "french_braid",
+    "dutch_braids",
+    "twists",
 ];
 
 /// The groom of that name, with or without `.ron`.

@@ -66,6 +66,26 @@ const HEROES: &[(&str, &[Ask])] = &[
     ("waves_2b", &[Ask::Partings(1), Ask::AllInSections, Ask::Curls]),
     ("ponytail", &[]),
     ("french_braid", &[Ask::Braids { at_least: 1, strands: 3, crossing: "over" }, Ask::Joins]),
+    (
+        "dutch_braids",
+        &[
+            Ask::Braids { at_least: 2, strands: 3, crossing: "under" },
+            Ask::Joins,
+            Ask::Partings(1),
+            Ask::Sections(2),
+            Ask::AllInSections,
+        ],
+    ),
+    (
+        "twists",
+        &[
+            Ask::Braids { at_least: 120, strands: 2, crossing: "either" },
+            Ask::Joins,
+            Ask::Partings(120),
+            Ask::Sections(120),
+            Ask::AllInSections,
+        ],
+    ),
 ];
 
 /// What every hero keeps. A law that no prim is judged by is not kept. That the strands of a braid do not overlap is judged of
@@ -79,8 +99,9 @@ const LAWS: &[&str] = &[
     "roots lie on the scalp to 0.001 cm",
     DEPTH,
 ];
-/// What heroes do not keep yet, law by law. A law that has come to hold is taken off this list: the test says so.
-const NOT_YET: &[(&str, &[&str])] = &[];
+/// What heroes do not keep yet, law by law: `groom` on the built-in head, `groom on head` on others. A law that has come to hold is
+/// taken off this list: the test says so. The scan's shirt turns a tail so that a crossing in it is read the wrong way round.
+const NOT_YET: &[(&str, &[&str])] = &[("dutch_braids on snowden_scan", &[WOVEN])];
 const READINGS: &str = "both readings of every curve agree to 0.001 cm";
 const WOVEN: &str = "braids are woven all along as they begin";
 const OUTLINES: &str = "outlines of puffs are clean";
@@ -251,7 +272,7 @@ fn check_on(head: &RealHead, more: &[&str], laws: &[&str], wrong: &mut Vec<Strin
         let (report, prims) = measured(name, Some(head), more);
         let what = format!("{name} on {}", head.name);
         println!("{what}: {}", report["warnings"]);
-        check_laws(&what, &prims, laws, not_yet(NOT_YET, name), wrong);
+        check_laws(&what, &prims, laws, not_yet(NOT_YET, &what), wrong);
         let all = more.is_empty();
         for ask in asks_of(name) {
             let laws = match ask {
@@ -261,7 +282,7 @@ fn check_on(head: &RealHead, more: &[&str], laws: &[&str], wrong: &mut Vec<Strin
                 Ask::Puffs(_) if all => &[OUTLINES],
                 _ => &[],
             };
-            check_laws(&what, &prims, laws, not_yet(NOT_YET, name), wrong);
+            check_laws(&what, &prims, laws, not_yet(NOT_YET, &what), wrong);
         }
     }
 }

@@ -25,7 +25,7 @@ use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::low_discrepancy::r2;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{exp, tan};
-use crate::scalp::detour::Detour;
+use crate::scalp::detour::{Detour, Towards};
 use crate::scalp::lay;
 use glam::Vec3;
 use std::sync::{Arc, OnceLock};
@@ -433,6 +433,17 @@ impl Maker<'_> {
         };
         Ok((0..count).map(place).collect())
     }
+    /// Leads a hair of a row past an ear: straight up where that stays on the row's ground, else towards the crown.
+    fn past_ears(&self, way: &mut [Vec3], lane: u32) {
+        let before = way.to_vec();
+        let is_own = |p: &Vec3| {
+            self.ground.owner(self.scalp, *p, |_| true).is_none_or(|owner| owner.lane == lane)
+        };
+        if self.detour.lead(way, Towards::Top) && !way.iter().all(is_own) {
+            way.copy_from_slice(&before);
+            self.detour.lead(way, Towards::Crown);
+        }
+    }
     fn id(&self, lane: &Lane, place: &Place) -> u64 {
         curve_id(lane.id, self.inputs.seed as u64, u64::from(place.index))
     }
@@ -475,7 +486,7 @@ impl Maker<'_> {
                 map.way(&place.root, from, to, sweep, cvs, &mut points);
                 let corner = lane.row.spline.at(end + (foot - end) * sweep);
                 self.across_the_head(&mut points[first..], corner, &place.owner);
-                self.detour.lead(&mut points[first..]);
+                self.past_ears(&mut points[first..], i as u32);
                 self.lay(&mut points[first..], high);
                 let way = &points[first..];
                 let far = place.owner.distance > self.far()[0];

@@ -132,7 +132,7 @@ impl Mender<'_> {
                     return read;
                 }
             }
-            tried.append(&mut starts);
+            tried.extend(starts.into_iter().skip(1).filter(|led| !(self.is_barred)(&led.points)));
         }
         tried.sort_by(|a, b| a.left.total_cmp(&b.left));
         tried.swap_remove(0)

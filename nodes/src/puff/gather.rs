@@ -27,7 +27,7 @@ use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{sin, sin_cos, sin_cos_turns};
-use crate::scalp::detour::Detour;
+use crate::scalp::detour::{Detour, Towards};
 use glam::Vec3;
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -576,7 +576,7 @@ impl Gatherer<'_> {
             let way = (root.lerp(to, t) - middle).normalize_or(root - middle);
             *p = middle + way * (near + (far - near) * t);
         }
-        self.detour.lead(&mut hair[..=past]);
+        self.detour.lead(&mut hair[..=past], Towards::Top);
         for p in &mut hair[1..past] {
             *p = self.clear(*p);
         }

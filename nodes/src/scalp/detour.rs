@@ -1,15 +1,17 @@
 //! Ways over the scalp that would lead over what is none, above all an ear, go round it on the side of the crown.
 //!
 //! A way is a taut string on the flat map of the scalp: where it lies over bare skin, or over scalp that an ear stands before,
-//! it is lifted towards the middle of the map until it is over open scalp, and what comes before and after is lifted with it so far
-//! that the string has no hollow.
+//! it is lifted towards the top of the head, or the crown, until it is over open scalp, and what comes before and after is lifted with it so far
+//! that the string has no hollow. Straight up first, because an ear leans back: towards the crown what begins before an ear
+//! may be lifted into it.
 //!
 //! Guarantees: both ends stay; a way over open scalp stays as it is. Not promised: anything where no scalp lies between a place
-//! and the middle of the map; such a way stays as it is. Points are not on the skin afterwards, only over or under it.
+//! and the top of the head; such a way stays as it is. Points are not on the skin afterwards, only over or under it.
 
 use super::lay::Polyline;
 use crate::data::chart::{CELL, Chart, cell_of};
 use crate::data::scalp::{Scalp, Skin};
+use crate::maths::transcendental::{acos, sin_cos};
 use glam::{Vec2, Vec3};
 
 /// Farther from the skin than this (cm on a head of average size) nothing is said to stand before it.
@@ -18,15 +20,30 @@ const BEFORE: f32 = 5.0;
 const MARGIN: f32 = 0.06;
 /// Bare skin narrower than this is not worth a detour, on the map.
 const NARROW: f32 = 0.03;
-/// Ways are lifted no farther, on the map.
+/// Ways are lifted no farther, radians.
 const FARTHEST: f32 = 0.8;
+/// How often a lifted way is looked at again.
+const ROUNDS: usize = 4;
 /// Places looked at from one point of a way to the next.
 const FINE: usize = 4;
+
+/// Which way what lies over an ear is lifted.
+#[derive(Clone, Copy)]
+pub(crate) enum Towards {
+    /// Straight up, as hair is combed.
+    Top,
+    /// To the crown, which is the middle of the map.
+    Crown,
+}
 
 /// Where scalp is open.
 pub(crate) struct Detour<'a> {
     chart: &'a Chart,
     open: Vec<bool>,
+    /// The way to the top of the head.
+    top: Vec3,
+    /// The way to the middle of the map.
+    crown: Vec3,
 }
 
 impl<'a> Detour<'a> {
@@ -35,13 +52,35 @@ impl<'a> Detour<'a> {
         let (chart, unit) = (scalp.chart(), scalp.frame().unit());
         let open = chart.spots().iter().map(|spot| {
             let out = (spot.point - chart.origin()).normalize_or_zero();
+            // The ray first: so far out, the distance field is known nowhere yet, and making it is dear.
             let clear = |p: Vec3| {
-                skin.about(p) > 0.9 * unit
-                    || scalp.surface().ray(p - out * (0.95 * unit), out, BEFORE * unit).is_none()
+                scalp.surface().ray(p - out * (0.95 * unit), out, BEFORE * unit).is_none()
+                    || skin.about(p) > 0.9 * unit
             };
             spot.grows > 0.0 && clear(spot.point + out * unit)
         });
-        Self { chart, open: open.collect() }
+        let open = open.collect();
+        Self { chart, open, top: scalp.frame().up, crown: chart.direction(Vec2::ZERO) }
+    }
+
+    fn pole(&self, towards: Towards) -> Vec3 {
+        match towards {
+            Towards::Top => self.top,
+            Towards::Crown => self.crown,
+        }
+    }
+
+    /// The most that what lies at `q` is lifted, radians.
+    fn most(&self, q: Vec2, towards: Towards) -> f32 {
+        FARTHEST.min(acos(self.chart.direction(q).dot(self.pole(towards))))
+    }
+
+    /// The place `far` radians above `q` on the arc to where it is lifted.
+    fn above(&self, q: Vec2, far: f32, towards: Towards) -> Vec2 {
+        let (direction, pole) = (self.chart.direction(q), self.pole(towards));
+        let up = (pole - direction * pole.dot(direction)).normalize_or_zero();
+        let (sin, cos) = sin_cos(far);
+        self.chart.flat(self.chart.origin() + direction * cos + up * sin)
     }
 
     fn is_open(&self, q: Vec2) -> bool {
@@ -53,16 +92,15 @@ impl<'a> Detour<'a> {
         self.is_open(self.chart.flat(p))
     }
 
-    /// How far towards the middle of the map the open scalp is from `q`; none where there is none.
-    fn off(&self, q: Vec2) -> Option<f32> {
+    /// How far up the open scalp is from `q`; none where there is none.
+    fn off(&self, q: Vec2, towards: Towards) -> Option<f32> {
         if self.is_open(q) {
             return Some(0.0);
         }
-        let way = -q.normalize_or_zero();
-        let farthest = FARTHEST.min(q.length());
+        let farthest = self.most(q, towards);
         let mut far = CELL;
         while far < farthest {
-            if self.is_open(q + way * far) {
+            if self.is_open(self.above(q, far, towards)) {
                 return Some(if far > NARROW { far + MARGIN } else { 0.0 });
             }
             far += CELL;
@@ -71,7 +109,7 @@ impl<'a> Detour<'a> {
     }
 
     /// Leads a way round what is not open; tells whether it had to. Its points are even then.
-    pub(crate) fn lead(&self, way: &mut [Vec3]) -> bool {
+    pub(crate) fn lead(&self, way: &mut [Vec3], towards: Towards) -> bool {
         let Some(last) = way.len().checked_sub(1).filter(|last| *last > 1) else { return false };
         let mut fine: Vec<Vec3> = Vec::with_capacity(last * FINE + 1);
         for w in way.windows(2) {
@@ -79,17 +117,33 @@ impl<'a> Detour<'a> {
         }
         fine.push(way[last]);
         let flat: Vec<Vec2> = fine.iter().map(|p| self.chart.flat(*p)).collect();
-        let Some(mut off) = flat.iter().map(|q| self.off(*q)).collect::<Option<Vec<f32>>>() else {
-            return false;
-        };
+        let off: Option<Vec<f32>> = flat.iter().map(|q| self.off(*q, towards)).collect();
+        let Some(mut off) = off else { return false };
         // A root under the edge of an ear comes out from under it; a braid beside one is where it is.
         (off[0], off[last * FINE]) = (0.0, 0.0);
         if off.iter().all(|far| *far == 0.0) {
             return false;
         }
         let inner = 1..last * FINE;
-        for (i, far) in taut(&off).into_iter().enumerate().filter(|(i, _)| inner.contains(i)) {
-            let q = flat[i] - flat[i].normalize_or_zero() * far;
+        let lifted = |i: usize, far: f32| self.above(flat[i], far, towards);
+        let mut string = taut(&off);
+        // What was lifted only because its neighbours were may have come under the ear by it.
+        for _ in 0..ROUNDS {
+            let mut under = false;
+            for i in inner.clone() {
+                let Some(far) = self.off(lifted(i, string[i]), towards) else { return false };
+                if far > 0.0 {
+                    under = true;
+                    off[i] = (string[i] + (far - MARGIN)).min(self.most(flat[i], towards));
+                }
+            }
+            if !under {
+                break;
+            }
+            string = taut(&off);
+        }
+        for i in inner {
+            let q = lifted(i, string[i]);
             let out = match cell_of(q).filter(|cell| self.open[*cell]) {
                 Some(cell) => self.chart.out(cell),
                 None => fine[i].distance(self.chart.origin()),
@@ -156,11 +210,15 @@ mod tests {
     fn a_way_from_before_an_ear_to_behind_it_goes_over_it() {
         let scalp = head();
         let detour = Detour::new(&scalp, &scalp.skin());
-        for side in [-1.0, 1.0] {
-            let (from, to) = (Vec3::new(7.2 * side, -2.5, 1.5), Vec3::new(5.5 * side, -3.0, -8.0));
+        // From beside the ear's top, and from the end of the sideburn, over which the ear leans.
+        let froms = [Vec3::new(7.2, -2.5, 1.5), Vec3::new(7.2, -4.46, 0.6)];
+        for (side, from) in [-1.0, 1.0].into_iter().flat_map(|side| froms.map(|from| (side, from)))
+        {
+            let mirror = Vec3::new(side, 1.0, 1.0);
+            let (from, to) = (from * mirror, Vec3::new(5.5, -3.0, -8.0) * mirror);
             let straight: Vec<Vec3> = (0..9).map(|k| from.lerp(to, k as f32 / 8.0)).collect();
             let mut way = straight.clone();
-            assert!(detour.lead(&mut way));
+            assert!(detour.lead(&mut way, Towards::Top));
             assert_eq!((way[0], way[8]), (straight[0], straight[8]));
             let flat: Vec<Vec2> = way.iter().map(|p| scalp.chart().flat(*p)).collect();
             for q in &flat[1..8] {
@@ -172,7 +230,7 @@ mod tests {
             // On the bare crown nothing is in the way.
             let mut over: Vec<Vec3> =
                 (0..9).map(|k| Vec3::new(0.4 * k as f32 * side, 9.0, k as f32 - 4.0)).collect();
-            assert!(!detour.lead(&mut over));
+            assert!(!detour.lead(&mut over, Towards::Top));
         }
     }
 }

@@ -19,6 +19,8 @@ const PICTURES: &[(&str, &[u8])] = &[
     ("cornrows_puffs", include_bytes!("thumbnails/cornrows_puffs.png")),
     ("box_braids", include_bytes!("thumbnails/box_braids.png")),
     ("french_braid", include_bytes!("thumbnails/french_braid.png")),
+    ("dutch_braids", include_bytes!("thumbnails/dutch_braids.png")),
+    ("twists", include_bytes!("thumbnails/twists.png")),
     ("braids", include_bytes!("thumbnails/braids.png")),
     ("curls", include_bytes!("thumbnails/curls.png")),
     ("waves_2b", include_bytes!("thumbnails/waves_2b.png")),
