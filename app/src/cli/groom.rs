@@ -287,7 +287,7 @@ impl Wanted {
             _ => None,
         };
         let Conformed { curves: conformed, changes } =
-            conform(&curves, skin, parted, &|n, f| evaluator.for_each(n, f));
+            conform(&curves, skin, parted, self.guides, &|n, f| evaluator.for_each(n, f));
         drop(curves);
         let socket = &self.socket;
         if changes.left_out > 0 {

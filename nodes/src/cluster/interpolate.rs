@@ -3,7 +3,7 @@
 //! Where hairs root and which guides they follow is a plan made from the guides' *roots* alone, kept
 //! while those stay; shapes are read when the hair of one guide is made. So combing a guide makes again
 //! exactly the hair that follows it. Guarantees: roots on the scalp; more only adds hair; weights go to zero where a
-//! guide stops counting, so nothing pops as roots move; no point under the skin by more than the guide's
+//! guide stops counting for its distance, so nothing pops as roots move, but where a parting comes between; no point under the skin by more than the guide's
 //! `allow_depth`; a hair rooted where a guide is has its shape; on a parted scalp no hair is rooted on a parting or led by a
 //! guide of another section, what lies on the skin stays in its section as far along it as the nearest guide does in its own, and
 //! where that would lead it over a parting it gathers to the guide sooner, so that both leave the section in one place. Not

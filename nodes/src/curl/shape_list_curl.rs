@@ -3,7 +3,8 @@
 //! Guarantees: roots stay where they are; equal ids give equal curls whatever else is there; the path is C1 while
 //! `blend` is above 0; a size of 0 changes nothing; in `fibre` mode the arc length is the source's within
 //! 0.5 %, or that of a `fibre_length` that the source has room for. On a parted scalp hair whose curl would lead over a
-//! parting that its source does not stays straight beside it. Not promised: that hairs keep clear of each other, or that a curl much wider than its
+//! parting that its source does not is straight from its root until past there. Not promised: that four tries are enough for
+//! that, that hairs keep clear of each other, or that a curl much wider than its
 //! source's bends does not loop through itself.
 
 use super::drawn::with_drawn;

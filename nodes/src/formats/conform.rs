@@ -67,11 +67,12 @@ pub const FEW: usize = 1000;
 /// Resamples the curves whose uneven CVs would be read as another curve elsewhere: the root stays, all other points are new
 /// ones of the same curve, as far out of `skin` as it allows. A curve that the skin makes uneven, such as one that passes
 /// through an ear between its CVs, is moved out of it as a whole or led round it, its tip too, but over no parting of the scalps
-/// `parted`.
+/// `parted`. No curve is left out where `all_stay`, as guides must, or where there is no skin to lead it astray.
 pub fn conform(
     curves: &Curves,
     skin: Option<Skin>,
     parted: &[Arc<Scalp>],
+    all_stay: bool,
     for_each: crate::eval::ForEach,
 ) -> Conformed {
     let sections: Vec<&Sections> = parted.iter().filter_map(|scalp| scalp.sections()).collect();
@@ -92,7 +93,7 @@ pub fn conform(
         done[*i] = again;
     }
     let astray: usize = done.iter().map(|done| done.astray.len()).sum();
-    let few = astray * FEW <= curves.curve_count();
+    let few = !all_stay && skin.is_some() && astray * FEW <= curves.curve_count();
     let mut changes = Changes::default();
     let mut tufts = vec![];
     for done in done {
@@ -331,7 +332,7 @@ mod tests {
         let even = [0.0, 1.0, 2.0, 3.0f32].map(|x| Vec3::new(x, x * 0.1, 0.0));
         let before = curves(&[&uneven, &even, &[Vec3::ONE]]);
         assert!(readings_differ(&uneven) > 0.05);
-        let after = conform(&before, None, &[], &in_order);
+        let after = conform(&before, None, &[], false, &in_order);
         assert_eq!(
             (after.changes.resampled, after.changes.moved, after.changes.left_out),
             (1, 0, 1)
@@ -343,7 +344,7 @@ mod tests {
             (tuft.curve(0)[0], tuft.curve(0)[tuft.curve(0).len() - 1]),
             (uneven[0], uneven[4])
         );
-        let again = conform(&after.curves, None, &[], &in_order);
+        let again = conform(&after.curves, None, &[], false, &in_order);
         assert!(Arc::ptr_eq(&again.curves.tufts()[0], tuft), "what agrees is not copied");
     }
 
@@ -361,7 +362,7 @@ mod tests {
             .collect();
         for curve in [hairpin, coil] {
             assert!(readings_differ(&curve) > 3.0 * AGREE, "{}", readings_differ(&curve));
-            let after = conform(&curves(&[&curve]), None, &[], &in_order);
+            let after = conform(&curves(&[&curve]), None, &[], false, &in_order);
             assert!(after.changes.difference <= AGREE, "{}", after.changes.difference);
             let points = after.curves.tufts()[0].curve(0);
             assert!(points.len() <= MOST_POINTS && points[0] == curve[0], "{}", points.len());
@@ -398,23 +399,25 @@ mod tests {
                 Vec3::new(x, y, 0.0) * r + Vec3::Z * 0.4 * cos
             })
             .collect();
-        let check = |others: usize, parted: &[Arc<Scalp>], astray: usize, keeps: bool| {
-            let beside = [0.0, 0.5, 1.0].map(|x| Vec3::new(x - 6.0, 9.0 + x, 4.0));
-            let mut lists: Vec<&[Vec3]> = vec![&beside; others];
-            lists.push(&hair);
-            let curves = curves(&lists);
-            let after = conform(&curves, Some(ball.skin()), parted, &in_order);
-            let Changes { astray: found, keeps_astray, difference, .. } = after.changes;
-            assert_eq!((found, keeps_astray), (astray, keeps), "{others}");
-            let left_out = if keeps { 0 } else { astray };
-            assert_eq!(after.curves.curve_count(), others + 1 - left_out);
-            assert!(keeps || difference <= AGREE, "{difference}");
-        };
+        let check =
+            |others: usize, parted: &[Arc<Scalp>], all_stay: bool, astray: usize, keeps: bool| {
+                let beside = [0.0, 0.5, 1.0].map(|x| Vec3::new(x - 6.0, 9.0 + x, 4.0));
+                let mut lists: Vec<&[Vec3]> = vec![&beside; others];
+                lists.push(&hair);
+                let curves = curves(&lists);
+                let after = conform(&curves, Some(ball.skin()), parted, all_stay, &in_order);
+                let Changes { astray: found, keeps_astray, difference, .. } = after.changes;
+                assert_eq!((found, keeps_astray), (astray, keeps), "{others}");
+                let left_out = if keeps { 0 } else { astray };
+                assert_eq!(after.curves.curve_count(), others + 1 - left_out);
+                assert!(keeps || difference <= AGREE, "{difference}");
+            };
         assert!(skin.push_out(hair[80], 0.0).1 && readings_differ(&hair) > AGREE);
-        check(FEW, &[], 0, false);
-        check(FEW, &parted, 1, false);
-        check(FEW - 2, &parted, 1, true);
-        check(0, &parted, 1, true);
+        check(FEW, &[], false, 0, false);
+        check(FEW, &parted, false, 1, false);
+        check(FEW, &parted, true, 1, true);
+        check(FEW - 2, &parted, false, 1, true);
+        check(0, &parted, false, 1, true);
     }
 
     #[test]
