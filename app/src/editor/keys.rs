@@ -5,9 +5,12 @@
 
 use super::actions;
 use super::rooms::Room;
-use egui::{Key, KeyboardShortcut, Modifiers};
+use egui::{Event, Key, KeyboardShortcut, Modifiers};
 use serde::Deserialize;
 use std::collections::BTreeMap;
+
+/// The action that opens the palette, which takes what is typed from then on.
+const PALETTE: &str = "window.palette";
 
 /// What is shipped.
 const SHIPPED: &str = include_str!("keys.ron");
@@ -107,7 +110,7 @@ impl Keys {
     }
 
     /// Takes the keys that were pressed out of the input and gives what they do. Rooms go before what counts anywhere, more
-    /// modifiers before fewer.
+    /// modifiers before fewer. Keys after those of the palette are left to it.
     pub fn pressed(&self, ctx: &egui::Context, room: Room) -> Vec<&'static str> {
         let typing = ctx.egui_wants_keyboard_input();
         let mut lines: Vec<(Context, &str, KeyboardShortcut)> = self
@@ -126,6 +129,19 @@ impl Keys {
         // Escape closes what is open first.
         let closes = egui::Popup::is_any_open(ctx);
         let escape = KeyboardShortcut::new(Modifiers::NONE, Key::Escape);
+        let opens = self.bound.get(&(Context::Anywhere, PALETTE.to_owned()));
+        let later = ctx.input_mut(|input| {
+            let opened = |event: &Event| match event {
+                Event::Key { key, pressed: true, modifiers, .. } => opens.is_some_and(|opens| {
+                    opens
+                        .iter()
+                        .any(|o| o.logical_key == *key && modifiers.matches_logically(o.modifiers))
+                }),
+                _ => false,
+            };
+            let at = input.events.iter().position(opened);
+            at.map_or_else(Vec::new, |at| input.events.split_off(at + 1))
+        });
         let mut done = vec![];
         for (_, id, keys) in lines {
             if (typing && types_text(&keys)) || (closes && keys == escape) {
@@ -137,6 +153,7 @@ impl Keys {
                 done.push(action.id);
             }
         }
+        ctx.input_mut(|input| input.events.extend(later));
         done
     }
 

@@ -174,13 +174,13 @@ impl Editor {
             }
             self.state.run = evaluation.status();
         }
-        if let Some(action) = palette::ui(self, &ctx) {
-            self.act(action);
-        }
         if !self.palette.is_open() && !self.documents.takes_keys() {
             for action in self.keys.pressed(&ctx, self.state.focus) {
                 self.act(action);
             }
+        }
+        if let Some(action) = palette::ui(self, &ctx) {
+            self.act(action);
         }
         menus::bar(self, ui);
         menus::status(self, ui);

@@ -1,4 +1,7 @@
 //! The command palette: every action by name, from the keyboard.
+//!
+//! Guarantees: what is typed after the key that opens it is typed into it, however much of it comes in one frame; a frame may be
+//! long. Not promised: that words find an action that its label, words and id do not have.
 
 use super::Editor;
 use super::actions::{self, Action};
@@ -65,11 +68,11 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
     let (enter, escape) = (key(Key::Enter), key(Key::Escape));
     let mut picked = None;
     let mut typed = std::mem::take(&mut editor.palette.typed);
-    let all = found(&typed);
-    let last = all.len().saturating_sub(1);
-    let mut chosen = editor.palette.chosen.min(last);
-    chosen = if down { (chosen + 1).min(last) } else { chosen };
-    chosen = if up { chosen.saturating_sub(1) } else { chosen };
+    let mut chosen = editor.palette.chosen;
+    let mut all = vec![];
+    // Before the field is shown, so that it takes what was typed since it was asked for.
+    let field_id = egui::Id::new("palette field");
+    ctx.memory_mut(|memory| memory.request_focus(field_id));
     let area = Area::new("palette".into())
         .order(Order::Foreground)
         .anchor(Align2::CENTER_TOP, [0.0, 60.0])
@@ -77,13 +80,17 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_width(440.0);
                 let field = TextEdit::singleline(&mut typed)
+                    .id(field_id)
                     .hint_text("What is to be done?")
                     .desired_width(f32::INFINITY);
-                let response = ui.add(field);
-                response.request_focus();
-                if response.changed() {
+                if ui.add(field).changed() {
                     chosen = 0;
                 }
+                all = found(&typed);
+                let last = all.len().saturating_sub(1);
+                chosen = chosen.min(last);
+                chosen = if down { (chosen + 1).min(last) } else { chosen };
+                chosen = if up { chosen.saturating_sub(1) } else { chosen };
                 ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
                     for (i, action) in all.iter().enumerate() {
                         let allowed = (action.when)(editor);
@@ -133,7 +140,40 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
 
 #[cfg(test)]
 mod tests {
+    use super::super::state::OpenFile;
     use super::*;
+    use egui::Event;
+
+    #[test]
+    fn what_is_typed_in_the_frame_that_opens_it_is_typed_into_it() {
+        let document = super::super::documents::life::empty_head();
+        let editor = Editor::new(&egui::Context::default(), document, OpenFile::default());
+        let mut hands = egui_kittest::Harness::builder()
+            .with_size(egui::vec2(900.0, 700.0))
+            .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
+        hands.run_steps(2);
+        let nodes =
+            |hands: &egui_kittest::Harness<Editor>| hands.state().state.document.nodes.len();
+        let before = nodes(&hands);
+        // As one long frame has them: these letters alone are keys of actions.
+        let events = &mut hands.input_mut().events;
+        let mut key = |key, modifiers| {
+            let (physical_key, repeat) = (None, false);
+            events.push(Event::Key { key, physical_key, pressed: true, repeat, modifiers });
+            if modifiers == Modifiers::NONE && key != Key::Enter {
+                events.push(Event::Text(key.name().to_lowercase()));
+            }
+        };
+        key(Key::K, Modifiers::COMMAND);
+        [Key::C, Key::O, Key::R, Key::N, Key::R, Key::O, Key::W, Key::S]
+            .map(|letter| key(letter, Modifiers::NONE));
+        hands.step();
+        assert_eq!(hands.state().palette.typed, "cornrows");
+        assert_eq!(nodes(&hands), before);
+        hands.key_press(Key::Enter);
+        hands.run_steps(2);
+        assert!(!hands.state().palette.is_open() && nodes(&hands) > before);
+    }
 
     #[test]
     fn actions_are_found_by_label_word_id_and_letters() {

@@ -3,9 +3,10 @@
 //! A hair goes straight where its section lets it, and round corners by the shortest way through the cells of the map, pulled
 //! tight. What still comes too near to a parting is moved off it.
 //!
-//! Guarantees: a kept point lies in its section, or on forehead or neck farther than [`BEYOND`] from any parting, half of a parting's bare skin or more off every line; points farther off than a
-//! parting's bare skin stay where they are; a line beside which hair is kept is approached smoothly, so that hair lies along it
-//! and does not pile up. Not promised: anything for hair higher off the skin than [`FREE`], which passes over partings.
+//! Guarantees: a kept point lies in its section, or on forehead or neck farther than `BEYOND` from any parting, half of a
+//! parting's bare skin or more off every line; points farther off than a parting's bare skin stay where they are; a line beside
+//! which hair is kept is approached smoothly, so that hair lies along it and does not pile up. Not promised: anything for hair
+//! higher off the skin than [`FREE`], which passes over partings.
 
 use super::chart::{CELL, around, cell_of};
 use super::scalp::{Root, Scalp};

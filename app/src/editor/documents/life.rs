@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 const MOST_BYTES: u64 = 256 << 20;
 
 /// The document that begins with nothing but a head.
-pub(super) fn empty_head() -> Document {
+pub(in super::super) fn empty_head() -> Document {
     let mut document = Document { title: "Untitled".to_owned(), ..Document::default() };
     let id = document.free_id("head");
     let node = document.fresh_node("head", &id);

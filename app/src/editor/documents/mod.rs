@@ -17,7 +17,7 @@ mod frame;
 mod home;
 mod journal;
 pub(crate) mod kept;
-mod life;
+pub(super) mod life;
 mod own_head;
 mod paths;
 pub mod places;

@@ -140,6 +140,19 @@ fn nodes_that_made_it_are_listed_and_renamed() {
 }
 
 #[test]
+fn a_head_that_is_displayed_has_one_row() {
+    let document = crate::editor::documents::life::empty_head();
+    let head = document.nodes.keys().next().unwrap().clone();
+    assert_eq!(crate::editor::evaluation::displayed(&document)[0].node, head);
+    let editor = Editor::new(&egui::Context::default(), document, OpenFile::default());
+    let (groups, open) = (BTreeMap::new(), BTreeMap::new());
+    let tree = Tree { state: &editor.state, groups: &groups, open: &open, filter: "" };
+    let rows = tree.rows(&outputs(&editor.state.document));
+    let items: Vec<_> = rows.into_iter().map(|row| row.item).collect();
+    assert_eq!(items, [Item::Node(head)]);
+}
+
+#[test]
 fn keys_move_open_and_hide() {
     let (mut hands, _) = hands("cornrows", braids());
     click(&mut hands, "Braid 1");

@@ -207,7 +207,7 @@ fn node_row(
     }
 }
 
-/// The outputs of a groom; where it has none, the nodes that are displayed.
+/// The outputs of a groom; where it has none, the nodes that are displayed. Heads have rows of their own.
 pub(super) fn outputs(document: &Document) -> Vec<NodeId> {
     let output = |(id, node): (&NodeId, _)| {
         let node: &Arc<Node> = node;
@@ -217,7 +217,8 @@ pub(super) fn outputs(document: &Document) -> Vec<NodeId> {
     if !found.is_empty() {
         return found;
     }
-    displayed(document).into_iter().map(|socket| socket.node).collect()
+    let is_head = |id: &NodeId| document.node(id.as_str()).is_some_and(|node| node.kind == "head");
+    displayed(document).into_iter().map(|socket| socket.node).filter(|id| !is_head(id)).collect()
 }
 
 /// What a curve belongs to: its braid and strand, and its parent.
