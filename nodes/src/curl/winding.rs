@@ -248,6 +248,14 @@ struct Mark {
     arc: f32,
 }
 
+impl Mark {
+    /// By how much the speed changes a turn from here to `next`.
+    fn faster(&self, next: &Self) -> f32 {
+        let ahead = (next.turn - self.turn) as f32 + next.x - self.x;
+        (next.speed - self.speed) / ahead.max(1e-9)
+    }
+}
+
 /// What was asked of one curl after all that varies over the head.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Asked {
@@ -282,6 +290,8 @@ pub(crate) struct Winder {
     /// The curl, root first.
     pub(crate) points: Vec<Vec3>,
     marks: Vec<Mark>,
+    /// How many of these the last walk has taken as they were wanted; what follows shares what was left over.
+    walked: usize,
     /// Arc length of the curl and cm of source that it takes.
     pub(crate) fibre: f32,
     pub(crate) span: f32,
@@ -447,9 +457,10 @@ impl Winder {
         }
         // The spline through the points is a little shorter than the path: how long it is shows when it is there. And
         // a walk that needs more points than there may be is begun again with longer steps.
-        let (mut fibre, mut corrections) = (goal.fibre, 0);
+        let (mut fibre, mut corrections, mut again) = (goal.fibre, 0, false);
         for _ in 0..10 {
-            match self.walk(pattern, rail, (last as u32, x), fibre, (stretch, most), roll) {
+            let way = (fibre, stretch, most, again);
+            match self.walk(pattern, rail, (last as u32, x), way, roll) {
                 Ok(whole) => {
                     self.fibre = arc_length(&self.points);
                     let off = self.fibre - goal.fibre;
@@ -460,12 +471,15 @@ impl Winder {
                     }
                     corrections += 1;
                     fibre *= goal.fibre / self.fibre;
+                    again = true;
                     if corrections > 2 {
                         // Cusps that points pass over now and now not: finer points hold them all.
                         stretch *= 0.8;
+                        again = false;
                     }
                 }
                 Err(part) => {
+                    again = false;
                     if self.enough {
                         // Steps that change over so few points would be uneven.
                         let most =
@@ -498,26 +512,33 @@ impl Winder {
         (steps.max(1e-3), gone.min(fibre))
     }
 
-    /// Walks to the place `end` (turn and fraction), or as far as `fibre` cm of curl. Steps are `stretch` times as long as wanted.
-    /// Tells whether it came to the end; when that would take more than `most` points, the part of the way that was gone.
+    /// Walks to the place `whole` (turn and fraction), or as far as `fibre` cm of curl, with no more than `most` points. Steps are
+    /// `stretch` times as long as wanted. Where the same steps were gone `again`, all but the last of them need not be: the walk
+    /// is the same. Tells whether it came to the end; when that would take more points, the part of the way that was gone.
     fn walk(
         &mut self,
         pattern: &Pattern,
         rail: &Rail,
         whole: (u32, f32),
-        fibre: f32,
-        (stretch, most): (f32, usize),
+        (fibre, stretch, most, again): (f32, f32, usize, bool),
         roll: Option<&impl Fn((u32, f32)) -> f32>,
     ) -> Result<bool, f32> {
-        self.points.clear();
-        self.marks.clear();
         let mut cursor = 0;
-        let (point, speed) = self.at(pattern, rail, (0, 0.0), &mut cursor, roll);
-        let mut mark = Mark { turn: 0, x: 0.0, speed, way: Vec3::ZERO, arc: 0.0 };
-        self.points.push(point);
-        self.marks.push(mark);
-        let mut faster = 0.0;
-        let mut here = point;
+        if again {
+            let is_before = |mark: &Mark| mark.arc < fibre;
+            let keep = self.walked.min(self.marks.partition_point(is_before)).max(1);
+            self.points.truncate(keep);
+            self.marks.truncate(keep);
+        } else {
+            self.points.clear();
+            self.marks.clear();
+            let (point, speed) = self.at(pattern, rail, (0, 0.0), &mut cursor, roll);
+            self.points.push(point);
+            self.marks.push(Mark { turn: 0, x: 0.0, speed, way: Vec3::ZERO, arc: 0.0 });
+        }
+        let n = self.marks.len();
+        let (mut mark, mut here) = (self.marks[n - 1], self.points[n - 1]);
+        let mut faster = if n > 1 { self.marks[n - 2].faster(&mark) } else { 0.0 };
         let (end, stop, wanted) = loop {
             let (turn, before) = (
                 &self.laid[mark.turn as usize],
@@ -550,8 +571,7 @@ impl Winder {
                 let gone = mark.turn as f32 + mark.x;
                 return Err(gone / (whole.0 as f32 + whole.1).max(gone));
             }
-            let ahead = (next.turn - mark.turn) as f32 + next.x - mark.x;
-            faster = (next.speed - mark.speed) / ahead.max(1e-9);
+            faster = mark.faster(&next);
             self.points.push(at);
             self.marks.push(next);
             (mark, here) = (next, at);
@@ -573,6 +593,7 @@ impl Winder {
     ) {
         let n = self.points.len();
         let base = n - 1 - TAIL.min(n - 1);
+        self.walked = base + 1;
         let chords =
             |points: &[Vec3]| -> f32 { points.windows(2).map(|w| w[0].distance(w[1])).sum() };
         let left = chords(&self.points[base..]) + self.points[n - 1].distance(stop);
