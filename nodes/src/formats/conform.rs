@@ -15,6 +15,7 @@ use crate::data::attributes::{self as a, Domain};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
+use crate::maths::readings::{AGREE, readings_differ};
 use crate::maths::spline::{Place, Spline};
 use crate::shape::resample::between;
 use glam::Vec3;
@@ -59,8 +60,6 @@ impl Changes {
     }
 }
 
-/// The largest distance between the two readings of a curve that is let pass, cm (methods.md 0).
-pub const AGREE: f32 = 1e-3;
 /// Of so many curves one that is astray is left out: nobody misses a hair, and everybody a guide.
 pub const FEW: usize = 1000;
 
@@ -259,58 +258,6 @@ fn conform_tuft(tuft: &Arc<Tuft>, land: &Land, effort: Effort) -> Done {
         out.set_column(a::Attribute { values, ..attribute.clone() });
     }
     Done { tuft: Arc::new(out.build()), changes, differ, astray, difference_astray }
-}
-
-/// The largest distance, cm, between the uniform and the centripetal Catmull-Rom spline through the points: the two have the
-/// same ends in each span and differ in their tangents there. Sliding along the curve counts nothing.
-pub fn readings_differ(points: &[Vec3]) -> f32 {
-    let mut worst = 0.0f32;
-    each_span(points, |_, difference| worst = worst.max(difference));
-    worst
-}
-
-/// [`readings_differ`] of each span; where it is no more than [`AGREE`], not less than it is.
-pub(super) fn each_span(points: &[Vec3], mut found: impl FnMut(usize, f32)) {
-    let n = points.len();
-    let knot = |i: usize| points[i].distance(points[i + 1]).sqrt();
-    // Tangents at the inner point `i`, whose segments have the knots `a` and `b`: per unit of the centripetal
-    // parameter, and of the uniform one.
-    let tangents = |i: usize, a: f32, b: f32| -> (Vec3, Vec3) {
-        let (p0, p1, p2) = (points[i - 1], points[i], points[i + 1]);
-        let centripetal = if a > 0.0 && b > 0.0 {
-            (p1 - p0) / a - (p2 - p0) / (a + b) + (p2 - p1) / b
-        } else {
-            Vec3::ZERO
-        };
-        (centripetal, (p2 - p0) * 0.5)
-    };
-    let mut before = None;
-    let mut d = if n > 1 { knot(0) } else { 0.0 };
-    for i in 0..n.saturating_sub(1) {
-        let next = if i + 2 < n { knot(i + 1) } else { 0.0 };
-        let after = (i + 2 < n).then(|| tangents(i + 1, d, next));
-        let delta = |t: Option<(Vec3, Vec3)>| t.map_or(Vec3::ZERO, |(c, u)| c * d - u);
-        let (d1, d2) = (delta(before), delta(after));
-        // 4/27 is the largest value of either Hermite basis.
-        let bound = (d1.length() + d2.length()) * (4.0 / 27.0);
-        if bound > AGREE && d > 0.0 {
-            let chord = points[i + 1] - points[i];
-            let (m1, m2) = (before.map_or(chord, |(_, u)| u), after.map_or(chord, |(_, u)| u));
-            let mut worst = 0.0f32;
-            for t in [0.2f32, 0.4, 0.6, 0.8] {
-                let gap = d1 * (t * (1.0 - t) * (1.0 - t)) - d2 * (t * t * (1.0 - t));
-                let along = chord * (6.0 * t * (1.0 - t))
-                    + m1 * (1.0 - 4.0 * t + 3.0 * t * t)
-                    + m2 * (3.0 * t * t - 2.0 * t);
-                let slide = along * (gap.dot(along) / along.length_squared().max(1e-20));
-                worst = worst.max((gap - slide).length());
-            }
-            found(i, worst);
-        } else {
-            found(i, bound.min(AGREE));
-        }
-        (before, d) = (after, next);
-    }
 }
 
 #[cfg(test)]

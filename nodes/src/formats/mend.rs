@@ -10,9 +10,10 @@
 //! deeper in the skin than allowed by more than [`NEAR`] cm. Not promised: that readings agree at the end, which
 //! [`Read::left`] tells.
 
-use super::conform::{AGREE, Effort, MOST_POINTS, each_span, readings_differ};
+use super::conform::{Effort, MOST_POINTS};
 use crate::data::lead::Torn;
 use crate::data::scalp::Skin;
+use crate::maths::readings::{AGREE, each_span, readings_differ};
 use crate::maths::spline::{Place, Spline};
 use glam::Vec3;
 

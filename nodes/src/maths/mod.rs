@@ -11,5 +11,6 @@ pub mod hash;
 pub mod low_discrepancy;
 pub mod nearest;
 pub mod rail;
+pub mod readings;
 pub mod spline;
 pub mod transcendental;

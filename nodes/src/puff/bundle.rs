@@ -92,6 +92,11 @@ pub(super) struct Bundle<'a> {
     pub seed: i64,
 }
 
+/// Chords within this ratio are even: where a hair bends as about a tie, its points are read alike then (`formats/conform.rs`).
+const EVEN: f32 = 1.02;
+/// Rounds in which they are made so.
+const ROUNDS: usize = 5;
+
 /// One lock: where it is across the bundle, and how it differs.
 struct Lock {
     id: u64,
@@ -225,30 +230,17 @@ impl Bundle<'_> {
         };
         let last = self.points - 1;
         let step = (held + length) / last as f32;
-        let mut walk = Walk::new(base);
-        let mut at = |s: f32| if s >= held { past(s - held) } else { walk.at(s) };
-        points.clear();
-        points.push(base[0]);
-        points.extend((1..=last).map(|n| at(step * n as f32)));
-        // On the inside of an arch the course is longer than the hair: once more, with steps even along the hair.
-        let whole: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
-        let (mut n, mut passed) = (1, 0.0);
-        let mut link = points[0].distance(points[1]);
-        let steps: Vec<f32> = (1..last)
-            .map(|m| {
-                let wanted = whole * m as f32 / last as f32;
-                while n < last && passed + link < wanted {
-                    passed += link;
-                    n += 1;
-                    link = points[n - 1].distance(points[n]);
-                }
-                step * ((n - 1) as f32 + ((wanted - passed) / link.max(1e-6)).clamp(0.0, 1.0))
-            })
-            .collect();
-        let mut walk = Walk::new(base);
-        let mut at = |s: f32| if s >= held { past(s - held) } else { walk.at(s) };
-        for (point, s) in points[1..last].iter_mut().zip(steps) {
-            *point = at(s);
+        let mut stops: Vec<f32> = (0..=last).map(|n| step * n as f32).collect();
+        // On the inside of an arch the course is longer than the hair, so that even steps along it are not even along the hair.
+        for _ in 0..ROUNDS {
+            let mut walk = Walk::new(base);
+            let at = |s: &f32| if *s >= held { past(*s - held) } else { walk.at(*s) };
+            points.clear();
+            points.push(base[0]);
+            points.extend(stops[1..].iter().map(at));
+            if even_stops(points, &mut stops) < EVEN {
+                break;
+            }
         }
         for point in &mut points[1..] {
             *point = self.clear(*point);
@@ -260,6 +252,28 @@ impl Bundle<'_> {
     fn clear(&self, p: Vec3) -> Vec3 {
         self.skin.push_out(p, 0.0).0
     }
+}
+
+/// Moves the stops of points along a hair to where chords would be alike; gives the longest chord over the shortest as they are.
+fn even_stops(points: &[Vec3], stops: &mut [f32]) -> f32 {
+    let chord = |k: usize| points[k].distance(points[k + 1]);
+    let last = points.len() - 1;
+    let (mut whole, mut least, mut most) = (0.0f32, f32::MAX, 0.0f32);
+    for c in (0..last).map(chord) {
+        (whole, least, most) = (whole + c, least.min(c), most.max(c));
+    }
+    let (mut k, mut passed, mut link) = (0, 0.0, chord(0));
+    let were = stops.to_vec();
+    for n in 1..last {
+        let wanted = whole * n as f32 / last as f32;
+        while k + 1 < last && passed + link < wanted {
+            (k, passed) = (k + 1, passed + link);
+            link = chord(k);
+        }
+        let part = ((wanted - passed) / link.max(1e-6)).clamp(0.0, 1.0);
+        stops[n] = were[k] + (were[k + 1] - were[k]) * part;
+    }
+    most / least.max(1e-9)
 }
 
 /// A walk along a line, from its root on.
