@@ -6,7 +6,7 @@
 
 use super::files::write_text;
 use super::progress::Bar;
-use super::report::{Head, Output, Report, peak_rss_mib, rounded};
+use super::report::{ContentHash, Head, Output, Report, peak_rss_mib, rounded};
 use super::{Exit, complain, print};
 use clap::{Args, ValueEnum};
 use coif_graphs::document::graph::{Fault, Severity, check_for, upstream};
@@ -15,7 +15,6 @@ use coif_graphs::file;
 use coif_graphs::grooms;
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;
-use coif_graphs::schedule::result::content_hash;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
 use coif_nodes::data::attributes::DRIFT;
 use coif_nodes::data::curves::{Curves, Tuft};
@@ -112,6 +111,9 @@ pub(crate) fn carry_out(
     };
     for warning in &report.warnings {
         eprintln!("coif: warning: {warning}");
+    }
+    for output in &report.outputs {
+        output.hash.wait();
     }
     report.total_ms = rounded(began.elapsed().as_secs_f64() * 1e3);
     report.peak_rss_mib = peak_rss_mib();
@@ -312,7 +314,7 @@ impl Wanted {
             curves: curves.curve_count(),
             points: curves.point_count(),
             bounds: curves.bounds().map(|(lo, hi)| [lo.to_array(), hi.to_array()]),
-            hash: content_hash(&curves),
+            hash: ContentHash::of(&curves),
             resampled: changes.resampled,
             moved: changes.moved,
             farthest_cm: changes.farthest,

@@ -1,7 +1,10 @@
 //! The report of an evaluation, as JSON that other tools read. Its fields are a contract.
 
-use coif_graphs::schedule::result::NodeReport;
-use serde::Serialize;
+use coif_graphs::schedule::result::{NodeReport, content_hash};
+use coif_nodes::data::curves::Curves;
+use serde::{Serialize, Serializer};
+use std::fmt;
+use std::sync::{Arc, OnceLock};
 
 /// What an evaluation made and what happened on the way.
 #[derive(Serialize)]
@@ -65,7 +68,7 @@ pub(crate) struct Output {
     /// Lowest and highest corner, cm.
     pub(crate) bounds: Option<[[f32; 3]; 2]>,
     /// Content hash: the same on every machine.
-    pub(crate) hash: String,
+    pub(crate) hash: ContentHash,
     /// Curves resampled because other tools would have read another curve.
     pub(crate) resampled: usize,
     /// How many of these a thin part or a fold of the skin made leave the curve they were, and how far (cm) the farthest.
@@ -76,6 +79,35 @@ pub(crate) struct Output {
     /// How far roots lie from where they were drawn, carried over to this head: the middle and the largest distance, cm;
     /// null where nothing was drawn.
     pub(crate) root_drift_cm: Option<[f32; 2]>,
+}
+
+/// The content hash of curves, found by a thread of its own while files are written; who reads it waits for it.
+pub(crate) struct ContentHash(Arc<OnceLock<String>>);
+
+impl ContentHash {
+    /// Begins to find it.
+    pub(crate) fn of(curves: &Curves) -> Self {
+        let (cell, curves) = (Arc::new(OnceLock::new()), curves.clone());
+        let hash = Self(cell.clone());
+        std::thread::spawn(move || cell.get_or_init(|| content_hash(&curves)).len());
+        hash
+    }
+    /// Waits until it is found.
+    pub(crate) fn wait(&self) -> &str {
+        self.0.wait()
+    }
+}
+
+impl fmt::Display for ContentHash {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.wait())
+    }
+}
+
+impl Serialize for ContentHash {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.wait())
+    }
 }
 
 /// A picture, or all those of a turntable.

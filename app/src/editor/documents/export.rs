@@ -145,7 +145,7 @@ fn said(path: &Path, report: &Report) -> String {
     }
     let curves: usize = report.outputs.iter().map(|output| output.curves).sum();
     let points: usize = report.outputs.iter().map(|output| output.points).sum();
-    let hashes: Vec<&str> = report.outputs.iter().map(|output| output.hash.as_str()).collect();
+    let hashes: Vec<&str> = report.outputs.iter().map(|output| output.hash.wait()).collect();
     format!(
         "exported {path}: {} curves, {} points, hash {}",
         crate::words::grouped(curves),
