@@ -165,8 +165,9 @@ mod tests {
             }
         };
         key(Key::K, Modifiers::COMMAND);
-        [Key::C, Key::O, Key::R, Key::N, Key::R, Key::O, Key::W, Key::S]
-            .map(|letter| key(letter, Modifiers::NONE));
+        for letter in [Key::C, Key::O, Key::R, Key::N, Key::R, Key::O, Key::W, Key::S] {
+            key(letter, Modifiers::NONE);
+        }
         hands.step();
         assert_eq!(hands.state().palette.typed, "cornrows");
         assert_eq!(nodes(&hands), before);
