@@ -106,7 +106,9 @@ tests() {
     fi
 }
 tests cargo test --workspace --no-fail-fast
-tests cargo test --release --no-fail-fast -p coif-tests --test golden
+# The same hair from the build for farms, in release: neither window nor pictures, which take most of the time to build.
+check cargo build --quiet --release -p coif --no-default-features
+COIF_PROGRAM="$PWD/target/release/coif" tests cargo test --no-fail-fast -p coif-tests --test golden
 
 # --- sum ---------------------------------------------------------------------------------------
 grep -E '^(skipped|missing): ' "$log" | sort -u

@@ -153,10 +153,13 @@ pub struct Groom {
     pub scalp: Arc<Scalp>,
 }
 
-/// The `coif` program of the profile that this test was built in, built anew if need be.
+/// The `coif` program of the profile that this test was built in, built anew if need be; or the one that `COIF_PROGRAM` names.
 pub fn coif() -> Command {
     static PATH: OnceLock<PathBuf> = OnceLock::new();
     let path = PATH.get_or_init(|| {
+        if let Some(program) = std::env::var_os("COIF_PROGRAM") {
+            return program.into();
+        }
         // target/<profile>/deps/<test> -> target/<profile>/coif
         let exe = std::env::current_exe().expect("a test knows its own path");
         let profile = exe.ancestors().nth(2).expect("tests lie in target/<profile>/deps");
