@@ -264,14 +264,14 @@ fn even_stops(points: &[Vec3], stops: &mut [f32]) -> f32 {
     }
     let (mut k, mut passed, mut link) = (0, 0.0, chord(0));
     let were = stops.to_vec();
-    for n in 1..last {
+    for (n, stop) in stops.iter_mut().enumerate().take(last).skip(1) {
         let wanted = whole * n as f32 / last as f32;
         while k + 1 < last && passed + link < wanted {
             (k, passed) = (k + 1, passed + link);
             link = chord(k);
         }
         let part = ((wanted - passed) / link.max(1e-6)).clamp(0.0, 1.0);
-        stops[n] = were[k] + (were[k + 1] - were[k]) * part;
+        *stop = were[k] + (were[k + 1] - were[k]) * part;
     }
     most / least.max(1e-9)
 }
