@@ -2,8 +2,7 @@
 //!
 //! Samples every 2 mm within 1 cm of the surface, in blocks of 8 x 8 x 8 cells that carry their own border, so that
 //! one lookup touches one block. A block is made when somebody first asks about a point in it: hair visits a few hundred
-//! of the thousands a bust has. Its samples are exact closest points, looked for among the triangles that may be closest to a
-//! brick of 4 x 4 x 4 cells, each search bounded by the last sample's triangle.
+//! of the thousands a bust has. Its samples are exact closest points, each search bounded by the last sample's triangle.
 //!
 //! Guarantees: the same bits for any number of threads, for a block depends on the surface alone; error under a tenth of
 //! a cell where the surface is smooth on the scale of a cell, under half a cell at sharp creases. Within a cell of the
@@ -12,7 +11,7 @@
 //! Tried before: the whole field at once, exact beside the surface and handed on from sample to sample. It took
 //! 1.3 s of CPU for a bust of 36,000 triangles; the blocks that a full head of hair touches take a tenth of that.
 
-use super::closest::{Around, Surface};
+use super::closest::Surface;
 use glam::{IVec3, Vec3};
 use std::sync::OnceLock;
 
@@ -60,43 +59,6 @@ struct Samples {
     at: [f32; SAMPLES],
     /// How much farther off than it is thought to be what lies between samples was found, cm: nothing where skin is smooth.
     more: f32,
-}
-
-/// Cells along the edge of a brick.
-const BRICK: i32 = 4;
-
-/// A part of a block, with the triangles that may be closest to its samples.
-struct Brick<'a> {
-    low: IVec3,
-    around: Around<'a>,
-}
-
-impl<'a> Brick<'a> {
-    fn all() -> impl Iterator<Item = IVec3> {
-        let along = || (0..BLOCK).step_by(BRICK as usize);
-        along()
-            .flat_map(move |z| along().flat_map(move |y| along().map(move |x| IVec3::new(x, y, z))))
-    }
-
-    fn new(surface: &'a Surface, first: Vec3, low: IVec3, cell: f32, near: u32) -> Option<Self> {
-        let half = 0.5 * BRICK as f32 * cell;
-        let middle = first + low.as_vec3() * cell + half;
-        let around = surface.around(middle, half * 1.732_051, near)?;
-        Some(Self { low, around })
-    }
-
-    /// Tells of `side` x `side` x `side` places from its lowest on. There and back along rows: each lies beside the one before
-    /// it, whose triangle bounds the search.
-    fn each(&self, side: i32, mut tell: impl FnMut(IVec3)) {
-        for z in 0..side {
-            for y in 0..side {
-                for k in 0..side {
-                    let x = if (y + z) % 2 == 0 { k } else { side - 1 - k };
-                    tell(self.low + IVec3::new(x, y, z));
-                }
-            }
-        }
-    }
 }
 
 impl DistanceField {
@@ -184,46 +146,42 @@ impl DistanceField {
             return if inside { Block::Inside } else { Block::Outside };
         }
         let mut samples = Box::new(Samples { at: [0.0; SAMPLES], more: 0.0 });
-        let bricks: Vec<Brick> = Brick::all()
-            .filter_map(|low| Brick::new(surface, first, low, self.cell, hit.triangle))
-            .collect();
-        for brick in &bricks {
-            let mut last = brick.around.nearest;
-            brick.each(BRICK + 1, |i| {
-                // What bricks share is there.
-                if (brick.low.cmpgt(IVec3::ZERO) & i.cmpeq(brick.low)).any() {
-                    return;
+        let mut last = hit.triangle;
+        for z in 0..SIDE {
+            for y in 0..SIDE {
+                for k in 0..SIDE {
+                    // There and back along rows: each sample lies beside the one before it, whose triangle bounds
+                    // the search.
+                    let x = if (y + z) % 2 == 0 { k } else { SIDE - 1 - k };
+                    let p = first + Vec3::new(x as f32, y as f32, z as f32) * self.cell;
+                    let Some(hit) = surface.closest_from(p, last) else { continue };
+                    last = hit.triangle;
+                    samples.at[(z * SIDE + y) * SIDE + x] = surface.signed_distance(p, &hit);
                 }
-                let at = i.dot(IVec3::new(1, SIDE as i32, (SIDE * SIDE) as i32)) as usize;
-                let p = first + i.as_vec3() * self.cell;
-                let hit = brick.around.closest_from(p, last);
-                last = hit.triangle;
-                samples.at[at] = surface.signed_distance(p, &hit);
-            });
+            }
         }
-        samples.more = self.off(surface, first, &samples, &bricks);
+        samples.more = self.off(surface, first, &samples, last);
         Block::Samples(samples)
     }
 
     /// How much farther off than it is thought to be a block is between its samples: looked for in every other cell near the
     /// surface. What is thinner than a cell, such as the locks of a scan, does not show in the samples themselves.
-    fn off(&self, surface: &Surface, first: Vec3, samples: &Samples, bricks: &[Brick]) -> f32 {
+    fn off(&self, surface: &Surface, first: Vec3, samples: &Samples, mut last: u32) -> f32 {
         let mut more = 0.0f32;
-        for brick in bricks {
-            let mut last = brick.around.nearest;
-            brick.each(BRICK, |i| {
-                if i.element_sum() % 2 != 0 {
-                    return;
+        for z in 0..BLOCK {
+            for y in 0..BLOCK {
+                for x in (0..BLOCK).filter(|x| (x + y + z) % 2 == 0) {
+                    let i = IVec3::new(x, y, z);
+                    let (d, _, doubt) = self.between(samples, i, Vec3::splat(0.5));
+                    if d.abs() > 1.5 * self.cell {
+                        continue;
+                    }
+                    let p = first + (i.as_vec3() + 0.5) * self.cell;
+                    let Some(hit) = surface.closest_from(p, last) else { continue };
+                    last = hit.triangle;
+                    more = more.max((surface.signed_distance(p, &hit) - d).abs() - doubt);
                 }
-                let (d, _, doubt) = self.between(samples, i, Vec3::splat(0.5));
-                if d.abs() > 1.5 * self.cell {
-                    return;
-                }
-                let p = first + (i.as_vec3() + 0.5) * self.cell;
-                let hit = brick.around.closest_from(p, last);
-                last = hit.triangle;
-                more = more.max((surface.signed_distance(p, &hit) - d).abs() - doubt);
-            });
+            }
         }
         more
     }
