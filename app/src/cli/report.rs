@@ -4,7 +4,7 @@ use coif_graphs::schedule::result::{NodeReport, content_hash};
 use coif_nodes::data::curves::Curves;
 use serde::{Serialize, Serializer};
 use std::fmt;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, LazyLock};
 
 /// What an evaluation made and what happened on the way.
 #[derive(Serialize)]
@@ -81,20 +81,24 @@ pub(crate) struct Output {
     pub(crate) root_drift_cm: Option<[f32; 2]>,
 }
 
-/// The content hash of curves, found by a thread of its own while files are written; who reads it waits for it.
-pub(crate) struct ContentHash(Arc<OnceLock<String>>);
+/// The content hash of curves, found by a thread of its own while files are written; who reads it waits for it, and finds it
+/// where there was no thread to be had.
+pub(crate) struct ContentHash(Arc<Lazy>);
+
+type Lazy = LazyLock<String, Box<dyn FnOnce() -> String + Send>>;
 
 impl ContentHash {
     /// Begins to find it.
     pub(crate) fn of(curves: &Curves) -> Self {
-        let (cell, curves) = (Arc::new(OnceLock::new()), curves.clone());
-        let hash = Self(cell.clone());
-        std::thread::spawn(move || cell.get_or_init(|| content_hash(&curves)).len());
-        hash
+        let curves = curves.clone();
+        let hash: Arc<Lazy> = Arc::new(LazyLock::new(Box::new(move || content_hash(&curves))));
+        let found = hash.clone();
+        let _ = std::thread::Builder::new().spawn(move || found.len());
+        Self(hash)
     }
     /// Waits until it is found.
     pub(crate) fn wait(&self) -> &str {
-        self.0.wait()
+        self.0.as_str()
     }
 }
 

@@ -92,7 +92,7 @@ pub(super) struct Bundle<'a> {
     pub seed: i64,
 }
 
-/// Chords within this ratio are even: where a hair bends as about a tie, its points are read alike then (`formats/conform.rs`).
+/// Chords within this ratio are even: where a hair bends as about a tie, its points are read alike then (`maths/readings.rs`).
 const EVEN: f32 = 1.02;
 /// Rounds in which they are made so.
 const ROUNDS: usize = 5;
