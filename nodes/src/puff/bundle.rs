@@ -232,13 +232,21 @@ impl Bundle<'_> {
         let step = (held + length) / last as f32;
         let mut stops: Vec<f32> = (0..=last).map(|n| step * n as f32).collect();
         // On the inside of an arch the course is longer than the hair, so that even steps along it are not even along the hair.
+        // Where a hair turns about itself they never are, and rounds may make it worse: the best one stays.
+        let (mut best, mut round) = (None, vec![]);
         for _ in 0..ROUNDS {
             let mut walk = Walk::new(base);
             let at = |s: &f32| if *s >= held { past(*s - held) } else { walk.at(*s) };
-            points.clear();
-            points.push(base[0]);
-            points.extend(stops[1..].iter().map(at));
-            if even_stops(points, &mut stops) < EVEN {
+            round.clear();
+            round.push(base[0]);
+            round.extend(stops[1..].iter().map(at));
+            let ratio = even_stops(&round, &mut stops);
+            if best.is_some_and(|best| ratio >= best) {
+                break;
+            }
+            best = Some(ratio);
+            std::mem::swap(points, &mut round);
+            if ratio < EVEN {
                 break;
             }
         }
