@@ -40,6 +40,131 @@ pub struct Hit {
     pub distance: f32,
 }
 
+/// Triangles that are looked at together.
+const PACK: usize = 8;
+
+/// The most triangles of [`Around`]; a bust of 36,000 has 100 to 300 there. Among more, the tree is the faster way.
+const MOST: usize = 1024;
+
+/// One number of each triangle of a pack, and one vector.
+type Each = [f32; PACK];
+type Each3 = [Each; 3];
+
+/// Some of the triangles of [`Around`], made ready to be asked how far off they are.
+struct Pack {
+    /// The least distance of any of them from the ball's middle.
+    nearest: f32,
+    triangles: [u32; PACK],
+    corner: Each3,
+    /// From each corner to the next; one over the square of its length, or 0; and what points out of the triangle
+    /// there, in its plane.
+    edges: [Each3; 3],
+    per_square: [Each; 3],
+    out: [Each3; 3],
+    /// Unit, or zero where there is no area.
+    normal: Each3,
+}
+
+/// The triangles that may be closest to a point of a ball, those nearest to its middle first.
+pub struct Around<'a> {
+    surface: &'a Surface,
+    middle: Vec3,
+    slack: f32,
+    packs: Vec<Pack>,
+    /// The triangle that is closest to the middle.
+    pub nearest: u32,
+}
+
+impl Around<'_> {
+    /// What [`Surface::closest`] finds for a point of the ball, sooner when triangle `near`, which something may meet, is close to
+    /// it.
+    pub fn closest_from(&self, p: Vec3, near: u32) -> Hit {
+        let (bary, point) = closest_on_triangle(p, self.surface.corners(near));
+        let mut best = (point.distance_squared(p), near, bary, point);
+        let off = p.distance(self.middle) + self.slack;
+        let mut reach = best.0.sqrt();
+        for pack in &self.packs {
+            if pack.nearest > reach + off {
+                break;
+            }
+            let squares = pack.squares(p);
+            for (i, square) in squares.into_iter().enumerate() {
+                let limit = reach + self.slack;
+                // (A NaN is looked at.)
+                if square > limit * limit {
+                    continue;
+                }
+                let triangle = pack.triangles[i];
+                let (bary, point) = closest_on_triangle(p, self.surface.corners(triangle));
+                let d2 = point.distance_squared(p);
+                if d2 < best.0 || (d2 == best.0 && triangle < best.1) {
+                    best = (d2, triangle, bary, point);
+                    reach = d2.sqrt();
+                }
+            }
+        }
+        let (d2, triangle, bary, point) = best;
+        Hit { triangle, bary, point, distance: d2.sqrt() }
+    }
+}
+
+impl Pack {
+    /// Of triangles with their distances, 1 to [`PACK`] of them; the last fills what is left.
+    fn new(surface: &Surface, triangles: &[(f32, u32)]) -> Self {
+        let last = triangles.len() - 1;
+        let mut pack = Self {
+            nearest: triangles[0].0,
+            triangles: [0; PACK],
+            corner: Each3::default(),
+            edges: Default::default(),
+            per_square: Default::default(),
+            out: Default::default(),
+            normal: Each3::default(),
+        };
+        let put = |each: &mut Each3, i: usize, v: Vec3| {
+            each.iter_mut().zip(v.to_array()).for_each(|(each, v)| each[i] = v);
+        };
+        for i in 0..PACK {
+            let triangle = triangles[i.min(last)].1;
+            let corners = surface.corners(triangle);
+            let normal = surface.area_vector(triangle).normalize_or_zero();
+            pack.triangles[i] = triangle;
+            put(&mut pack.corner, i, corners[0]);
+            put(&mut pack.normal, i, normal);
+            for k in 0..3 {
+                let edge = corners[(k + 1) % 3] - corners[k];
+                let square = edge.length_squared();
+                put(&mut pack.edges[k], i, edge);
+                put(&mut pack.out[k], i, edge.cross(normal));
+                pack.per_square[k][i] = if square > 0.0 { 1.0 / square } else { 0.0 };
+            }
+        }
+        pack
+    }
+
+    /// The square of each triangle's distance from a point, but for rounding; 0 where there is no area. Without branches,
+    /// so that a compiler takes several at once.
+    #[inline]
+    fn squares(&self, p: Vec3) -> Each {
+        let mut squares = [0.0f32; PACK];
+        for (i, square) in squares.iter_mut().enumerate() {
+            let of = |each: &Each3| Vec3::new(each[0][i], each[1][i], each[2][i]);
+            let mut from = p - of(&self.corner);
+            let height = from.dot(of(&self.normal));
+            let (mut to_edge, mut is_over) = (f32::MAX, true);
+            for k in 0..3 {
+                let edge = of(&self.edges[k]);
+                let t = lesser(greater(from.dot(edge) * self.per_square[k][i], 0.0), 1.0);
+                to_edge = lesser(to_edge, (from - edge * t).length_squared());
+                is_over &= from.dot(of(&self.out[k])) <= 0.0;
+                from -= edge;
+            }
+            *square = if is_over { height * height } else { to_edge };
+        }
+        squares
+    }
+}
+
 impl Surface {
     /// Builds normals and tree. Triangles must name existing points.
     pub fn new(points: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
@@ -114,6 +239,38 @@ impl Surface {
         let (bary, point) = closest_on_triangle(p, self.corners(near));
         let d2 = point.distance_squared(p);
         self.search(p, d2.next_up(), (d2, near, bary, point))
+    }
+
+    /// What [`Self::closest`] may find for points of the ball of `radius` about `middle`, gathered once for many of them; none where
+    /// that are no triangles or very many, or the ball is not finite.
+    pub fn around(&self, middle: Vec3, radius: f32, near: u32) -> Option<Around<'_>> {
+        let hit = self.closest_from(middle, near)?;
+        // Rounding must leave out nothing.
+        let slack = 1e-5 * (middle.abs().max_element() + radius + hit.distance);
+        let reach = hit.distance + 2.0 * radius + slack;
+        let mut found = vec![];
+        self.tree.traverse(|node| {
+            let (lo, hi) = (node.mins(), node.maxs());
+            let off = (lo - middle).max(middle - hi).max(Vec3::ZERO);
+            // (A NaN must not prune.)
+            if off.length_squared() > reach * reach {
+                return TraversalAction::Prune;
+            }
+            if let Some(triangle) = node.leaf_data() {
+                let (_, point) = closest_on_triangle(middle, self.corners(triangle));
+                let far = point.distance(middle);
+                if far <= reach {
+                    found.push((far, triangle));
+                }
+            }
+            if found.len() > MOST { TraversalAction::EarlyExit } else { TraversalAction::Continue }
+        });
+        if found.len() > MOST {
+            return None;
+        }
+        found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let packs = found.chunks(PACK).map(|pack| Pack::new(self, pack)).collect();
+        Some(Around { surface: self, middle, slack, packs, nearest: hit.triangle })
     }
 
     /// The best of `best` and what lies within `limit` (squared).
@@ -259,6 +416,12 @@ fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
+/// The lesser of two numbers that are no NaN.
+#[inline]
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
 /// The tree of the triangles for which `stays` says so.
 fn tree(points: &[Vec3], triangles: &[[u32; 3]], stays: impl Fn(usize) -> bool) -> Bvh {
     let around = |t: &[u32; 3]| {
@@ -395,7 +558,21 @@ pub(crate) mod tests {
             for near in [hit.triangle, 0, id as u32] {
                 assert_eq!(surface.closest_from(p, near), Some(hit), "{p} from {near}");
             }
+            let aside = Vec3::new(dice.signed(id, 3), dice.signed(id, 4), dice.signed(id, 5)) * 0.5;
+            let around = surface.around(p + aside, 0.9, id as u32).unwrap();
+            for near in [around.nearest, 0] {
+                assert_eq!(around.closest_from(p, near), hit, "{p} from {near}");
+            }
         }
+    }
+
+    #[test]
+    fn of_very_many_triangles_in_little_room_none_are_gathered() {
+        let surface = sphere(0.1, 64);
+        assert!(surface.triangles.len() > MOST);
+        assert!(surface.around(Vec3::X * 0.1, 0.7, 0).is_none());
+        // Where few of them may be closest they are.
+        assert!(surface.around(Vec3::X * 0.1, 0.003, 0).is_some());
     }
 
     #[test]
