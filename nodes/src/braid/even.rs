@@ -1,8 +1,9 @@
 //! Points along a hair made even, and the two curves that hairs are led by.
 //!
-//! Guarantees: of [`Even::out`] neighbouring chords differ by at most a tenth where the hair bends by less than a right angle
-//! within a few points, and the ends stay where they are. Not promised: points keep their places.
+//! Guarantees: of [`Even::out`] neighbouring chords differ by at most a tenth, and both readings of the hair agree, where it bends
+//! by less than a right angle within a few points; the ends stay where they are. Not promised: points keep their places.
 
+use crate::maths::readings::{AGREE, Chords, readings_differ};
 use glam::Vec3;
 
 /// A point of a hair while it is made.
@@ -19,13 +20,25 @@ pub(super) struct Bead {
 #[derive(Default)]
 pub(super) struct Even {
     beads: Vec<Bead>,
-    lengths: Vec<f32>,
+    spans: Vec<Span>,
+    points: Vec<Vec3>,
 }
 
-/// Chords that differ by less than this are even.
+/// The hair from a bead to the next.
+#[derive(Clone, Copy)]
+struct Span {
+    /// Its chord, and the sum of those before it, cm.
+    chord: f32,
+    before: f32,
+    /// Speed at its start, and speed at its end less that, both over the mean of the two.
+    speed: f32,
+    faster: f32,
+}
+
+/// Chords that differ by less than this are even where both readings of the hair agree.
 const EVEN: f32 = 1.1;
 /// Rounds in which they are made so.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 6;
 
 impl Even {
     /// Moves the beads of a hair along it until they are evenly spaced; they nearly are.
@@ -36,25 +49,22 @@ impl Even {
         }
         let joins = beads[0].along;
         for _ in 0..ROUNDS {
-            self.lengths.clear();
-            self.lengths.push(0.0);
-            let mut total = 0.0f32;
-            for w in beads.windows(2) {
-                total += w[0].p.distance(w[1].p);
-                self.lengths.push(total);
-            }
-            if unevenness(beads) < EVEN {
+            if self.is_even(beads) {
                 return;
             }
+            let total = self.measure(beads);
             self.beads.clear();
             let mut k = 0;
             for i in 0..n {
                 let s = total * i as f32 / (n - 1) as f32;
-                while k + 2 < n && self.lengths[k + 1] < s {
+                while k + 2 < n && self.spans[k + 1].before < s {
                     k += 1;
                 }
-                let t = (s - self.lengths[k]) / (self.lengths[k + 1] - self.lengths[k]).max(1e-9);
-                let t = t.clamp(0.0, 1.0);
+                let span = self.spans[k];
+                // Speed taken as linear along the span, as in `maths/rail.rs`.
+                let x = ((s - span.before) / span.chord.max(1e-9)).clamp(0.0, 1.0);
+                let root = (span.speed * span.speed + 2.0 * span.faster * x).max(0.0).sqrt();
+                let t = (2.0 * x / (span.speed + root).max(1e-6)).min(1.0);
                 let (a, b) = (beads[k], beads[k + 1]);
                 self.beads.push(Bead {
                     p: spline_point(|k| beads[k].p, n, k, t),
@@ -68,16 +78,37 @@ impl Even {
             std::mem::swap(beads, &mut self.beads);
         }
     }
+
+    fn is_even(&mut self, beads: &[Bead]) -> bool {
+        let chords = chords(beads);
+        if chords.ratio >= EVEN || chords.readings_differ_at_most() <= AGREE {
+            return chords.ratio < EVEN;
+        }
+        self.points.clear();
+        self.points.extend(beads.iter().map(|bead| bead.p));
+        readings_differ(&self.points) <= AGREE
+    }
+
+    /// Finds how long the chords are, and how fast the spline through the beads goes at their ends; gives the sum of chords.
+    fn measure(&mut self, beads: &[Bead]) -> f32 {
+        let n = beads.len();
+        self.spans.clear();
+        let (mut before, mut speed) = (0.0, beads[0].p.distance(beads[1].p));
+        for k in 0..n - 1 {
+            let chord = beads[k].p.distance(beads[k + 1].p);
+            let next = if k + 2 < n { 0.5 * beads[k].p.distance(beads[k + 2].p) } else { chord };
+            let per_mean = 2.0 / (speed + next).max(1e-9);
+            let (of_mean, faster) = (speed * per_mean, (next - speed) * per_mean);
+            self.spans.push(Span { chord, before, speed: of_mean, faster });
+            (before, speed) = (before + chord, next);
+        }
+        before
+    }
 }
 
-/// The largest ratio of neighbouring chords.
-pub(super) fn unevenness(beads: &[Bead]) -> f32 {
-    let square = |k: usize| beads[k].p.distance_squared(beads[k + 1].p);
-    let ratios = (1..beads.len().max(2) - 1).map(|k| {
-        let (a, b) = (square(k - 1), square(k));
-        a.max(b) / a.min(b).max(1e-12)
-    });
-    ratios.fold(1.0, f32::max).sqrt()
+/// How even the beads of a hair are.
+pub(super) fn chords(beads: &[Bead]) -> Chords {
+    Chords::of(beads.len(), |k| beads[k].p)
 }
 
 /// Straightens a hair a little where the skin may be near.
@@ -134,7 +165,7 @@ mod tests {
         let chords: Vec<f32> = beads.windows(2).map(|w| w[0].p.distance(w[1].p)).collect();
         let (least, most) =
             chords.iter().fold((f32::MAX, 0.0f32), |(a, b), c| (a.min(*c), b.max(*c)));
-        assert!(most < 1.2 * least, "{least} {most}");
+        assert!(most < 1.1 * least, "{least} {most}");
         assert!(beads.iter().all(|b| (b.p.length() - 1.0).abs() < 1e-2));
         assert!(beads.windows(2).all(|w| w[0].along <= w[1].along) && beads.len() == 30);
         assert_eq!((beads[0].p, beads[29].p), (at(0).p, at(29).p));

@@ -10,7 +10,7 @@
 //! it has joined (flyaways and the brush apart) and out of the skin. On a parted scalp it crosses no parting before the step that
 //! leads into its strand, and what has no such way is not led, which is told. Not promised: hairs clear of each other.
 
-use super::even::{Bead, Even, relax, smooth, spline_point, unevenness};
+use super::even::{Bead, Even, chords, relax, smooth, spline_point};
 use super::tube::{Braid, Tube, place};
 use super::wander::{Parted, Wander};
 use crate::data::home::Home;
@@ -20,6 +20,8 @@ use glam::{Vec2, Vec3};
 
 /// The most points of a hair.
 pub(super) const MOST_POINTS: usize = 255;
+/// Points are so much farther apart than it takes for no more than that.
+const SPARE: f32 = 1.12;
 /// Nearer than this (cm) points are set off the skin by the distance field, whose error is less.
 const CLEAR: f32 = 0.025;
 /// Points that were made even may be so near (cm) and no nearer.
@@ -100,7 +102,9 @@ impl<'a> Leader<'a> {
         let tube = &braid.tubes[entry.tube];
         let (t, come) = self.joins(braid, tube, way, entry, wish);
         let section = tube.section(t);
-        let spacing = braid.spacing(section.along);
+        // As far apart on its way as in its braid, however long it is.
+        let whole = if wish.length > 0.0 { wish.length } else { braid.step * (tube.last() - t) };
+        let spacing = braid.spacing(section.along).max(SPARE * whole / MOST_POINTS as f32);
         let mut reached = (0.0, spacing);
         if !wish.fed {
             let end = place(&section, come * share(wish, section.joined));
@@ -199,7 +203,7 @@ impl<'a> Leader<'a> {
             }
             self.lift(CLEAR);
             self.even.out(&mut self.beads);
-            if !self.lift(LEAST) || unevenness(&self.beads) < 1.2 {
+            if !self.lift(LEAST) || chords(&self.beads).ratio < 1.2 {
                 return;
             }
         }
@@ -295,6 +299,10 @@ impl<'a> Leader<'a> {
         wish: &Wish,
         reached: (f32, f32),
     ) {
+        /// The last step may be so much longer than it was meant to be.
+        const LONGER: f32 = 1.1;
+        /// Steps become so much longer or shorter from one to the next.
+        const SLOWLY: f32 = 0.15;
         let manner = self.manner;
         let beads = &mut self.beads;
         // How far it goes: to its own end, or through the brush.
@@ -319,7 +327,7 @@ impl<'a> Leader<'a> {
         // over the scalp had.
         let room = (MOST_POINTS - beads.len().min(MOST_POINTS - 3) - 1) as f32;
         let fine = braid.spacing(tube.section(from).along);
-        let spacing = fine.max(1.12 * (until - from) * braid.step / room);
+        let spacing = fine.max(SPARE * (until - from) * braid.step / room);
         let mut last = reached.1.clamp(0.4 * spacing, 2.0 * spacing);
         let (mut t, mut gone) = (from, if wish.fed { 0.0 } else { reached.0 - reached.1 });
         let settle = manner.settling * braid.per_stitch;
@@ -341,7 +349,7 @@ impl<'a> Leader<'a> {
                     if t >= until {
                         break;
                     }
-                    last = (last * 1.15).min(spacing);
+                    last = (last * (1.0 + SLOWLY)).min(spacing);
                     t += last / braid.step;
                     continue;
                 }
@@ -367,8 +375,8 @@ impl<'a> Leader<'a> {
             }
             let before = beads.last().map_or(p, |bead| bead.p);
             let far = p.distance(before);
-            if wish.length > 0.0 && gone + far > wish.length && beads.len() > 2 {
-                let part = ((wish.length - gone) / far.max(1e-6)).clamp(0.0, 1.0);
+            if wish.length > 0.0 && gone + LONGER * far > wish.length && beads.len() > 2 {
+                let part = ((wish.length - gone) / far.max(1e-6)).clamp(0.0, LONGER);
                 beads.push(Bead { p: before.lerp(p, part), along: section.along, near });
                 break;
             }
@@ -377,7 +385,11 @@ impl<'a> Leader<'a> {
             if t >= until {
                 break;
             }
-            last += (spacing - last).clamp(-0.15 * last, 0.15 * last);
+            // So that it ends with a whole one.
+            let rest = wish.length - gone;
+            let wanted =
+                if rest > 0.0 { rest / (rest / spacing).round().max(1.0) } else { spacing };
+            last += (wanted - last).clamp(-SLOWLY * last, SLOWLY * last);
             // The pace half a step on.
             let guess = last / braid.step;
             let pace = if t + guess > tube.tie && brush > 0.0 {
