@@ -278,6 +278,22 @@ fn hair_that_ends_makes_the_braid_thinner() {
 }
 
 #[test]
+fn hair_much_longer_than_its_braid_has_its_points_no_farther_apart() {
+    let scalp = shared_ball();
+    let hair = |length: f32| {
+        let set = vec![("density", 10.0f32.into()), ("length", length.into())];
+        by_id(&made(&scalp, &rows(&scalp, 1), set, vec![]).hair)
+    };
+    // Both end with their braid.
+    let (enough, much) = (hair(50.0), hair(190.0));
+    assert!(enough.len() > 300);
+    for ((a, enough), (b, much)) in enough.iter().zip(&much) {
+        assert_eq!(a, b);
+        assert!(enough.len().abs_diff(much.len()) <= 2, "{} {}", enough.len(), much.len());
+    }
+}
+
+#[test]
 fn a_root_knot_is_as_much_wider_than_the_braid_as_was_asked() {
     // A braid that stands on top of a ball, its strands gathered at its root.
     let scalp = shared_ball();

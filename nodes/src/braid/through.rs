@@ -103,7 +103,8 @@ impl<'a> Leader<'a> {
         let (t, come) = self.joins(braid, tube, way, entry, wish);
         let section = tube.section(t);
         // As far apart on its way as in its braid, however long it is.
-        let whole = if wish.length > 0.0 { wish.length } else { braid.step * (tube.last() - t) };
+        let rest = braid.step * (tube.last() - t);
+        let whole = if wish.length > 0.0 { rest.min(wish.length) } else { rest };
         let spacing = braid.spacing(section.along).max(SPARE * whole / MOST_POINTS as f32);
         let mut reached = (0.0, spacing);
         if !wish.fed {
