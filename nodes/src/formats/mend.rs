@@ -90,7 +90,7 @@ pub(super) struct Mender<'a> {
     /// How deep in the skin it may lie at a place, cm.
     pub(super) depth: &'a dyn Fn(Place) -> f32,
     /// Whether it may not be moved to these points.
-    pub(super) is_barred: &'a dyn Fn(&[Vec3]) -> bool,
+    pub(super) is_barred: &'a dyn Fn(&Read) -> bool,
 }
 
 impl Mender<'_> {
@@ -98,7 +98,7 @@ impl Mender<'_> {
         let mut tried: Vec<Read> = vec![];
         for finer in FINER {
             let read = self.resampled(finer);
-            if read.agrees() {
+            if read.agrees() && !(self.is_barred)(&read) {
                 return read;
             }
             tried.push(read);
@@ -112,15 +112,15 @@ impl Mender<'_> {
                 for k in 0..=leads.len() {
                     if k == starts.len() {
                         let led = self.led_round(skin, leads[k - 1]);
-                        if led.agrees() && !(self.is_barred)(&led.points) {
+                        if led.agrees() && !(self.is_barred)(&led) {
                             return led;
                         }
                         starts.push(led);
                     }
-                    let read = MOVED_FINER
-                        .into_iter()
-                        .find_map(|finer| self.moved_out(skin, &starts[k], finer, manner))
-                        .filter(|read| !(self.is_barred)(&read.points));
+                    let read = MOVED_FINER.into_iter().find_map(|finer| {
+                        let read = self.moved_out(skin, &starts[k], finer, manner)?;
+                        (!(self.is_barred)(&read)).then_some(read)
+                    });
                     match read {
                         Some(read) if read.moved <= near => return read,
                         Some(read) if nearest.as_ref().is_none_or(|n| read.moved < n.moved) => {
@@ -133,7 +133,7 @@ impl Mender<'_> {
                     return read;
                 }
             }
-            tried.extend(starts.into_iter().skip(1).filter(|led| !(self.is_barred)(&led.points)));
+            tried.extend(starts.into_iter().skip(1).filter(|led| !(self.is_barred)(led)));
         }
         tried.sort_by(|a, b| a.left.total_cmp(&b.left));
         tried.swap_remove(0)
