@@ -95,7 +95,7 @@ impl Default for Look {
             specular: 1.0,
             opacity: 1.0,
             share: 1.0,
-            scalp_tint: 0.5,
+            scalp_tint: 0.9,
         }
     }
 }

@@ -67,8 +67,8 @@ fn scalp_tint(p: vec3f, albedo: vec3f) -> vec3f {
   if F.roots_size.w == 0u { return albedo; }
   let uvw = (p - F.roots.xyz) / (F.roots.w * vec3f(F.roots_size.xyz));
   if any(uvw < vec3f(0.0)) || any(uvw > vec3f(1.0)) { return albedo; }
-  // Below two fifths of a full head's density skin is skin: partings and the blur at the hairline.
-  let dense = smoothstep(0.4, 1.1, textureSampleLevel(root_grid, root_sampler, uvw, 0.0).r);
+  // Below a quarter of a full head's density skin is skin: partings and the blur at the hairline.
+  let dense = smoothstep(0.25, 0.9, textureSampleLevel(root_grid, root_sampler, uvw, 0.0).r);
   // Less of red than of blue comes through, but what is left of dark hair under skin looks cool.
   return albedo * mix(vec3f(1.0), vec3f(0.3, 0.31, 0.34), F.cover.z * dense);
 }
