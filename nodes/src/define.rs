@@ -61,6 +61,21 @@ pub struct InputDef {
     pub words: &'static str,
     /// How it can be dragged in the viewport.
     pub handle: Option<Handle>,
+    /// Whether it counts for nothing beside what else the node is set to, and why.
+    pub idle: Option<Idle>,
+}
+
+/// Given a node's values by input (none: unset, or not known before it runs), why an input counts for nothing now.
+pub type Idle = fn(&dyn Fn(&str) -> Option<Value>) -> Option<&'static str>;
+
+/// The reason, where a choice is another than `word`.
+pub(crate) fn unless(
+    of: &dyn Fn(&str) -> Option<Value>,
+    choice: &str,
+    word: &str,
+    why: &'static str,
+) -> Option<&'static str> {
+    matches!(of(choice), Some(Value::Text(is)) if *is != *word).then_some(why)
 }
 
 /// One output.
@@ -685,6 +700,7 @@ impl InputDef {
             unit: Unit::None,
             words: "",
             handle: None,
+            idle: None,
         }
     }
     pub(crate) const fn default(mut self, default: fn() -> Value) -> Self {
@@ -697,6 +713,10 @@ impl InputDef {
     }
     pub(crate) const fn soft(mut self, lo: f64, hi: f64) -> Self {
         self.soft = Some((lo, hi));
+        self
+    }
+    pub(crate) const fn idle(mut self, idle: Idle) -> Self {
+        self.idle = Some(idle);
         self
     }
     pub(crate) const fn unit(mut self, unit: Unit) -> Self {

@@ -22,7 +22,12 @@ use std::time::{Duration, Instant};
 
 /// The nodes that are tried, each with inputs that make little hair.
 const NODES: &[(&str, &[(&str, f32)])] = &[
+    ("lissajous_braid", &[]),
     ("braid_territory", &[("density", 2.0)]),
+    ("edge_partition", &[("per_cm", 1.0)]),
+    ("partings", &[]),
+    ("interpolate", &[("count", 60.0)]),
+    ("hang", &[]),
     ("baby_hair", &[("per_cm", 1.0)]),
     ("shape_list_curl", &[]),
     ("gather", &[("density", 2.0)]),

@@ -43,7 +43,8 @@ pub(crate) fn show(
             ui.set_width(rest);
             ui.spacing_mut().item_spacing = vec2(3.0, 2.0);
             if target.wires(input).is_empty() {
-                value::show(ui, target, input, &name, known, rest);
+                let counts = target.idle(input).is_none();
+                ui.add_enabled_ui(counts, |ui| value::show(ui, target, input, &name, known, rest));
             } else {
                 wires(ui, target, input, &name, rest);
             }
@@ -129,6 +130,9 @@ pub(crate) fn tooltip(ui: &mut Ui, target: &Target, input: &InputDef, name: &str
     ui.set_max_width(380.0);
     ui.strong(name);
     ui.label(input.doc());
+    if let Some(why) = target.idle(input) {
+        ui.colored_label(theme::WARNING, format!("Counts for nothing now: {why}."));
+    }
     let scale = Scale::of(input);
     let mut facts = vec![];
     if target.differ(input) {

@@ -116,6 +116,19 @@ impl Target<'_> {
         self.nodes.first().map_or(Held::Unset, |node| self.held_by(node, input))
     }
 
+    /// Why the input counts for nothing beside what else the active node is set to.
+    pub(crate) fn idle(&self, input: &InputDef) -> Option<&'static str> {
+        let (idle, node) = (input.idle?, self.nodes.first()?);
+        let def = coif_nodes::by_id(&self.state.document.node(node.as_str())?.kind)?;
+        idle(&|name| {
+            let (_, other) = def.input(name)?;
+            match self.held(other) {
+                Held::Value(value) if self.wires(other).is_empty() => Some(value),
+                _ => None,
+            }
+        })
+    }
+
     /// Whether the nodes hold different values.
     pub(crate) fn differ(&self, input: &InputDef) -> bool {
         let Some((first, rest)) = self.nodes.split_first() else { return false };

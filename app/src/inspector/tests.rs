@@ -105,6 +105,26 @@ fn typed(hands: &mut Hands, label: &str, text: &str) {
 }
 
 #[test]
+fn what_counts_for_nothing_is_grey() {
+    let grey = |strands: i64, input: &str| {
+        let mut document = nodes(&[("braid", "lissajous_braid")]);
+        let node = document.nodes.get_mut(&id("braid")).unwrap();
+        std::sync::Arc::make_mut(node)
+            .inputs
+            .insert("strands".into(), Setting::Known(Value::Int(strands)));
+        let hands = hands(document, &["braid"], (420.0, 3000.0));
+        let found: Vec<_> = hands.query_all_by_label(&spoken(input)).collect();
+        assert!(!found.is_empty(), "{input}");
+        found.iter().any(|widget| widget.accesskit_node().is_disabled())
+    };
+    for (strands, input, idle) in
+        [(3, "crossing", false), (4, "crossing", true), (3, "stitches", true), (3, "width", false)]
+    {
+        assert_eq!(grey(strands, input), idle, "{strands} strands: {input}");
+    }
+}
+
+#[test]
 fn every_input_of_every_kind_has_a_widget() {
     let mut widgets = 0;
     for def in coif_nodes::all() {

@@ -773,6 +773,37 @@ fn more_flyaways_only_add_to_them() {
 }
 
 #[test]
+fn what_is_loose_beyond_the_tie_rests_on_the_skin() {
+    let (scalp, source) = (Arc::new(ball()), over_the_ball());
+    let skin = scalp.skin();
+    for (length, flyaway) in [(4.0f32, 0.5f32), (15.0, 2.0), (60.0, 8.0)] {
+        let set = [
+            ("source", curves(&[&source]).into()),
+            ("scalp", scalp.clone().into()),
+            ("tuft_length", length.into()),
+            ("flyaways", 10.0f32.into()),
+            ("flyaway_length", flyaway.into()),
+        ];
+        let (out, _) = run(&NODE, &set);
+        for (tuft, i) in curves_of(&out[0]).each() {
+            for (p, k) in tuft.curve(i).iter().zip(tuft.range(i)) {
+                let allowed: f32 = tuft.view(attr::ALLOW_DEPTH).at(i, k);
+                assert!(skin.distance(*p) > -allowed - 1e-3, "tuft {length}: {p}");
+            }
+            let drawn = Spline::new(tuft.curve(i)).unwrap().length();
+            assert!(drawn > length, "tuft {length}: {drawn}");
+        }
+        let unit = scalp.frame().unit();
+        for (tuft, i) in curves_of(&out[2]).each() {
+            let points = tuft.curve(i);
+            assert!(points[1..].iter().all(|p| skin.distance(*p) > -1e-3), "flyaway {flyaway}");
+            let long = Spline::new(points).unwrap().length() / unit;
+            assert!((0.3 * flyaway..1.03 * flyaway).contains(&long), "{flyaway}: {long}");
+        }
+    }
+}
+
+#[test]
 fn the_talks_formula_and_a_weave_that_does_not_fit_are_told() {
     let (.., said) = braid(&straight(5.0), &[set("formula", "lightyear"), set("strands", 4i64)]);
     assert!(said.iter().any(|s| s.contains("pass through each other")), "{said:?}");

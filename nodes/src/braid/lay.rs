@@ -181,6 +181,8 @@ const TURN: f32 = 0.15;
 const TIGHT: f32 = 3.0;
 /// The most stations that the turns of a source alone can ask for.
 const MOST_FOR_TURNS: f32 = 4096.0;
+/// The longest step of a tuft that the skin may turn, cm.
+const TUFT_STEP: f32 = 0.4;
 /// The most stations in a tuft.
 const MOST_IN_TUFT: f32 = 256.0;
 
@@ -271,8 +273,8 @@ impl Shape<'_> {
                 (Facing::Axis(axis), _) => Some((axis, 1.0)),
                 _ => None,
             });
-        let stations = places.iter().zip(&us).zip(frames).map(|(((s, q), u), frame)| {
-            let beyond = (s - length).max(0.0);
+        let mut tuft = Tassel { reached: length, at: source.at(1.0), way: None };
+        let stations = places.iter().zip(&us).zip(frames).map(|(((s, q), u), mut frame)| {
             let (out, held) = under.as_ref().map_or((Vec3::ZERO, 0.0), |under| under.at(*u));
             let (scale_x, scale_y) = (self.scale)(*u);
             let (gather_x, gather_y) = self.gathered(*s);
@@ -282,7 +284,11 @@ impl Shape<'_> {
                 x *= 1.0 + 0.16 * self.looseness * self.waver(*q, 0);
                 y *= 1.0 + 0.22 * self.looseness * self.waver(*q, 1);
             }
-            let mut centre = source.at(*u) + frame.tangent * beyond;
+            let mut centre = source.at(*u);
+            if *s > length {
+                let height = self.size.b * y + self.size.top * x.min(y);
+                (centre, frame) = tuft.lead(*s, frame, self.below.as_ref(), height);
+            }
             let mut grip = 1.0;
             if self.facing == Facing::Skin {
                 centre += frame.normal * (held * (self.raise.0 + self.raise.1 * y));
@@ -421,6 +427,42 @@ impl Shape<'_> {
             station.centre += step;
             strands.iter_mut().for_each(|points| points[k] += step);
         }
+    }
+}
+
+/// The middle of a tuft beyond the end of its source: straight on, and along the skin where that is in the way.
+struct Tassel {
+    /// cm along source and tuft, and where that is.
+    reached: f32,
+    at: Vec3,
+    /// The way on and the front there, once it has left the source.
+    way: Option<Frame>,
+}
+
+impl Tassel {
+    /// The middle at `s`, and its frame. `last` is the source's at its end; the middle stays `height` cm off the skin.
+    fn lead(&mut self, s: f32, last: Frame, below: Option<&Below>, height: f32) -> (Vec3, Frame) {
+        let way = *self.way.get_or_insert(last);
+        let (far, from) = (s - self.reached, self.at);
+        let below = below.filter(|below| below.contact != Contact::Allow);
+        let mut to = from;
+        // So short that no step ends deeper than the distance field knows.
+        let steps =
+            if below.is_some() { (far / TUFT_STEP).ceil().clamp(1.0, MOST_IN_TUFT) } else { 1.0 };
+        for _ in 0..steps as usize {
+            to += way.tangent * (far / steps);
+            if let Some(below) = below {
+                to = below.skin.lift(to, height).0;
+            }
+        }
+        // As far as asked, however the skin turned it.
+        let tangent = (to - from).try_normalize().unwrap_or(way.tangent);
+        self.at = from + tangent * far;
+        self.reached = s;
+        let normal =
+            frame::across(way.normal, tangent).unwrap_or_else(|| frame::any_normal(tangent));
+        self.way = Some(Frame { tangent, normal });
+        (self.at, Frame { tangent, normal })
     }
 }
 

@@ -18,7 +18,7 @@ use crate::data::attributes::{self as attr, Attribute, Domain, ROOT_BARY, ROOT_T
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::Scalp;
-use crate::define::{FieldInput, NodeError, choice, node};
+use crate::define::{FieldInput, NodeError, Value, choice, node, unless};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::spline::Spline;
@@ -45,19 +45,22 @@ node! {
         /// How often a strand goes up and down while it crosses the braid once and returns: 1 is a rope, 2 the
         /// classic braid, one less than the strands a plain weave. It must have no divisor in common with the number
         /// of strands. 0 takes the smallest from 2 on that fits (a rope for two strands).
-        weave: i64 = 0, hard(0.0, 11.0), soft(0.0, 5.0), unit(Count), words("pattern fishtail");
+        weave: i64 = 0, hard(0.0, 11.0), soft(0.0, 5.0), unit(Count), words("pattern fishtail"),
+            idle(|of| unless(of, "formula", "weave", "the formula of the talk has a path of its own"));
         /// The path of the strands across the braid.
         formula: Formula = Formula::Weave;
         /// Whether the number of stitches is given, or their distance.
         stitches_by: StitchesBy = StitchesBy::Spacing;
         /// Stitches (the Vs of a braid) along the curve up to the tie, when they are counted. Each source can have its own
         /// by an attribute or mask.
-        stitches | knots: FieldInput = 12.0f32, hard(1.0, 200.0), soft(3.0, 60.0), unit(Count), words("knots frequency");
+        stitches | knots: FieldInput = 12.0f32, hard(1.0, 200.0), soft(3.0, 60.0), unit(Count), words("knots frequency"),
+            idle(|of| unless(of, "stitches_by", "count", "stitches are spaced, not counted"));
         /// Distance of stitches, when they are spaced. 0 takes what suits firmly braided hair: one and a half times the
         /// amplitude (about half the braid's width) for up to four strands, less for more. Under one
         /// amplitude strands get thin. Longer sources get more stitches, and those there are stay where they are. A ramp or
         /// an attribute such as girth makes stitches shorter where the braid is thinner, down to two fifths of the longest.
-        stitch_spacing: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 4.0), unit(Length), words("knots frequency");
+        stitch_spacing: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 4.0), unit(Length), words("knots frequency"),
+            idle(|of| unless(of, "stitches_by", "spacing", "stitches are counted, not spaced"));
         /// Width of the whole braid over its tubes. A ramp or mask may vary it.
         width: FieldInput = 1.0f32, hard(0.01, 100.0), soft(0.2, 5.0), unit(Length), handle(Handle::Radius);
         /// Height of the whole braid over its tubes, front to back. 0 takes half the width, or the whole
@@ -74,7 +77,7 @@ node! {
         /// What the front of the braid faces.
         frames: FramesBy = FramesBy::Auto;
         /// The direction that the front of the braid faces, when frames follow an axis.
-        up_axis: Vec3 = Vec3::Y;
+        up_axis: Vec3 = Vec3::Y, idle(|of| unless(of, "frames", "up_axis", "frames follow no axis"));
         /// Turn of the whole braid about its source. A ramp twists it.
         roll: FieldInput = 0.0f32, hard(-36000.0, 36000.0), soft(-180.0, 180.0), unit(Angle), handle(Handle::Angle),
             words("twist");
@@ -82,7 +85,7 @@ node! {
         roll_ramp: Arc<Ramp> = Ramp::constant(0.0), unit(Angle), words("twist");
         /// Whether strands cross under or over on their way in. It makes no difference where the weave is odd (a rope,
         /// four or six strands): both are the same braid, and only the handedness tells two apart.
-        crossing: Crossing = Crossing::Auto, words("dutch french inside out");
+        crossing: Crossing = Crossing::Auto, words("dutch french inside out"), idle(one_braid);
         /// Height of the underside of a braid with scalp frames over its source. Below 0 it lies deeper.
         scalp_offset: f32 = 0.0, hard(-10.0, 10.0), soft(-0.5, 0.5), unit(Length), handle(Handle::Length);
         /// How far a braid with scalp frames sinks: 0 lies on the skin, 1 has its middle at the skin. What would
@@ -118,7 +121,8 @@ node! {
         /// Short hairs that stick out of the braid, for each centimetre of it; they come out by themselves.
         flyaways: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 40.0), unit(PerCm), words("stray frizz fuzz");
         /// Length of the longest flyaways; the shortest have a third of it.
-        flyaway_length: f32 = 1.0, hard(0.01, 50.0), soft(0.2, 4.0), unit(Length);
+        flyaway_length: f32 = 1.0, hard(0.01, 50.0), soft(0.2, 4.0), unit(Length),
+            idle(|of| matches!(of("flyaways"), Some(Value::Float(0.0))).then_some("there are no flyaways"));
         /// Measure lengths in head units: on a head of another size the braid is as much larger or smaller. Needs the
         /// scalp.
         scale_with_head: bool = true;
@@ -205,6 +209,20 @@ choice! {
 
 fn taper(from: f32, to: f32) -> Ramp {
     Ramp::new(Blend::Smooth, vec![(from, 0.0), (to, 1.0)]).unwrap_or_else(|_| Ramp::constant(1.0))
+}
+
+/// Why the crossing makes no difference: in an odd weave, over and under are one braid.
+fn one_braid(of: &dyn Fn(&str) -> Option<Value>) -> Option<&'static str> {
+    let (Some(Value::Int(strands)), Some(Value::Int(asked))) = (of("strands"), of("weave")) else {
+        return None;
+    };
+    let strands = u32::try_from(strands).ok().filter(|n| (2..=12).contains(n))?;
+    let fits = |m: &u32| *m > 0 && *m < strands && coprime(*m, strands);
+    let m = u32::try_from(asked).ok().filter(fits).unwrap_or(default_frequency(strands));
+    let talk = matches!(of("formula"), Some(Value::Text(word)) if *word == *"lightyear");
+    (m % 2 == 1 && !talk).then_some(
+        "over and under are one braid in this weave (a rope, four or six strands): the handedness tells two apart",
+    )
 }
 
 /// Index under which a braid's own id is made from its source, and that of its stitch curve: beyond any strand.
@@ -531,7 +549,9 @@ fn braid(
         .collect();
     let hairs = (inputs.flyaways / unit * tied_at).round() as usize;
     let longest = inputs.flyaway_length * unit;
-    let strays = stray::flyaways(&fine, (braid_id, tag), hairs, longest, plan.stray);
+    let skin = plan.below.as_ref().filter(|below| below.contact != Contact::Allow);
+    let skin = skin.map(|below| &below.skin);
+    let strays = stray::flyaways(&fine, (braid_id, tag), hairs, longest, skin, plan.stray);
     Ok(Some([out.build(), stitch_curve.build(), strays]))
 }
 

@@ -1,7 +1,11 @@
 //! Flyaways: short hairs that leave a braid.
+//!
+//! Guarantees: each is as long as was drawn for it, a third of the longest to all of it; more of them only adds to those there
+//! are; where the skin is told, none lies in it. Not promised: that they keep clear of the braid.
 
 use crate::data::attributes::{self as attr, Domain};
 use crate::data::curves::{Tuft, TuftBuilder};
+use crate::data::scalp::Skin;
 use crate::maths::frame;
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::spline::Spline;
@@ -19,12 +23,13 @@ pub(crate) struct Strand<'a> {
     pub(crate) id: u64,
 }
 
-/// `count` hairs of up to `longest` cm on the strands of one braid. More only adds to them.
+/// `count` hairs of up to `longest` cm on the strands of one braid, kept out of the skin. More only adds to them.
 pub(crate) fn flyaways(
     strands: &[Strand],
     (braid, tag): (u64, u64),
     count: usize,
     longest: f32,
+    skin: Option<&Skin>,
     dice: Dice,
 ) -> Tuft {
     let mut out = TuftBuilder::new();
@@ -41,15 +46,18 @@ pub(crate) fn flyaways(
         let length = longest * dice.range(id, 3, 1.0 / 3.0, 1.0);
         // Lies along the strand at first, then springs away, and bends to one side.
         let (lift, bend) = (dice.range(id, 4, 0.25, 0.9), 0.5 * dice.signed(id, 5));
-        let points: Vec<Vec3> = (0..CVS)
-            .map(|k| {
-                let t = k as f32 / (CVS - 1) as f32;
-                let across = frame.normal * lift + frame.binormal() * bend;
-                p + frame.normal * (0.9 * strand.radii[place.span])
-                    + tangent * (length * t * (1.0 - 0.3 * t))
-                    + across * (length * t * t)
-            })
-            .collect();
+        let from = p + frame.normal * (0.9 * strand.radii[place.span]);
+        let way = |k: usize| {
+            let t = k as f32 / (CVS - 1) as f32;
+            let across = frame.normal * lift + frame.binormal() * bend;
+            tangent * (t * (1.0 - 0.3 * t)) + across * (t * t)
+        };
+        let whole: f32 = (1..CVS).map(|k| way(k).distance(way(k - 1))).sum();
+        let mut points = vec![from];
+        for k in 1..CVS {
+            let step = (way(k) - way(k - 1)) * (length / whole);
+            points.push(out_of(skin, points[k - 1], step));
+        }
         out.push_curve(&points);
         ids.push(id);
         parents.push(strand.id);
@@ -60,4 +68,15 @@ pub(crate) fn flyaways(
         out.set(attr::BRAID, Domain::Curve, vec![braid]);
     }
     out.build()
+}
+
+/// The end of a step, turned along the skin where that is in the way.
+fn out_of(skin: Option<&Skin>, from: Vec3, step: Vec3) -> Vec3 {
+    let far = step.length();
+    let Some(skin) = skin else { return from + step };
+    // So short that none ends deeper than the distance field knows.
+    let parts = (far / 0.4).ceil().clamp(1.0, 128.0);
+    let to = (0..parts as usize).fold(from, |at, _| skin.push_out(at + step / parts, 0.0).0);
+    let turned = from + (to - from).normalize_or_zero() * far;
+    skin.push_out(turned, 0.0).0
 }
