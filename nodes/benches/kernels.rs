@@ -319,3 +319,11 @@ fn j_curl_to_about_60_points(bencher: Bencher, n: usize) {
     let set = [("curves", strands(n).into()), ("preset", Value::from("3b"))];
     bencher.bench(|| run("shape_list_curl", &set, &Pool));
 }
+
+/// Six passes over clumped clusters: of their tips each has a dozen others nearer than they are thick.
+#[divan::bench(args = STRANDS, sample_count = 5)]
+fn k_separation_of_clumps(bencher: Bencher, n: usize) {
+    let clumped = [clusters(n), vec![("tip_clump", Value::Float(0.9))]].concat();
+    let set = [("curves", run("cluster_to_strands", &clumped, &Pool).into())];
+    bencher.bench(|| run("separation", &set, &Pool));
+}

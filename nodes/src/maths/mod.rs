@@ -3,6 +3,7 @@
 //! **Invariant:** no function here calls the system's maths library, fuses a multiply with an add, or
 //! depends on thread order.
 
+pub mod box_tree;
 pub mod closest;
 pub mod distance_field;
 pub mod frame;
