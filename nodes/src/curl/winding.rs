@@ -110,7 +110,7 @@ const SMALL: [f32; 2] = [0.05, 0.045];
 /// How much longer turns are seen to be where half are skipped, times four: found at 0.15 to 0.5.
 const HALF_SKIPPED: f32 = 0.2;
 /// How much wider a curl is seen to be that turns back at every turn, without blending: then it swings to and fro beside its
-/// source. Where it does so at every other turn nothing is left of that.
+/// source. Where it does so at every other turn, a hundredth.
 const SWINGS: f32 = 0.17;
 /// Turns for which Z-bends go on, or stay away: hair kinks in runs.
 const Z_RUN: u64 = 3;
@@ -124,9 +124,9 @@ const MOST_TURNS: f32 = 16_384.0;
 /// The fewest CVs on a turn, whatever its size.
 const FEWEST: f32 = 8.0;
 /// CVs that a turn of full size has at least: a curl whose CVs, so many as it may have, would give fewer is drawn larger. At 7
-/// the diameters of 3a to 4c are measured within 4 % of what they were drawn with and the pitches within 5 %; with
-/// fewer, steps pass over the small turns of presets whose turns differ most, and with more, an afro's longest hairs are
-/// drawn larger for nothing.
+/// the diameters of 3c to 4c are measured within 5 % of what they are with CVs enough, and the pitches within 2 % (of 4c,
+/// whose turns differ most, within 8 %). With fewer, steps pass over small turns; with 8, the longest hairs of an afro
+/// would be drawn larger for little.
 const FLOOR: f32 = 7.0;
 /// Below so many no CV that a curl may have is left unused, for which it is walked once more.
 const SCARCE: f32 = 8.5;
