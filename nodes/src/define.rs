@@ -470,8 +470,12 @@ fn wrong(def: &InputDef, found: &Value) -> NodeError {
 fn clamped(cx: &EvalCx, def: &InputDef, x: f64) -> f64 {
     let Some((lo, hi)) = def.hard else { return x };
     let y = x.clamp(lo, hi);
-    if y != x {
+    // Numbers come in single precision, in which a limit that was typed may lie a little beyond itself. Whole numbers differ by
+    // more and are compared as they are.
+    let is_limit = def.ty != Type::Int && x as f32 == y as f32;
+    if y != x && !is_limit {
         let unit = def.unit.suffix();
+        let x = if def.ty == Type::Int { x.to_string() } else { (x as f32).to_string() };
         cx.warn(format!("{} {x}{unit} is outside {lo} to {hi}{unit} and was clamped", def.name));
     }
     y

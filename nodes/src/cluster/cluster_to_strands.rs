@@ -63,7 +63,7 @@ node! {
         root_clump: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("clumping gather");
         /// How far strands are drawn together at the tip: 0 not at all, 1 to a point.
         tip_clump: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("clumping gather taper wisp");
-        /// How much shorter strands may be than the cluster, drawn for each: 0 none, 1 down to nothing. They are cut.
+        /// How much shorter strands may be than the cluster, drawn for each: 0 none, 0.95 down to a twentieth. They are cut.
         length_variation: f32 = 0.0, hard(0.0, 0.95), unit(Ratio), words("random vary cut taper ends");
         /// How far each strand waves about its place, within the radius.
         jitter: f32 = 0.0, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("random noise natural wave");

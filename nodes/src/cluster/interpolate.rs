@@ -50,7 +50,7 @@ node! {
         /// Guides whose root is farther from the hair's than this do not count, and hair without any is not grown.
         /// 0: no limit.
         reach: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 10.0), unit(Length), words("distance radius"), handle(Handle::Radius);
-        /// How much shorter a hair may be than its guides, drawn for each: 0 none, 1 down to nothing. It is cut,
+        /// How much shorter a hair may be than its guides, drawn for each: 0 none, 0.95 down to a twentieth. It is cut,
         /// not shrunk.
         length_variation: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("random vary cut");
         /// How much hair is drawn to the nearest guide.

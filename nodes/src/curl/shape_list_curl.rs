@@ -3,16 +3,17 @@
 //! Guarantees: roots stay where they are; equal ids give equal curls whatever else is there; the path is C1 while
 //! `blend` is above 0; a size of 0 changes nothing; in `fibre` mode the arc length is the source's within
 //! 0.5 %, or that of a `fibre_length` that the source has room for. On a parted scalp hair whose curl would lead over a
-//! parting that its source does not is straight from its root until past there. Not promised: that four tries are enough for
-//! that, that hairs keep clear of each other, or that a curl much wider than its
-//! source's bends does not loop through itself.
+//! parting that its source does not is straight from its root until past there. A curl of more turns than its points can show
+//! is drawn larger, of the same form, and warned of. Not promised: that four tries are enough for
+//! a parting, that hairs keep clear of each other, that a curl is as large as asked where points are few, or that one much
+//! wider than its source's bends does not loop through itself.
 
 use super::drawn::with_drawn;
 use super::preset::Numbers;
 use super::section::{Shape, entries};
-use super::winding::{Detail, Goal, Pattern, Sizes, Winder, arc_length};
+use super::winding::{Detail, Even, Goal, Pattern, Sizes, Winder, arc_length};
 use crate::data::attributes::{
-    ALLOW_DEPTH, Attribute, CURL_DIAMETER, CURL_PITCH, Domain, FIBRE, NORMAL, PARENT, ROLL,
+    ALLOW_DEPTH, Attribute, CURL_DIAMETER, CURL_PITCH, Domain, FIBRE, ID, NORMAL, PARENT, ROLL,
     SHRINKAGE,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
@@ -68,7 +69,7 @@ node! {
         definition: Option<FieldInput>, hard(0.0, 1.0), unit(Ratio), words("clump product gel frizz styling");
         /// Share of turns at which the curl changes its direction, as a telephone cord does. Unset: the preset's.
         switchbacks: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("perversion reversal tendril");
-        /// Share of turns that are skipped, where the hair runs nearly straight for one turn. Unset: the preset's.
+        /// Share of turns that are skipped, where the hair runs nearly straight for one turn; at 1 all of it does. The other turns keep their size, and the hair's diameter is told as that of all turns in the mean. Unset: the preset's.
         skipped: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("skip period straight");
         /// How much curls differ over the head in size and in pitch, from 0 (all alike) to 1 (from half to twice). No head has one curl everywhere. Unset: the preset's.
         spread: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("variation random mixed");
@@ -108,7 +109,7 @@ node! {
         points_per_turn: Option<f32>, hard(8.0, 256.0), soft(8.0, 32.0), unit(Count), words("cvs resolution segments");
         /// How far a coil may lie off the straight line between two points, as a share of its radius: 3 % makes 13 points a turn, 1 % 22. Sharp shapes get more, small turns fewer. Where a turn runs into another of another size or kind it may be twice as far.
         tolerance: f32 = 0.03, hard(0.0005, 0.2), soft(0.01, 0.1), unit(Ratio), words("chord error accuracy cvs");
-        /// The most points on a hair. Hairs that the tolerance would give more are drawn coarser, evenly, and counted.
+        /// The most points on a hair. Hairs that would get more are drawn coarser, evenly, and counted. Where that would leave a turn fewer than seven points, the hair's curl is drawn larger, in diameter and in pitch, and the hairs are named.
         most_points: i64 = 255, hard(4.0, 16384.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
         /// Seed tag; stored, mixed into randomness.
         seed: i64 = 0;
@@ -231,11 +232,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     });
     let pattern = inputs.pattern(cx, &numbers, shapes.to_vec());
     let skin = inputs.scalp.as_deref().map(|scalp| cx.skin(scalp));
-    let [curves] = cx.each_tuft(&inputs.curves, |tuft, piece| {
-        Ok([curl(tuft, &inputs, &numbers, &pattern, skin.as_ref(), piece)?])
+    let [curves, coarse] = cx.each_tuft(&inputs.curves, |tuft, piece| {
+        curl(tuft, &inputs, &numbers, &pattern, skin.as_ref(), piece)
     })?;
     remark_on_shrinkage(cx, &curves);
-    remark_on_limit(cx, &curves, inputs.most_points as usize);
+    remark_on_limit(cx, &curves, &coarse, inputs.most_points);
     Ok(Outputs { curves })
 }
 
@@ -320,9 +321,11 @@ impl Inputs {
                 (Points::Auto, None) | (Points::Tolerance, _) => Detail::Tolerance(self.tolerance),
             },
             most: self.most_points as usize,
+            even: Even::default(),
             turn_dice: cx.dice(self.seed, "turn"),
             curl_dice: cx.dice(self.seed, "curl"),
         }
+        .evened()
     }
 }
 
@@ -338,7 +341,11 @@ impl Preset {
 /// How often a curl is wound that leads over a parting, each time later from its root.
 const HELD: usize = 4;
 
-/// Every curve of `tuft` as a curl. Curves that cannot be wound are left out and noted.
+/// By how much the curl of a hair that has too few points is larger than asked.
+const LARGER: &str = "larger";
+
+/// Every curve of `tuft` as a curl, and those that have fewer points than asked, by their roots and [`LARGER`]. Curves that
+/// cannot be wound are left out and noted.
 fn curl(
     tuft: &Tuft,
     inputs: &Inputs,
@@ -346,7 +353,7 @@ fn curl(
     pattern: &Pattern,
     skin: Option<&Skin>,
     piece: &mut Piece,
-) -> Result<Tuft, NodeError> {
+) -> Result<[Tuft; 2], NodeError> {
     let scalp = inputs.scalp.as_deref();
     let diameter = inputs.diameter.as_ref().map(|f| f.on(tuft, scalp)).transpose()?;
     let pitch = inputs.pitch.as_ref().map(|f| f.on(tuft, scalp)).transpose()?;
@@ -364,6 +371,8 @@ fn curl(
         (Rail::default(), Winder::default(), Spline::default());
     let (mut kept, mut places, mut fibres, mut shrinkages) = (vec![], vec![], vec![], vec![]);
     let (mut diameters, mut pitches) = (vec![], vec![]);
+    // The root of each hair that has too few points.
+    let (mut coarse, mut coarse_ids, mut larger) = (TuftBuilder::new(), vec![], vec![]);
     let (mut longer, mut near): (Vec<Vec3>, Vec<bool>) = (vec![], vec![]);
     let sections = scalp.and_then(Scalp::sections);
     for i in 0..tuft.len() {
@@ -440,10 +449,9 @@ fn curl(
         if missing > 0.0 && extend(&mut rail, missing) {
             goal.reach = rail.length();
         }
-        winder.held = 0.0;
+        (winder.held, winder.larger) = (0.0, 1.0);
         for tries in (0..HELD).rev() {
-            winder.draw(pattern, &rail, (clump, id), &sizes);
-            winder.lay(pattern, &rail, goal, fewest, roll);
+            winder.wind(pattern, &rail, (clump, id), &sizes, (goal, fewest), roll);
             // A wave wider than its source's bends cuts across them and may even be shorter than the source.
             let mut more = 0.0;
             for _ in 0..6 {
@@ -455,8 +463,7 @@ fn curl(
                     break;
                 }
                 goal.reach = rail.length();
-                winder.draw(pattern, &rail, (clump, id), &sizes);
-                winder.lay(pattern, &rail, goal, fewest, roll);
+                winder.wind(pattern, &rail, (clump, id), &sizes, (goal, fewest), roll);
             }
             winder.points[0] = points[0];
             if let Some(skin) = skin {
@@ -476,6 +483,11 @@ fn curl(
                 }
                 _ => break,
             }
+        }
+        if !winder.enough {
+            coarse.push_curve(&winder.points[..1]);
+            coarse_ids.push(id);
+            larger.push(winder.larger);
         }
         let length = arc_length(&winder.points);
         fibres.push(length);
@@ -504,7 +516,9 @@ fn curl(
     out.set(SHRINKAGE, Domain::Curve, shrinkages);
     out.set(CURL_DIAMETER, Domain::Curve, diameters);
     out.set(CURL_PITCH, Domain::Curve, pitches);
-    Ok(out.build())
+    coarse.set(ID, Domain::Curve, coarse_ids);
+    coarse.set_named(LARGER.into(), Domain::Curve, larger);
+    Ok([out.build(), coarse.build()])
 }
 
 /// The point of a curl up to which it lies over a parting last; none where it lies over none.
@@ -564,16 +578,26 @@ fn is_even(points: &[Vec3]) -> bool {
     })
 }
 
-/// Says how many hairs have as many points as are allowed.
-fn remark_on_limit(cx: &EvalCx, curves: &Curves, most: usize) {
-    let full = |tuft: &Tuft| (0..tuft.len()).filter(|i| tuft.curve(*i).len() + 4 >= most).count();
-    let n: usize = curves.tufts().iter().map(|tuft| full(tuft)).sum();
+/// Says how many hairs are coarser than asked, and warns of those whose curl is larger for having so few points.
+fn remark_on_limit(cx: &EvalCx, curves: &Curves, coarse: &Curves, most: i64) {
+    let larger = |(tuft, i): (&Tuft, usize)| {
+        tuft.view_named::<f32>(LARGER).map_or(1.0, |larger| larger.at(i, 0))
+    };
+    let grown: Vec<(&Tuft, usize)> = coarse.each().filter(|at| larger(*at) > 1.0).collect();
+    let (n, all) = (coarse.curve_count() - grown.len(), curves.curve_count());
     if n > 0 {
-        let all = curves.curve_count();
         cx.remark(format!(
-            "{n} of {all} hairs have all the {most} points that a hair may have, and are coarser than the tolerance asks"
+            "{n} of {all} hairs would have more than the {most} points that a hair may have, and are coarser than asked"
         ));
     }
+    let by = grown.iter().map(|at| larger(*at)).fold(1.0, f32::max);
+    // Rounded up: no curl is larger than is said.
+    let by = (by * 100.0).ceil() / 100.0;
+    let text = format!(
+        "a curl of more turns than {most} points can show is drawn larger than asked, by up to {by} times; shorten the hair, \
+         raise most_points, or ask for a larger diameter and pitch"
+    );
+    grown.iter().for_each(|(tuft, i)| cx.trouble(tuft.id(*i), &text));
 }
 
 fn remark_on_shrinkage(cx: &EvalCx, curves: &Curves) {

@@ -38,7 +38,7 @@ node! {
         scalp: Option<Arc<Scalp>>;
         /// Length of each curve, whatever it lies on.
         length: FieldInput = 35.0, hard(0.1, 500.0), soft(1.0, 90.0), unit(Length), handle(Handle::Length);
-        /// How much shorter a curve may be than its length, drawn for each: 0 none, 1 down to nothing.
+        /// How much shorter a curve may be than its length, drawn for each: 0 none, 0.95 down to a twentieth.
         length_variation: f32 = 0.04, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("random vary ends layers");
         /// Half the thickness of what will lie along the curve: so far its middle keeps from the skin, and twice as far from
         /// its neighbours. At the root the curve is in the skin.

@@ -40,7 +40,7 @@ node! {
         min_distance: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("spacing relax poisson");
         /// Length of the guides.
         length: FieldInput = 6.0, hard(0.05, 300.0), soft(0.5, 40.0), unit(Length), handle(Handle::Length);
-        /// How much shorter a guide may be than its length, drawn for each: 0 none, 1 down to nothing.
+        /// How much shorter a guide may be than its length, drawn for each: 0 none, 0.95 down to a twentieth.
         length_variation: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("random vary");
         /// Which way guides are laid.
         flow: Flow = Flow::Crown, words("direction part comb");

@@ -45,7 +45,7 @@ node! {
         ahead: f32 = 0.12, hard(0.0, 5.0), soft(0.0, 0.5), unit(Length), words("soft edge start");
         /// Length of the hairs.
         length: f32 = 1.6, hard(0.05, 30.0), soft(0.5, 3.0), unit(Length);
-        /// How much shorter a hair may be, drawn for each: 0 none, 1 down to nothing. The foremost are the shortest.
+        /// How much shorter a hair may be, drawn for each: 0 none, 0.95 down to a twentieth. The foremost are the shortest.
         length_variation: f32 = 0.55, hard(0.0, 0.95), unit(Ratio), words("random vary");
         /// Which way they lie: 0 straight out over the face, 90 along the hairline away from the middle, -90 towards it.
         direction: f32 = 35.0, hard(-180.0, 180.0), soft(-90.0, 90.0), unit(Angle), handle(Handle::Angle), words("comb flow sweep");
