@@ -281,10 +281,7 @@ impl Measured {
             laws.extend(curls.as_asked(0.05));
         }
         if let Some(puffs) = self.puffs.as_ref().filter(|puffs| puffs.can_be_judged()) {
-            laws.insert(
-                "outlines of puffs are clean",
-                puffs.within >= 0.95 && puffs.coverage >= 60.0,
-            );
+            laws.insert("outlines of puffs are clean", puffs.within >= 0.95 && puffs.is_covered());
         }
         if let Some(on) = &self.scalp {
             laws.insert("roots lie on the scalp to 0.001 cm", on.root_distance_cm[1] <= 1e-3);
