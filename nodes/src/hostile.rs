@@ -34,6 +34,7 @@ const NODES: &[(&str, &[(&str, f32)])] = &[
     ("tail", &[]),
     ("bun", &[]),
     ("sphere_puff", &[("count", 60.0)]),
+    ("press_puffs", &[]),
     ("cluster_to_strands", &[("strands", 16.0)]),
     ("separation", &[]),
     ("trim", &[]),

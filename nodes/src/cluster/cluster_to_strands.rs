@@ -2,7 +2,7 @@
 //!
 //! Per cluster the frame, centre, radius and roll at every strand point are worked out once; a strand is
 //! then a root, a short random walk and one multiplication a point. Guarantees: raising the density only
-//! adds strands; a strand never leaves the radius in the plane across its cluster; no point ends under the
+//! adds strands; no strand has more than `most_points`; a strand never leaves the radius in the plane across its cluster; no point ends under the
 //! skin by more than `allow_depth` (points, not the chords between them); roots lie on the scalp. Not
 //! promised: that strands keep clear of each other, or that points of strands pushed off the skin or
 //! frizzed are as evenly spaced as the cluster's.
@@ -83,8 +83,11 @@ node! {
         /// cluster's own roll. 45 at every point is a rope; negative turns the other way.
         twist: FieldInput = 0.0, hard(-3600.0, 3600.0), soft(-90.0, 90.0), unit(Angle), words("rope twirl spin roll");
         /// Points on each strand, root and tip included. A strongly twisted cluster gets as many more as keep its
-        /// turn under 30 degrees from point to point.
+        /// turn under 30 degrees from point to point, up to `most_points`.
         points: i64 = 16, hard(2.0, 1024.0), soft(4.0, 64.0), unit(Count), words("cvs segments resolution");
+        /// The most points on a strand. Where its twist or `points` ask for more it has these, evenly, and is told: its turn from point to
+        /// point is then wider than 30 degrees. Engines take no strand of more than 255.
+        most_points: i64 = 255, hard(2.0, 4096.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
         /// Diameter of a hair at its root.
         width_root: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
         /// Diameter of a hair at its tip. The same as at the root takes less memory; Set width can taper at the
@@ -113,6 +116,10 @@ const MOST: f32 = 262_144.0;
 /// The most points all of them may have: what is made at once has to be held.
 const MOST_POINTS: f32 = 16_777_216.0;
 
+/// What is said of clusters whose strands are coarser than they should be.
+pub(super) const COARSE: &str = "strands of a cluster have all the points that most_points allows, and are coarser than its twist or points \
+     ask: twist it less, or raise most_points";
+
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
     let unit = cx.head_unit(scalp, inputs.scale_with_head);
@@ -135,6 +142,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         };
         let sampled = super::sections::Asked {
             points: inputs.points as usize,
+            most_points: inputs.most_points as usize,
             radius: &inputs.radius.on(tuft, scalp)?,
             radius_unit,
             profile: &inputs.profile,
@@ -161,6 +169,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             return left_out(
                 "a cluster whose strands ask for more than 16 million points was left out",
             );
+        }
+        if sections.coarse {
+            piece.trouble(id, COARSE);
         }
         let count = cx.thinned(wanted.round() as usize);
         let mut strands = filler.fill(id, count, &sections, piece)?;

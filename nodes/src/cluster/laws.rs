@@ -1,6 +1,6 @@
 //! Laws of filled clusters (methods.md 6), on random clusters on a ball.
 
-use super::cluster_to_strands::NODE;
+use super::cluster_to_strands::{COARSE, NODE};
 use crate::data::attributes::{ALLOW_DEPTH, ROLL};
 use crate::data::attributes::{
     COLOUR, DENSITY, Domain, ID, PARENT, RADIUS, ROOT_BARY, ROOT_TRIANGLE, WIDTH,
@@ -346,4 +346,102 @@ fn stray_strands_are_as_many_and_as_far_off_as_asked() {
         }
     }
     assert!((off as f32 / all as f32 - 0.25).abs() < 0.03, "{off} of {all}");
+}
+
+#[test]
+fn no_strand_has_more_points_than_it_may_and_a_twist_that_asks_for_more_is_told_once() {
+    let input = clusters(6, 10);
+    let filled = |set: &[(&str, Value)]| {
+        let own = [("curves", input.clone().into()), ("count", Value::Int(5))];
+        let (out, said) = run(&NODE, &[&own, set].concat());
+        (curves_of(&out[0]).clone(), said)
+    };
+    let most =
+        |curves: &Curves| curves.each().map(|(tuft, i)| tuft.curve(i).len()).max().unwrap_or(0);
+    // 36,000 degrees ask for 1,200 points.
+    let (out, said) = filled(&[number("twist", 3600.0)]);
+    assert_eq!((out.curve_count(), most(&out)), (30, 255));
+    assert!(
+        said.len() == 1 && said[0].starts_with(COARSE) && said[0].contains("6 curves"),
+        "{said:?}"
+    );
+    let (out, said) = filled(&[("points", Value::Int(300))]);
+    assert_eq!((most(&out), said.len()), (255, 1), "{said:?}");
+    let (out, said) = filled(&[number("twist", 3600.0), ("most_points", Value::Int(4000))]);
+    assert!((1200..1400).contains(&most(&out)) && said.is_empty(), "{} {said:?}", most(&out));
+    let (out, said) = filled(&[("points", Value::Int(255))]);
+    assert!(most(&out) == 255 && said.is_empty(), "{said:?}");
+}
+
+#[test]
+fn roots_draw_together_as_asked() {
+    let input = clusters(12, 11);
+    // Distance of roots from their cluster's, against that of roots that do not.
+    let spread = |set: &[(&str, Value)]| {
+        let (mut sum, mut n) = (0.0, 0);
+        for tuft in fill(&input, set).tufts() {
+            let id = tuft.view(PARENT).at(0, 0);
+            let cluster = input.tufts().iter().find(|c| c.id(0) == id).unwrap();
+            let root = cluster.curve(0)[0];
+            sum += (0..tuft.len()).map(|i| tuft.curve(i)[0].distance(root)).sum::<f32>();
+            n += tuft.len();
+        }
+        sum / n as f32
+    };
+    let whole = spread(&[]);
+    let (half, none) = (spread(&[number("root_clump", 0.5)]), spread(&[number("root_clump", 1.0)]));
+    assert!((half / whole - 0.5).abs() < 0.02, "{half} of {whole}");
+    assert!(none < 1e-3, "{none}");
+    // To wisps, not to the middle: as far out as those stand, and no more places than there are.
+    let wisps = [number("root_clump", 1.0), ("wisps", Value::Int(4))];
+    assert!((0.6..1.2).contains(&(spread(&wisps) / whole)), "{}", spread(&wisps) / whole);
+    for tuft in fill(&input, &wisps).tufts() {
+        let mut places: Vec<Vec3> = vec![];
+        for i in 0..tuft.len() {
+            let root = tuft.curve(i)[0];
+            if places.iter().all(|p| p.distance(root) > 1e-3) {
+                places.push(root);
+            }
+        }
+        assert!(places.len() <= 4, "{}", places.len());
+    }
+}
+
+#[test]
+fn strands_wave_as_far_as_asked_and_are_cut_as_much() {
+    let input = clusters(15, 12);
+    let length = |p: &[Vec3]| p.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
+    // Strands of clusters of one radius, without and with what is asked.
+    let paired = |radius: f32, asked: (&'static str, Value)| {
+        let count = ("count", Value::Int(60));
+        let still = [("push_out", false.into()), number("radius", radius), count];
+        let (calm, out) = (fill(&input, &still), fill(&input, &[&still[..], &[asked]].concat()));
+        let pairs = calm.each().zip(out.each());
+        pairs.map(|((a, i), (b, j))| (a.curve(i).to_vec(), b.curve(j).to_vec())).collect::<Vec<_>>()
+    };
+    for jitter in [0.1, 0.4] {
+        let pairs = paired(2.0, number("jitter", jitter));
+        let off =
+            pairs.iter().flat_map(|(a, b)| a.iter().zip(b).skip(4).map(|(p, q)| p.distance(*q)));
+        let off: Vec<f32> = off.collect();
+        let mean = off.iter().sum::<f32>() / off.len() as f32;
+        let most = off.iter().copied().fold(0.0, f32::max);
+        // Two waves of that height across each other: at most its root of 2, in the mean nearly as much as one.
+        assert!((0.75..1.0).contains(&(mean / jitter)), "{mean} of {jitter}");
+        assert!(most <= 1.415 * jitter && most > 1.2 * jitter, "{most} of {jitter}");
+    }
+    for shorter in [0.3, 0.6] {
+        // Thin ones: in bends of thick ones the inner strands are shorter than the outer.
+        let pairs = paired(0.2, number("length_variation", shorter));
+        let shares: Vec<f32> = pairs.iter().map(|(a, b)| length(b) / length(a)).collect();
+        let (least, most) =
+            shares.iter().fold((9.0f32, 0.0f32), |(a, b), s| (a.min(*s), b.max(*s)));
+        let mean = shares.iter().sum::<f32>() / shares.len() as f32;
+        // Drawn by a square, whose mean is a third.
+        assert!((mean - (1.0 - shorter / 3.0)).abs() < 0.02, "{mean} of {shorter}");
+        assert!(
+            (least - (1.0 - shorter)).abs() < 0.06 && most > 0.99 && most < 1.02,
+            "{least} {most}"
+        );
+    }
 }

@@ -12,8 +12,6 @@ use glam::Vec3;
 
 /// The most that the cross-section turns between two points of a strand, degrees.
 const TURN: f32 = 30.0;
-/// The most points that a strand is given to keep within [`TURN`].
-const MOST_POINTS: usize = 4096;
 /// Strands reach the plane across the cluster within this many radii from the root: sooner, those rooted ahead of
 /// a cluster that leaves at a flat angle would have to run back.
 const REACH: f32 = 1.25;
@@ -23,6 +21,8 @@ const MOST_STEPS: f32 = 4096.0;
 /// What the artist asks of a cluster.
 pub(super) struct Asked<'a> {
     pub points: usize,
+    /// The most points of a strand, whatever else asks for more.
+    pub most_points: usize,
     pub radius: &'a Sampler<'a>,
     pub radius_unit: f32,
     /// Multiplies the radius, root to tip.
@@ -51,6 +51,8 @@ pub(super) struct Sections {
     pub at: Vec<Section>,
     /// How far the walk may step to each of its knots, in radii; empty when no strand wanders.
     pub steps: Vec<f32>,
+    /// Whether strands would need more points than they may have.
+    pub coarse: bool,
     /// Whether the cluster says point by point how deep it may lie in the skin.
     pub sinks: bool,
     places: Vec<Place>,
@@ -107,7 +109,7 @@ impl Sections {
         };
         let rolls = rolls(tuft, curve, &spline, asked.twist);
         let roll_at = |place: Place| between(place, |cv| rolls[cv]).to_radians();
-        let (us, places) = strand_points(&spline, asked.points, &rolls);
+        let (us, places, coarse) = strand_points(&spline, asked, &rolls);
 
         let (root, tangent) = (tuft.curve(curve)[0], spline.tangent(places[0]));
         let radius_at = |place: Place, u: f32| {
@@ -169,7 +171,7 @@ impl Sections {
         let disc = flat.pressed(disc, thin(places[0], 0.0));
         let steps = if steps.iter().all(|s| *s <= 0.0) { vec![] } else { steps };
         let sinks = matches!(depth, View::Point(all) if all[cvs].iter().any(|depth| *depth > 0.0));
-        Ok(Self { root, root_radius, length, disc, at, steps, places, sinks })
+        Ok(Self { root, root_radius, length, disc, at, steps, places, coarse, sinks })
     }
 
     /// The cluster's colour at each point of a strand, or the one it has everywhere.
@@ -243,18 +245,21 @@ fn rolls(tuft: &Tuft, curve: usize, spline: &Spline, twist: &Sampler) -> Vec<f32
         .collect()
 }
 
-/// Where a strand has points: evenly along the cluster, and so many that its roll turns at most [`TURN`] in between.
-fn strand_points(spline: &Spline, asked: usize, rolls: &[f32]) -> (Vec<f32>, Vec<Place>) {
-    let mut count = asked;
+/// Where a strand has points: evenly along the cluster, and so many that its roll turns at most [`TURN`] in between. The last
+/// value tells whether that, or what was asked for, is more than a strand may have: then it has the most there are.
+fn strand_points(spline: &Spline, asked: &Asked, rolls: &[f32]) -> (Vec<f32>, Vec<Place>, bool) {
+    let most_points = asked.most_points.max(2);
+    let mut count = asked.points.min(most_points);
     loop {
         let us: Vec<f32> = (0..count).map(|k| k as f32 / (count - 1) as f32).collect();
         let places: Vec<Place> = us.iter().map(|u| spline.locate(*u)).collect();
         let roll = |place: Place| between(place, |cv| rolls[cv]);
         let most = places.windows(2).map(|w| (roll(w[1]) - roll(w[0])).abs()).fold(0.0, f32::max);
-        if most <= TURN * 1.001 || count >= MOST_POINTS {
-            return (us, places);
+        let fine = most <= TURN * 1.001;
+        if fine || count >= most_points {
+            return (us, places, !fine || asked.points > most_points);
         }
-        count = (((count - 1) as f32 * most / TURN).ceil() as usize + 1).min(MOST_POINTS);
+        count = (((count - 1) as f32 * most / TURN).ceil() as usize + 1).min(most_points);
     }
 }
 

@@ -3,7 +3,8 @@
 use super::sphere_puff::{DIPS, NODE};
 use crate::data::attributes::{Domain, ID};
 use crate::data::attributes::{
-    FIBRE, PARENT, PUFF, PUFF_CENTRE, PUFF_RADIUS, ROOT_BARY, ROOT_TRIANGLE, SCALP_NORMAL,
+    FIBRE, PARENT, PUFF, PUFF_CENTRE, PUFF_COVERAGE, PUFF_RADIUS, ROOT_BARY, ROOT_TRIANGLE,
+    SCALP_NORMAL,
 };
 use crate::data::curves::{Curves, TuftBuilder};
 use crate::data::scalp::tests::ball;
@@ -14,7 +15,7 @@ use crate::maths::closest::{Surface, tests::sphere};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{acos, atan2, cos};
-use crate::testing::{curves_of, run, run_on};
+use crate::testing::{curves_of, fails, run, run_on};
 use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::{PI, TAU};
@@ -266,4 +267,145 @@ fn puffs_that_meet_are_flat_between_and_grow_out_of_ties() {
 fn a_sphere_in_the_head_is_said() {
     let (_, _, said) = puff(&[("offset", Value::Float(0.0)), ("count", Value::Int(20))]);
     assert!(said.iter().any(|text| text.starts_with(DIPS)), "{said:?}");
+}
+
+/// How far each tip is from the sphere's centre.
+fn reaches(hair: &Curves, centre: Vec3) -> Vec<f32> {
+    hair.each().map(|(tuft, i)| tuft.curve(i).last().unwrap().distance(centre)).collect()
+}
+
+#[test]
+fn as_many_hairs_stray_as_asked_and_as_far() {
+    let (_, centre) = middle(&ball());
+    let clean = [("depth_to", Value::Float(0.0)), ("count", Value::Int(2000))];
+    for (share, length) in [(0.1, 0.8), (0.4, 2.0)] {
+        let stray = [("stray", Value::Float(share)), ("stray_length", Value::Float(length))];
+        let (_, hair, _) = puff(&[&clean[..], &stray].concat());
+        let over: Vec<f32> = reaches(&hair, centre).iter().map(|far| far - 6.0).collect();
+        assert!(over.iter().all(|over| *over > -1e-3 && *over < length + 1e-3));
+        // Most of them reach over it by little: a tenth by less than a hundredth.
+        let strays = over.iter().filter(|over| **over > 0.01 * length).count() as f32 / 2000.0;
+        assert!((strays / (0.9 * share) - 1.0).abs() < 0.15, "{strays} of {share}");
+        let farthest = over.iter().copied().fold(0.0, f32::max);
+        assert!(farthest > 0.9 * length, "{farthest} of {length}");
+    }
+}
+
+#[test]
+fn hairs_are_as_dense_as_asked_whatever_the_circle() {
+    for (density, radius) in [(20.0, 3.0), (20.0, 1.5), (45.0, 2.0)] {
+        let (_, hair, _) = puff(&[
+            ("fill", "density".into()),
+            ("density", Value::Float(density)),
+            ("root_radius", Value::Float(radius)),
+            ("count", Value::Int(7)),
+        ]);
+        let wanted = density * PI * radius * radius;
+        let made = hair.curve_count() as f32;
+        assert!((made - wanted).abs() <= 1.0, "{made} of {wanted}");
+    }
+}
+
+#[test]
+fn tips_end_between_the_two_depths() {
+    let (_, centre) = middle(&ball());
+    for (from, to) in [(0.1, 0.3), (0.3, 0.1), (0.05, 0.05)] {
+        let (_, hair, _) = puff(&[
+            ("depth_from", Value::Float(from)),
+            ("depth_to", Value::Float(to)),
+            ("count", Value::Int(800)),
+        ]);
+        let depths: Vec<f32> = reaches(&hair, centre).iter().map(|far| 1.0 - far / 6.0).collect();
+        let (low, high) = depths.iter().fold((9.0f32, -9.0f32), |(a, b), d| (a.min(*d), b.max(*d)));
+        let (least, most) = (from.min(to), from.max(to));
+        assert!((low - least).abs() < 0.01 && (high - most).abs() < 0.01, "{low} {high}");
+        let mean = depths.iter().sum::<f32>() / 800.0;
+        assert!((mean - 0.5 * (from + to)).abs() < 0.01, "{mean}");
+    }
+}
+
+#[test]
+fn tips_reach_down_to_the_coverage_and_lie_evenly_above_it() {
+    let scalp = ball();
+    let (root, centre) = middle(&scalp);
+    for coverage in [30.0, 60.0, 90.0, 120.0, 165.0] {
+        let (guides, hair, _) = puff(&[
+            ("coverage", Value::Float(coverage)),
+            ("depth_to", Value::Float(0.0)),
+            ("count", Value::Int(1500)),
+        ]);
+        let polar = |curves: &Curves| {
+            let way = |(tuft, i): (&crate::data::curves::Tuft, usize)| {
+                let d = (*tuft.curve(i).last().unwrap() - centre).normalize();
+                acos(d.dot(root.normal))
+            };
+            curves.each().map(way).collect::<Vec<f32>>()
+        };
+        let last = polar(&guides).into_iter().fold(0.0, f32::max).to_degrees();
+        assert!((last - coverage).abs() < 0.1, "{last} of {coverage}");
+        let tips = polar(&hair);
+        let lowest = tips.iter().copied().fold(0.0, f32::max).to_degrees();
+        // Between two guides of a row the way is a great circle, which sags.
+        assert!(lowest < coverage + 0.6 && lowest > coverage - 2.0, "{lowest} of {coverage}");
+        // Half of them above the angle that halves the cap's area.
+        let whole = 1.0 - cos(coverage.to_radians());
+        let upper = tips.iter().filter(|polar| 1.0 - cos(**polar) < 0.5 * whole).count();
+        assert!((upper as f32 / 1500.0 - 0.5).abs() < 0.03, "{upper} of {coverage}");
+        let told = hair.tufts()[0].view(PUFF_COVERAGE).at(0, 0);
+        assert_eq!(told, coverage);
+    }
+}
+
+#[test]
+fn drawn_outlines_are_met_from_front_and_side() {
+    let scalp = ball();
+    let (root, centre) = middle(&scalp);
+    let ahead = across(Vec3::Z, root.normal).unwrap();
+    let right = ahead.cross(root.normal);
+    // Half axes across and along the puff's axis, drawn in its plane.
+    let ring = |aside: Vec3, half: Vec2| {
+        let points: Vec<Vec3> = (0..120)
+            .map(|k| {
+                let (s, c) = crate::maths::transcendental::sin_cos_turns(k as f32 / 120.0);
+                centre + aside * (half.x * s) + root.normal * (half.y * c)
+            })
+            .collect();
+        let mut b = TuftBuilder::new();
+        b.push_curve(&points);
+        Value::from(Curves::new(vec![b.build().into()]))
+    };
+    let (front, side) = (Vec2::new(4.5, 6.5), Vec2::new(5.5, 6.5));
+    let drawn = [
+        ("shape", "drawn".into()),
+        ("front", ring(right, front)),
+        ("depth_to", Value::Float(0.0)),
+        ("count", Value::Int(2500)),
+    ];
+    for both in [true, false] {
+        let more = [("side", ring(ahead, side))];
+        let set = if both { [&drawn[..], &more].concat() } else { drawn.to_vec() };
+        let (_, hair, _) = puff(&set);
+        let (mut seen, mut worst) = ([0; 2], 0.0f32);
+        for (tuft, i) in hair.each() {
+            let d = *tuft.curve(i).last().unwrap() - centre;
+            let local = Vec3::new(d.dot(right), d.dot(root.normal), d.dot(ahead));
+            let side = if both { side } else { Vec2::splat(6.0) };
+            let views = [(local.x, local.z, front), (local.z, local.x, side)];
+            for (view, (aside, off, half)) in views.into_iter().enumerate() {
+                // Seen edge on, where the other view does not count.
+                if off.abs() < 0.05 * d.length() && aside.abs() > 0.3 * d.length() {
+                    seen[view] += 1;
+                    let on = Vec2::new(aside, local.y) / half;
+                    worst = worst.max((on.length() - 1.0).abs());
+                }
+            }
+        }
+        assert!(seen.iter().all(|n| *n > 25) && worst < 0.02, "{both}: {seen:?} {worst}");
+    }
+}
+
+#[test]
+fn a_mesh_that_is_missing_is_told() {
+    let said = fails(&NODE, &[("scalp", ball().into()), ("shape", "mesh".into())]);
+    assert!(said.contains("nothing is wired to mesh"), "{said}");
 }

@@ -9,6 +9,10 @@ mod gather_laws;
 #[cfg(test)]
 mod laws;
 pub(crate) mod outline;
+mod press;
+#[cfg(test)]
+mod press_laws;
+mod press_puffs;
 mod sphere_puff;
 mod tail;
 mod tie;
@@ -19,7 +23,8 @@ use crate::define::{NodeDef, NodeError};
 use crate::eval::EvalCx;
 use glam::Vec3;
 
-pub(crate) const NODES: &[&NodeDef] = &[&gather::NODE, &sphere_puff::NODE, &tail::NODE, &bun::NODE];
+pub(crate) const NODES: &[&NodeDef] =
+    &[&gather::NODE, &sphere_puff::NODE, &press_puffs::NODE, &tail::NODE, &bun::NODE];
 
 /// The most places that puffs or ties can be put at: each looks for its own way over the whole head.
 const MOST_PLACES: usize = 256;

@@ -7,14 +7,16 @@
 //! Any other outline takes the sphere's place along the same directions.
 //!
 //! Guarantees: guides end on the sphere to 1e-4 of its radius, leave the scalp along its normal and stay outside it;
-//! more fill only adds hairs. Not promised: that a sphere set so low that it dips into the head keeps its
+//! more fill only adds hairs; with `flatten` at 1 no tip lies over the plane to another puff of the node, and none beyond a
+//! clearance of the skin. Not promised: that without it a sphere set so low that it dips into the head keeps its
 //! tips outside (they are counted in a warning).
 
 use super::outline::Outline;
+use super::press::{self, Wall};
 use super::tie::Tie;
 use crate::data::attributes::{
-    Domain, FIBRE, ID, PARENT, PUFF, PUFF_CENTRE, PUFF_RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
-    SCALP_NORMAL, SECTION,
+    Domain, FIBRE, ID, PARENT, PUFF, PUFF_CENTRE, PUFF_COVERAGE, PUFF_RADIUS, ROOT_BARY,
+    ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp, Skin};
@@ -68,11 +70,12 @@ node! {
         stray: f32 = 0.0, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("flyaways loose");
         /// How far they reach over it at most.
         stray_length: f32 = 0.8, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("flyaways loose");
-        /// How flat puffs press against each other where they meet: 0 lets them overlap, 1 ends them at the plane between.
+        /// How flat the puffs of this node press against each other where they meet, and against the head: 0 lets them overlap, 1 ends
+        /// them at the plane between, and just over the skin. Puffs of several nodes are pressed by Press puffs.
         flatten: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("press collide touch");
         /// Height of the sphere's middle over the scalp. Unset: the sphere's radius, so that it rests on the scalp.
         offset: Option<f32>, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), handle(Handle::Length), words("height centre");
-        /// Angle from the top of the sphere down to which tips reach: 90 degrees is the upper half, 180 all of it.
+        /// Angle from the top of the sphere down to which tips reach: 90 degrees is the upper half, 175 (the most) all but the foot.
         coverage: f32 = 140.0, hard(10.0, 175.0), soft(60.0, 160.0), unit(Angle), handle(Handle::Angle), words("cap cone");
         /// Rows of guides from the top down, each as far in area from the next.
         rows: i64 = 6, hard(1.0, 200.0), soft(2.0, 16.0), unit(Count);
@@ -138,6 +141,12 @@ choice! {
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
+    if inputs.shape == Shape::Mesh && inputs.mesh.is_none() {
+        return Err(NodeError::failed(
+            "shape is mesh, but nothing is wired to mesh: wire a Head node that reads a closed mesh, or choose \
+             another shape",
+        ));
+    }
     let skin = cx.skin(scalp);
     let unit = if inputs.scale_with_head { scalp.frame().unit() } else { 1.0 };
     if unit != 1.0 {
@@ -162,6 +171,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         },
     };
     let puffs = beside(puffs);
+    if inputs.flatten > 0.0 && puffs.len() == 1 {
+        cx.remark(
+            "flatten presses this puff against the head alone: Press puffs presses it against puffs of other nodes",
+        );
+    }
     let density = |puff: &Puff| inputs.density * PI * puff.root_radius * puff.root_radius;
     let count = match inputs.fill {
         Fill::Count => inputs.count as usize,
@@ -177,7 +191,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         // What is drawn, and the puffs beside it, are read too.
         let key =
             [&inputs.front, &inputs.side].into_iter().flatten().fold(key, |k, c| k.key(c.key()));
-        let key = puff.others.iter().fold(key, |key, centre| key.vec3(*centre));
+        let key = puff.walls.iter().map(Wall::told).fold(key, |key, (v, at)| key.vec3(v).float(at));
         key.int((i % pieces) as u64).finish()
     };
     let [guides, curves] = cx.each_item(puffs.len() * pieces, key, |i, piece| {
@@ -200,6 +214,13 @@ const HAIRS_A_PIECE: usize = 1024;
 const MOST_HAIRS: usize = 1_000_000;
 /// Samples of a path before its CVs are spread evenly.
 const SAMPLES: usize = 64;
+/// Height over the skin at which hair lies that is pressed on the head, cm on a head of average size.
+const CLEARANCE: f32 = 0.1;
+/// How far off the quick distance from the skin may be, cm.
+const ABOUT: f32 = 0.1;
+/// Steps from the middle of a puff to a tip at which the skin is looked for, and halvings of the step in which it is found.
+const STEPS: usize = 32;
+const HALVINGS: usize = 12;
 
 /// One puff: its place and sizes in cm, and where its guides point.
 struct Puff<'a> {
@@ -223,8 +244,8 @@ struct Puff<'a> {
     /// A typed centimetre, cm.
     unit: f32,
     outline: Outline<'a>,
-    /// Middles of the puffs beside it.
-    others: Vec<Vec3>,
+    /// Planes between it and the puffs beside it.
+    walls: Vec<Wall>,
     /// By row and column, from the sphere's centre. Unit.
     directions: Vec<Vec3>,
 }
@@ -278,7 +299,7 @@ impl<'a> Puff<'a> {
             tie_width,
             unit,
             outline: Outline::Sphere,
-            others: vec![],
+            walls: vec![],
             directions: vec![],
         };
         puff.outline = puff.outlined();
@@ -326,18 +347,43 @@ impl<'a> Puff<'a> {
         self.outline.reach(local, self.radius)
     }
 
-    /// A tip, pressed back to the plane between this puff and those beside it.
+    /// A tip, pressed back to the planes between this puff and those beside it, and out of the head.
     fn pressed(&self, tip: Vec3) -> Vec3 {
-        let mut tip = tip;
-        for other in &self.others {
-            let between = *other - self.centre;
-            let over = (tip - self.centre).dot(between) / between.length_squared().max(1e-6);
-            if over > 0.5 {
-                let on_plane = self.centre + (tip - self.centre) * (0.5 / over);
-                tip = tip.lerp(on_plane, self.inputs.flatten);
-            }
+        let flatten = self.inputs.flatten;
+        if flatten <= 0.0 {
+            return tip;
         }
-        tip
+        let off = tip - self.centre;
+        let now = press::pressed(off, &self.walls, flatten);
+        let tip = if now == off { tip } else { self.centre + now };
+        self.pressed_on_head(tip)
+    }
+
+    /// A tip that lies beyond the skin as seen from the puff's middle, brought back along that line to just over it: tips are
+    /// spread there as the outline's directions are, where the nearest skin would gather them.
+    fn pressed_on_head(&self, tip: Vec3) -> Vec3 {
+        let (over, off) = (self.over_skin(), tip - self.centre);
+        let at = |t: f32| self.centre + off * t;
+        let is_low =
+            |t: f32| self.skin.about(at(t)) < over + ABOUT && self.skin.distance(at(t)) < over;
+        // From a middle in the head nothing is seen.
+        if is_low(0.0) {
+            return self.skin.lift(tip, over).0;
+        }
+        let Some(first) = (1..=STEPS).find(|k| is_low(*k as f32 / STEPS as f32)) else {
+            return tip;
+        };
+        let (mut clear, mut low) = ((first - 1) as f32 / STEPS as f32, first as f32 / STEPS as f32);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (clear + low);
+            if is_low(middle) { low = middle } else { clear = middle }
+        }
+        self.skin.lift(tip.lerp(at(clear), self.inputs.flatten), over).0
+    }
+
+    /// Height over the skin at which hair that is pressed on the head lies, cm; 0 where none is.
+    fn over_skin(&self) -> f32 {
+        CLEARANCE * self.unit * self.inputs.flatten
     }
 
     /// Where the outline is in a direction from the middle.
@@ -481,8 +527,11 @@ impl<'a> Puff<'a> {
             out.path.push(tie * (s * s) + bend * (2.0 * s * t) + tip * (t * t));
         }
         let n = out.path.len();
-        for p in &mut out.path[1..n - 1] {
-            *p = self.skin.push_out(*p, 0.0).0;
+        // What is pressed on the head slides along over it, from the tie on.
+        let over = self.over_skin();
+        let height = |u: f32| over * (2.0 * u - 1.0).max(0.0);
+        for (k, p) in out.path[..n - 1].iter_mut().enumerate().skip(1) {
+            *p = self.skin.lift(*p, height(2.0 * k as f32 / n as f32)).0;
         }
         if out.spline.rebuild(&out.path).is_err() {
             return;
@@ -494,8 +543,8 @@ impl<'a> Puff<'a> {
         points[0] = root.point;
         points[last] = tip;
         points[1] = root.point + root.normal * points[1].distance(root.point);
-        for p in &mut points[1..last] {
-            *p = self.skin.push_out(*p, 0.0).0;
+        for (k, p) in points[..last].iter_mut().enumerate().skip(1) {
+            *p = self.skin.lift(*p, height(2.0 * k as f32 / last as f32)).0;
         }
         out.tuft.push_curve(&out.points);
         out.ids.push(ids);
@@ -517,12 +566,12 @@ fn slerp(a: Vec3, b: Vec3, t: f32) -> Vec3 {
     ((a * sin((1.0 - t) * angle) + b * sin(t * angle)) / sin(angle)).normalize_or(a)
 }
 
-/// Puffs that know the middles of those beside them, where they press against each other.
+/// Puffs that know the planes to those beside them, where they press against each other.
 fn beside(mut puffs: Vec<Puff>) -> Vec<Puff> {
     let centres: Vec<Vec3> = puffs.iter().map(|puff| puff.centre).collect();
     for (i, puff) in puffs.iter_mut().enumerate().filter(|(_, puff)| puff.inputs.flatten > 0.0) {
         let others = centres.iter().enumerate().filter(|(j, _)| *j != i);
-        puff.others = others.map(|(_, centre)| *centre).collect();
+        puff.walls = others.map(|(_, other)| Wall::half_way(puff.centre, *other)).collect();
     }
     puffs
 }
@@ -562,9 +611,13 @@ impl Bundle {
         tuft.set(FIBRE, Domain::Curve, self.fibres);
         tuft.set(PUFF, Domain::Curve, vec![puff.puff]);
         tuft.set(PUFF_CENTRE, Domain::Curve, vec![puff.centre]);
-        let is_sphere = matches!(puff.outline, Outline::Sphere) && puff.others.is_empty();
+        let round = |radius: &f32| (radius - puff.radius).abs() <= 1e-5 * puff.radius;
+        let is_sphere = matches!(puff.outline, Outline::Sphere)
+            && puff.walls.is_empty()
+            && (puff.inputs.flatten <= 0.0 || self.radii.iter().all(round));
         let radii = if is_sphere { vec![puff.radius] } else { self.radii };
         tuft.set(PUFF_RADIUS, Domain::Curve, radii);
+        tuft.set(PUFF_COVERAGE, Domain::Curve, vec![puff.inputs.coverage]);
         tuft.build()
     }
 }

@@ -5,7 +5,8 @@
 //! of its outermost point. A cell is clean that holds a hair which ends at the outline (methods.md 5), as long as no more than a
 //! tenth of its hairs, or one, stand over it: single hairs do so at every puff, and make no outline. Rings of cells about the axis
 //! away from the head belong to the outline as long as most of their cells are filled to it; one ring further in, nearly
-//! all must be clean. A puff of too few hairs is not judged.
+//! all must be clean. How far down the outline goes is set against the coverage that the file says was asked for, two rings of
+//! cells less; where it says none, it has to go down to 60 degrees. A puff of too few hairs is not judged.
 
 use super::prim::Prim;
 use coif_nodes::maths::transcendental::{acos, atan2, sin};
@@ -21,8 +22,10 @@ pub(super) struct Puffs {
     /// Hairs of the puff with the fewest.
     pub(super) fewest: usize,
     pub(super) radius_cm: [f32; 2],
-    /// Degrees from the axis up to which the outline holds: the puff with the least.
+    /// Degrees from the axis up to which the outline is filled: the puff that lacks the most of what was asked, or has the least.
     pub(super) coverage: f32,
+    /// What was asked of that puff; null where the file does not tell.
+    pub(super) asked: Option<f32>,
     /// Hairs in the mean in a cell within the coverage: the puff with the fewest.
     pub(super) a_cell: f32,
     /// Share of cells within the coverage that are clean to 3 % of the radius: the worst puff.
@@ -39,17 +42,26 @@ const CELL: f32 = PI / 36.0;
 const RINGS: usize = 36;
 /// Fewer hairs than this for each cell of the sphere make no outline: of 3, a cell in 20 is empty by chance.
 const JUDGED: f32 = 5.0;
+/// Degrees from the axis to which an outline must go at least where the file does not tell what was asked.
+const LEAST: f32 = 60.0;
+/// Degrees that may lack of what was asked: rings are whole, and the axis is that of the roots.
+const LACKS: f32 = 10.0;
 
 impl Puffs {
     /// Whether each puff has hair enough to tell its outline.
     pub(super) fn can_be_judged(&self) -> bool {
         self.fewest as f32 >= JUDGED * 4.0 * PI / (CELL * CELL)
     }
+    /// Whether each puff goes down as far as was asked.
+    pub(super) fn is_covered(&self) -> bool {
+        self.coverage >= self.asked.map_or(LEAST, |asked| asked - LACKS)
+    }
 }
 
 pub(super) fn measure(prim: &Prim) -> Option<Puffs> {
     let puff = prim.whole("puff")?;
     let (centre, radius) = (prim.vectors("puff_centre")?, prim.numbers("puff_radius")?);
+    let coverage = prim.numbers("puff_coverage");
     let mut members: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
     for i in (0..prim.len()).filter(|i| puff[*i] != 0 && !prim.curve(*i).is_empty()) {
         if radius.at(i, prim.range(i).start) > 0.0 {
@@ -62,12 +74,13 @@ pub(super) fn measure(prim: &Prim) -> Option<Puffs> {
         fewest: members.values().map(Vec::len).min().unwrap_or(0),
         radius_cm: [f32::MAX, 0.0],
         coverage: 180.0,
+        asked: None,
         a_cell: f32::MAX,
         within: 1.0,
         deviation: 0.0,
         over: 0.0,
     };
-    for hairs in members.values() {
+    for (k, hairs) in members.values().enumerate() {
         let first = prim.range(hairs[0]).start;
         let middle = centre.at(hairs[0], first);
         let root = hairs.iter().map(|i| prim.curve(*i)[0]).sum::<Vec3>() / hairs.len() as f32;
@@ -84,7 +97,11 @@ pub(super) fn measure(prim: &Prim) -> Option<Puffs> {
             let r = radius.at(*i, prim.range(*i).start);
             out.radius_cm = [out.radius_cm[0].min(r), out.radius_cm[1].max(r)];
         }
-        out.coverage = out.coverage.min(outline.coverage);
+        let asked = coverage.map(|asked| asked.at(hairs[0], first)).filter(|asked| *asked > 0.0);
+        let lacks = |asked: Option<f32>, found: f32| asked.unwrap_or(LEAST + LACKS) - found;
+        if k == 0 || lacks(asked, outline.coverage) > lacks(out.asked, out.coverage) {
+            (out.asked, out.coverage) = (asked, outline.coverage);
+        }
         out.a_cell = out.a_cell.min(outline.a_cell);
         out.over = out.over.max(outline.over);
         out.within = out.within.min(outline.within);
@@ -223,23 +240,35 @@ mod tests {
         assert!(fuzzy(4).within < 0.2, "{}", fuzzy(4).within);
     }
 
-    #[test]
-    fn a_tenth_of_the_hair_is_not_judged() {
+    /// A puff of hairs that go from its foot to a clean outline down to 120 degrees, of which `asked` were asked for.
+    fn judged(every: usize, asked: Option<f32>) -> Puffs {
         use super::super::tests::prim_of;
         use coif_nodes::formats::usd::read::ReadValues;
-        let judged = |every: usize| {
-            let hairs: Vec<[Vec3; 2]> =
-                sphere(120.0, |_| 5.0).iter().step_by(every).map(|p| [Vec3::ONE, *p]).collect();
-            let hairs: Vec<&[Vec3]> = hairs.iter().map(|hair| &hair[..]).collect();
-            let primvars = [
-                ("puff", ReadValues::Int(vec![3])),
-                ("puff_centre", ReadValues::Float3(vec![Vec3::ONE])),
-                ("puff_radius", ReadValues::Float(vec![5.0])),
-            ];
-            let read = prim_of(&hairs, &primvars);
-            measure(&Prim::new(&read)).unwrap().can_be_judged()
-        };
-        assert_eq!((judged(1), judged(10)), (true, false));
+        let foot = Vec3::ONE - Vec3::Y * 5.0;
+        let hairs: Vec<[Vec3; 2]> =
+            sphere(120.0, |_| 5.0).iter().step_by(every).map(|p| [foot, *p]).collect();
+        let hairs: Vec<&[Vec3]> = hairs.iter().map(|hair| &hair[..]).collect();
+        let mut primvars = vec![
+            ("puff", ReadValues::Int(vec![3])),
+            ("puff_centre", ReadValues::Float3(vec![Vec3::ONE])),
+            ("puff_radius", ReadValues::Float(vec![5.0])),
+        ];
+        primvars.extend(asked.map(|asked| ("puff_coverage", ReadValues::Float(vec![asked]))));
+        measure(&Prim::new(&prim_of(&hairs, &primvars))).unwrap()
+    }
+
+    #[test]
+    fn a_tenth_of_the_hair_is_not_judged() {
+        let can = |every: usize| judged(every, None).can_be_judged();
+        assert_eq!((can(1), can(10)), (true, false));
+    }
+
+    #[test]
+    fn an_outline_is_judged_against_the_coverage_that_was_asked() {
+        for (asked, covered) in [(Some(120.0), true), (Some(160.0), false), (None, true)] {
+            let found = judged(1, asked);
+            assert_eq!((found.asked, found.is_covered()), (asked, covered), "{}", found.coverage);
+        }
     }
 
     #[test]

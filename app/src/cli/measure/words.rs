@@ -86,12 +86,24 @@ pub(super) fn in_words(m: &Measured) -> String {
     }
     if let Some(p) = &m.puffs {
         text += &format!(
-            "  {} puffs of {} hairs: clean to {} degrees, {} % of cells within 3 % of the sphere, 95 % within {} %\n",
+            "  {} puffs of {} hairs: filled to {} degrees{}, {} % of cells within 3 % of the outline, 95 % within {} %\n",
             p.puffs,
             p.hairs,
             f(p.coverage),
+            p.asked.map_or(String::new(), |asked| format!(" of {} asked", f(asked))),
             f(100.0 * p.within),
             f(100.0 * p.deviation)
+        );
+    }
+    if let Some(t) = &m.ties {
+        let [lo, mid, hi] = t.behind_cm.map(f);
+        text += &format!(
+            "  {} hairs held by {} ties: {} do not pass theirs, the farthest at {} of its radius; {lo} to {hi} cm hang behind, \
+             middle {mid}\n",
+            t.hairs,
+            t.ties,
+            t.beside,
+            f(t.off[1])
         );
     }
     if let Some(s) = &m.scalp {

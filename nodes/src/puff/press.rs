@@ -1,0 +1,69 @@
+//! Walls between puffs: the planes at which puffs that meet end.
+//!
+//! Guarantees: what is pressed stays in its direction from the puff's middle, so that hairs keep their order; what lies on its own
+//! side of a wall stays where it is; both puffs of a pair see one plane.
+
+use glam::Vec3;
+
+/// A plane between a puff and one beside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Wall {
+    /// From this puff's middle to the other's.
+    towards: Vec3,
+    /// Where on that way the plane stands, 0 to 1.
+    at: f32,
+}
+
+/// Never nearer to one of two middles than this share of the way: a puff that lies in a much larger one keeps a rest.
+const NEAREST: f32 = 0.1;
+
+impl Wall {
+    /// Half-way between two puffs of one size.
+    pub(super) fn half_way(from: Vec3, to: Vec3) -> Self {
+        Self { towards: to - from, at: 0.5 }
+    }
+    /// Where two puffs meet that reach so far towards each other: for spheres the plane of the circle that they have in common.
+    pub(super) fn between((from, far): (Vec3, f32), (to, other_far): (Vec3, f32)) -> Self {
+        let apart = from.distance_squared(to).max(1e-6);
+        let at = 0.5 + 0.5 * (far * far - other_far * other_far) / apart;
+        Self { towards: to - from, at: at.clamp(NEAREST, 1.0 - NEAREST) }
+    }
+    /// What the wall is, for keys.
+    pub(super) fn told(&self) -> (Vec3, f32) {
+        (self.towards, self.at)
+    }
+}
+
+/// A point at `off` from the puff's middle, brought back in its direction to the walls that it lies over, by this share of what it is
+/// over.
+pub(super) fn pressed(off: Vec3, walls: &[Wall], share: f32) -> Vec3 {
+    let mut off = off;
+    for wall in walls {
+        let along = off.dot(wall.towards) / wall.towards.length_squared().max(1e-6);
+        if along > wall.at {
+            let on_wall = off * (wall.at / along);
+            off = off.lerp(on_wall, share);
+        }
+    }
+    off
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_spheres_meet_in_the_circle_they_share() {
+        let (a, b) = ((Vec3::ZERO, 5.0), (Vec3::X * 7.0, 4.0));
+        let (one, other) = (Wall::between(a, b), Wall::between(b, a));
+        // x2 - (x - 7)2 = 25 - 16.
+        let x = (49.0 + 9.0) / 14.0;
+        assert!((one.at * 7.0 - x).abs() < 1e-5 && (7.0 - other.at * 7.0 - x).abs() < 1e-5);
+        let over = Vec3::new(4.8, 1.0, 0.5);
+        let on = pressed(over, &[one], 1.0);
+        assert!((on.x - x).abs() < 1e-5 && on.cross(over).length() < 1e-4, "{on}");
+        assert!((pressed(over, &[one], 0.5) - 0.5 * (on + over)).length() < 1e-5);
+        let within = Vec3::new(3.0, 4.0, 0.0);
+        assert_eq!(pressed(within, &[one], 1.0), within);
+    }
+}
