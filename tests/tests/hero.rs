@@ -22,6 +22,8 @@ enum Ask {
     AllInSections,
     /// So many puffs with a clean outline.
     Puffs(u64),
+    /// At least this share of all hair held by so many ties, all passing them, half of it hanging at least so many cm behind.
+    Tied { ties: u64, share: f64, behind_cm: f64 },
     /// Curls as wide, as steep and as much shrunk as was asked.
     Curls,
 }
@@ -64,7 +66,7 @@ const HEROES: &[(&str, &[Ask])] = &[
     ("afro_4c", &[Ask::Curls]),
     ("finger_coils", &[Ask::Curls]),
     ("waves_2b", &[Ask::Partings(1), Ask::AllInSections, Ask::Curls]),
-    ("ponytail", &[]),
+    ("ponytail", &[Ask::Tied { ties: 1, share: 0.8, behind_cm: 20.0 }]),
     ("french_braid", &[Ask::Braids { at_least: 1, strands: 3, crossing: "over" }, Ask::Joins]),
     (
         "dutch_braids",
@@ -106,6 +108,7 @@ const NOT_YET: &[(&str, &[&str])] = &[("dutch_braids on snowden_scan", &[WOVEN])
 const READINGS: &str = "both readings of every curve agree to 0.001 cm";
 const WOVEN: &str = "braids are woven all along as they begin";
 const OUTLINES: &str = "outlines of puffs are clean";
+const TIED: &str = "hair passes its tie";
 const DEPTH: &str = "nothing is deeper under the skin than allowed";
 const CROSSING: &str = "no hair crosses a parting";
 const ROOTED: &str = "no hair is rooted in a parting";
@@ -216,6 +219,20 @@ fn check_ask(name: &str, prims: &[Json], ask: &Ask, wrong: &mut Vec<String>) {
             must(puffs == *count, &format_args!("{puffs} puffs"));
             check_laws(name, prims, &[OUTLINES], not_yet(NOT_YET, name), wrong);
         }
+        Ask::Tied { ties, share, behind_cm } => {
+            let all = prims.iter().filter_map(|prim| prim["curves"].as_u64()).sum::<u64>();
+            let held = sum("ties", "hairs");
+            must(sum("ties", "ties") == *ties, &format_args!("{} ties", sum("ties", "ties")));
+            must(
+                held as f64 >= share * all as f64,
+                &format_args!("{held} of {all} hairs are tied"),
+            );
+            for tied in found(prims, "ties") {
+                let behind = tied["behind_cm"][1].as_f64();
+                must(behind.is_some_and(|cm| cm >= *behind_cm), tied);
+            }
+            check_laws(name, prims, &[TIED], not_yet(NOT_YET, name), wrong);
+        }
         Ask::Curls => {
             must(sum("curls", "measured") > 100, &"no curls are measured");
             check_laws(
@@ -278,6 +295,7 @@ fn check_on(head: &RealHead, more: &[&str], laws: &[&str], wrong: &mut Vec<Strin
         for ask in asks_of(name) {
             let laws = match ask {
                 Ask::Partings(_) => &[CROSSING, ROOTED][..],
+                Ask::Tied { .. } => &[TIED],
                 Ask::Braids { .. } if all => &[WOVEN],
                 Ask::Curls if all => &[DIAMETERS, PITCHES, SHRINKAGE],
                 Ask::Puffs(_) if all => &[OUTLINES],

@@ -246,4 +246,8 @@ declare! {
     PUFF_RADIUS: f32 = "puff_radius", 0.0;
     /// Angle from the top of a puff down to which its tips were asked to reach, degrees; 0: not known.
     PUFF_COVERAGE: f32 = "puff_coverage", 0.0;
+    /// Middle of the ring in which the tie that holds this hair lets it go, cm.
+    TIE: Vec3 = "tie", Vec3::ZERO;
+    /// Radius of that ring, cm; 0: the hair is held by no tie.
+    TIE_RADIUS: f32 = "tie_radius", 0.0;
 }

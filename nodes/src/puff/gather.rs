@@ -13,7 +13,7 @@ use super::dome::{Dome, Polar};
 use super::tie::Tie;
 use crate::data::attributes::{
     Domain, FIBRE, ID, NORMAL, PARENT, PUFF, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
-    SCALP_NORMAL, SECTION, WIDTH,
+    SCALP_NORMAL, SECTION, TIE, TIE_RADIUS, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::home::Home;
@@ -240,6 +240,14 @@ fn band(tie: &Tie, turns: f32, height: f32, seed: i64) -> Option<Tuft> {
     Some(b.build())
 }
 
+/// Values of a column; one where they are all the same.
+fn shared<T: PartialEq>(mut values: Vec<T>) -> Vec<T> {
+    if values.windows(2).all(|w| w[0] == w[1]) {
+        values.truncate(1);
+    }
+    values
+}
+
 /// A tie with the skin and the hair around it.
 struct Gathered {
     tie: Tie,
@@ -457,6 +465,9 @@ impl Gatherer<'_> {
         b.set(ID, Domain::Curve, column(roots, |r| r.id));
         b.set(PARENT, Domain::Curve, column(roots, tie));
         b.set(PUFF, Domain::Curve, column(roots, tie));
+        // Told, so that a file alone shows whether hair passes its tie.
+        b.set(TIE, Domain::Curve, shared(column(roots, |r| self.ties[r.tie].tie.top())));
+        b.set(TIE_RADIUS, Domain::Curve, shared(column(roots, |r| self.ties[r.tie].tie.radius)));
         b.set(ROOT_TRIANGLE, Domain::Curve, column(roots, |r| r.root.triangle as i32));
         b.set(ROOT_BARY, Domain::Curve, column(roots, |r| r.root.bary));
         if self.scalp.uvs().is_some() {

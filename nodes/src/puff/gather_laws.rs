@@ -2,7 +2,7 @@
 
 use super::gather::NODE;
 use super::tie::Tie;
-use crate::data::attributes::{PUFF, ROOT_BARY, ROOT_TRIANGLE};
+use crate::data::attributes::{PUFF, ROOT_BARY, ROOT_TRIANGLE, TIE, TIE_RADIUS};
 use crate::data::curves::Curves;
 use crate::data::scalp::tests::shared_ball;
 use crate::define::Value;
@@ -57,6 +57,8 @@ fn hair_is_rooted_stays_out_of_the_head_and_ends_in_its_tie() {
             let deepest = points.iter().map(|p| scalp.skin().distance(*p)).fold(1.0, f32::min);
             assert!(deepest > -1e-3, "{deepest}");
             let tie = ties.iter().find(|t| t.id == tuft.view(PUFF).at(i, 0)).unwrap();
+            assert!(tuft.view(TIE).at(i, 0).distance(tie.top()) < 1e-5);
+            assert!((tuft.view(TIE_RADIUS).at(i, 0) - tie.radius).abs() < 1e-6);
             let end = points[points.len() - 1];
             assert!(tie.place(end).length() <= 1.0 + 1e-4);
             assert!(((end - tie.foot.point).dot(tie.axis) - tie.height).abs() < 1e-4);

@@ -6,7 +6,7 @@
 
 use crate::data::attributes::{
     ALLOW_DEPTH, Domain, FIBRE, Item, NORMAL, PUFF_CENTRE, PUFF_RADIUS, RADIUS, ROOT_BARY,
-    ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, WIDTH,
+    ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, TIE, TIE_RADIUS, WIDTH,
 };
 use crate::data::curves::{Curves, TuftBuilder};
 use crate::data::scalp::{HeadFrame, Scalp};
@@ -121,13 +121,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 (cofactors * v).normalize_or_zero()
             });
         }
-        for declared in [PUFF_CENTRE] {
+        for declared in [PUFF_CENTRE, TIE] {
             each_value(&mut out, tuft, declared.name, |p: Vec3| {
                 matrix * (p - pivot) + pivot + shift
             });
         }
         if grown != 1.0 {
-            for declared in [RADIUS, WIDTH, ALLOW_DEPTH, FIBRE, PUFF_RADIUS] {
+            for declared in [RADIUS, WIDTH, ALLOW_DEPTH, FIBRE, PUFF_RADIUS, TIE_RADIUS] {
                 each_value(&mut out, tuft, declared.name, |x: f32| x * grown);
             }
         }
@@ -189,7 +189,7 @@ mod tests {
         b.set(NORMAL, Domain::Point, vec![Vec3::Y]);
         b.set(RADIUS, Domain::Curve, vec![0.5]);
         b.set(PUFF_CENTRE, Domain::Curve, vec![Vec3::X * 2.0]);
-        b.set(PUFF_RADIUS, Domain::Curve, vec![0.5]);
+        b.set(TIE_RADIUS, Domain::Curve, vec![0.5]);
         Curves::new(vec![b.build().into()])
     }
 
@@ -203,9 +203,9 @@ mod tests {
         }
         assert!(tuft.view(NORMAL).at(0, 0).distance(normal) < 1e-5);
         assert!((tuft.view(RADIUS).at(0, 0) - radius).abs() < 1e-5);
-        // What a hair tells of its puff goes along.
+        // What a hair tells of its puff and its tie goes along.
         assert!(tuft.view(PUFF_CENTRE).at(0, 0).distance(points[1]) < 1e-5);
-        assert!((tuft.view(PUFF_RADIUS).at(0, 0) - radius).abs() < 1e-5);
+        assert!((tuft.view(TIE_RADIUS).at(0, 0) - radius).abs() < 1e-5);
     }
 
     #[test]

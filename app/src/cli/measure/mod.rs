@@ -2,8 +2,8 @@
 //!
 //! What coif promises of its own grooms is measured on whatever is in the file, by whomever it was written: lengths, widths, spacing of
 //! CVs, stable ids, agreement of the two Catmull-Rom readings, braids (word, crossing, how near strands come, hair per
-//! stitch), partings that no hair crosses, hair of sections, curls as asked, clean outlines of puffs, and, with a scalp, roots on
-//! the skin and nothing under it. What a file does not tell is not judged: the figure is null and the law is missing.
+//! stitch), partings that no hair crosses, hair of sections, curls as asked, clean outlines of puffs, hair that passes its tie, and,
+//! with a scalp, roots on the skin and nothing under it. What a file does not tell is not judged: the figure is null and the law is missing.
 //!
 //! `prim.rs` reads columns, `strands.rs` finds the strands of braids; the other files measure one thing each.
 
@@ -14,6 +14,7 @@ mod prim;
 mod puffs;
 mod spine;
 mod strands;
+mod ties;
 mod word;
 mod words;
 
@@ -73,6 +74,7 @@ struct Measured {
     partings: Option<parted::Parted>,
     curls: Option<curls::Curls>,
     puffs: Option<puffs::Puffs>,
+    ties: Option<ties::Ties>,
     scalp: Option<OnScalp>,
     /// The laws and whether they hold.
     laws: BTreeMap<&'static str, bool>,
@@ -238,6 +240,7 @@ fn of_prim(
         partings: None,
         curls: curls::measure(prim),
         puffs: puffs::measure(prim),
+        ties: ties::measure(prim),
         scalp: scalp.map(|scalp| on_scalp(prim, scalp)),
         laws: BTreeMap::new(),
     };
@@ -282,6 +285,9 @@ impl Measured {
         }
         if let Some(puffs) = self.puffs.as_ref().filter(|puffs| puffs.can_be_judged()) {
             laws.insert("outlines of puffs are clean", puffs.within >= 0.95 && puffs.is_covered());
+        }
+        if let Some(ties) = &self.ties {
+            laws.insert("hair passes its tie", ties.beside == 0);
         }
         if let Some(on) = &self.scalp {
             laws.insert("roots lie on the scalp to 0.001 cm", on.root_distance_cm[1] <= 1e-3);

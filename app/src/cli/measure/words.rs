@@ -95,6 +95,17 @@ pub(super) fn in_words(m: &Measured) -> String {
             f(100.0 * p.deviation)
         );
     }
+    if let Some(t) = &m.ties {
+        let [lo, mid, hi] = t.behind_cm.map(f);
+        text += &format!(
+            "  {} hairs held by {} ties: {} do not pass theirs, the farthest at {} of its radius; {lo} to {hi} cm hang behind, \
+             middle {mid}\n",
+            t.hairs,
+            t.ties,
+            t.beside,
+            f(t.off[1])
+        );
+    }
     if let Some(s) = &m.scalp {
         text += &format!(
             "  roots {} cm from the scalp (middle), {} at most; {} points too deep, deepest {} cm\n",

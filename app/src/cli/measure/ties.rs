@@ -1,0 +1,109 @@
+//! Whether hair passes the tie that holds it: how near its way comes to the middle of the ring in which the tie lets it go, against
+//! the ring's radius, and how far it goes on behind.
+//!
+//! A hair is held by a tie where the file tells the middle and the radius of one for it. It passes where its way comes as near as the
+//! radius, and [`LOOSE`] more: within the band.
+
+use super::prim::{Prim, in_parts, quantile};
+use glam::Vec3;
+use serde::Serialize;
+use std::collections::BTreeSet;
+
+#[derive(Serialize)]
+pub(super) struct Ties {
+    /// Rings of different middles.
+    pub(super) ties: usize,
+    /// Hairs that are held by one.
+    pub(super) hairs: usize,
+    /// Those of them that do not pass it.
+    pub(super) beside: usize,
+    /// Nearest distance of a hair from the middle of its ring, in radii: of the middle hair, and of the one farthest off.
+    pub(super) off: [f32; 2],
+    /// Length of hair behind its tie, cm: of 5 % of the hairs at most, the middle, the longest.
+    pub(super) behind_cm: [f32; 3],
+}
+
+/// How much farther from the middle than its radius a hair may pass, cm: as thick as a band is. A tail may begin a little thicker
+/// than its tie, and its hair goes smoothly through the bend there, to less than a millimetre.
+const LOOSE: f32 = 0.2;
+
+pub(super) fn measure(prim: &Prim) -> Option<Ties> {
+    let (middle, radius) = (prim.vectors("tie")?, prim.numbers("tie_radius")?);
+    let held: Vec<usize> = (0..prim.len())
+        .filter(|i| !prim.curve(*i).is_empty() && radius.at(*i, prim.range(*i).start) > 0.0)
+        .collect();
+    if held.is_empty() {
+        return None;
+    }
+    let found = in_parts(held.len(), 500, |part| {
+        let hair = |k: usize| {
+            let first = prim.range(held[k]).start;
+            let (middle, radius) = (middle.at(held[k], first), radius.at(held[k], first));
+            let (far, behind) = passes(prim.curve(held[k]), middle);
+            (middle.to_array().map(f32::to_bits), far, radius, behind)
+        };
+        part.map(hair).collect::<Vec<_>>()
+    })
+    .concat();
+    let sorted = |of: &dyn Fn(f32, f32, f32) -> f32| {
+        let mut all: Vec<f32> = found.iter().map(|(_, far, r, past)| of(*far, *r, *past)).collect();
+        all.sort_by(f32::total_cmp);
+        all
+    };
+    let (off, behind) = (sorted(&|far, r, _| far / r), sorted(&|_, _, past| past));
+    Some(Ties {
+        ties: found.iter().map(|(middle, ..)| *middle).collect::<BTreeSet<_>>().len(),
+        hairs: held.len(),
+        beside: found.iter().filter(|(_, far, r, _)| far.is_nan() || *far > r + LOOSE).count(),
+        off: [0.5, 1.0].map(|q| quantile(&off, q)),
+        behind_cm: [0.05, 0.5, 1.0].map(|q| quantile(&behind, q)),
+    })
+}
+
+/// How near the straight way through the points comes to a place, and how long it is from there on.
+fn passes(points: &[Vec3], place: Vec3) -> (f32, f32) {
+    let last = points.last().map_or(f32::NAN, |p| p.distance(place));
+    let (mut nearest, mut at, mut walked) = (last, f32::MAX, 0.0);
+    for w in points.windows(2) {
+        let way = w[1] - w[0];
+        let t = ((place - w[0]).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+        let far = place.distance(w[0] + way * t);
+        let length = way.length();
+        if far < nearest {
+            (nearest, at) = (far, walked + t * length);
+        }
+        walked += length;
+    }
+    (nearest, (walked - at.min(walked)).max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::prim_of;
+    use super::*;
+    use coif_nodes::formats::usd::read::ReadValues;
+
+    #[test]
+    fn hair_beside_its_tie_is_counted_and_what_hangs_behind_is_as_long_as_it_is() {
+        // Four hairs come from the left and hang down at x = 0, 0.9, 1.5 and nowhere near; the ring is 8 cm below the bend.
+        let hair = |x: f32| [Vec3::X * -9.0, Vec3::X * x, Vec3::new(x, -20.0, 0.0)];
+        let hairs = [hair(0.0), hair(0.9), hair(1.5), hair(-7.0)];
+        let curves: Vec<&[Vec3]> = hairs.iter().map(|hair| &hair[..]).collect();
+        let told = |radii: Vec<f32>, middle: Vec3| {
+            let primvars = [
+                ("tie", ReadValues::Float3(vec![middle])),
+                ("tie_radius", ReadValues::Float(radii)),
+            ];
+            measure(&Prim::new(&prim_of(&curves, &primvars)))
+        };
+        let all = told(vec![1.0], Vec3::Y * -8.0).unwrap();
+        assert_eq!((all.ties, all.hairs, all.beside), (1, 4, 2));
+        assert!((all.off[1] - 7.0).abs() < 1e-3, "{:?}", all.off);
+        assert!((all.behind_cm[2] - 12.0).abs() < 1e-3, "{:?}", all.behind_cm);
+        // Hair that no tie holds is not judged.
+        let some = told(vec![1.0, 1.0, 0.0, 0.0], Vec3::Y * -8.0).unwrap();
+        assert_eq!((some.hairs, some.beside), (2, 0));
+        assert!((some.behind_cm[1] - 12.0).abs() < 1e-3, "{:?}", some.behind_cm);
+        assert!(told(vec![0.0], Vec3::ZERO).is_none());
+    }
+}
