@@ -2,8 +2,8 @@
 //!
 //! What coif promises of its own grooms is measured on whatever is in the file, by whomever it was written: lengths, widths, spacing of
 //! CVs, stable ids, agreement of the two Catmull-Rom readings, braids (word, crossing, how near strands come, hair per
-//! stitch), partings that no hair crosses, hair of sections, curls as asked, clean outlines of puffs, hair that passes its tie, and, with a scalp, roots on
-//! the skin and nothing under it. What a file does not tell is not judged: the figure is null and the law is missing.
+//! stitch), partings that no hair crosses, hair of sections, curls as asked, clean outlines of puffs, hair that passes its tie, and,
+//! with a scalp, roots on the skin and nothing under it. What a file does not tell is not judged: the figure is null and the law is missing.
 //!
 //! `prim.rs` reads columns, `strands.rs` finds the strands of braids; the other files measure one thing each.
 
