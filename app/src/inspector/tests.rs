@@ -11,7 +11,7 @@ use coif_nodes::data::shapes::{Section, ShapeList, Tier};
 use coif_nodes::define::{Arity, Value};
 use egui::{Key, Modifiers, Pos2, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use std::time::Instant;
 
 /// An inspector before the editor's real state.
@@ -113,7 +113,8 @@ fn what_counts_for_nothing_is_grey() {
             .inputs
             .insert("strands".into(), Setting::Known(Value::Int(strands)));
         let hands = hands(document, &["braid"], (420.0, 3000.0));
-        let found: Vec<_> = hands.query_all_by_label(&spoken(input)).collect();
+        let name = spoken(input);
+        let found: Vec<_> = hands.query_all_by_label(&name).collect();
         assert!(!found.is_empty(), "{input}");
         found.iter().any(|widget| widget.accesskit_node().is_disabled())
     };

@@ -3,9 +3,8 @@
 //! Guarantees: roots stay where they are; equal ids give equal curls whatever else is there; the path is C1 while
 //! `blend` is above 0; a size of 0 changes nothing; in `fibre` mode the arc length is the source's within
 //! 0.5 %, or that of a `fibre_length` that the source has room for. On a parted scalp hair whose curl would lead over a
-//! parting that its source does not is straight from its root until past there. A curl of more turns than its points can show
-//! is drawn larger, of the same form, and warned of. Not promised: that four tries are enough for
-//! a parting, that hairs keep clear of each other, that a curl is as large as asked where points are few, or that one much
+//! parting that its source does not is straight from its root until past there, or all along where that is not enough. A curl of more turns than its points can show
+//! is drawn larger, of the same form, and warned of. Not promised: that hairs keep clear of each other, that a curl is as large as asked where points are few, or that one much
 //! wider than its source's bends does not loop through itself.
 
 use super::drawn::with_drawn;
@@ -479,7 +478,8 @@ fn curl(
                 Some(k)
                     if tries > 0 && sections.is_some_and(|s| last_over(s, points).is_none()) =>
                 {
-                    winder.held = winder.end_of_turn(k);
+                    // What three tries do not keep off the parting is straight.
+                    winder.held = if tries > 1 { winder.end_of_turn(k) } else { rail.length() };
                 }
                 _ => break,
             }

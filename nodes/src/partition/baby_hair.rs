@@ -370,6 +370,12 @@ impl Maker<'_> {
                 *p = self.scalp.skin().lift(*p, 0.5 * clear).0;
             }
         }
+        // In folds a way over the scalp that keeps to its section may yet lead through the air over a parting.
+        let cut = self.scalp.sections();
+        if cut.is_some_and(|cut| points[from..].windows(2).any(|w| cut.passed(w[0], w[1], 0.0))) {
+            points.truncate(from);
+            return false;
+        }
         true
     }
 }
