@@ -15,6 +15,8 @@
 // How far light of each channel reaches around the terminator, as a cosine.
 const WRAP: vec3f = vec3f(0.16, 0.07, 0.04);
 const SKIN_F0: f32 = 0.028;
+// Albedo of skin that is full of black hair.
+const DARKEST: f32 = 0.06;
 // Squared roughness (alpha) of the dull and the sharp lobe, and the dull one's share.
 const DULL: f32 = 0.34;
 const SHARP: f32 = 0.12;
@@ -69,6 +71,8 @@ fn scalp_tint(p: vec3f, albedo: vec3f) -> vec3f {
   if any(uvw < vec3f(0.0)) || any(uvw > vec3f(1.0)) { return albedo; }
   // Below a quarter of a full head's density skin is skin: partings and the blur at the hairline.
   let dense = smoothstep(0.25, 0.9, textureSampleLevel(root_grid, root_sampler, uvw, 0.0).r);
-  // Less of red than of blue comes through, but what is left of dark hair under skin looks cool.
-  return albedo * mix(vec3f(1.0), vec3f(0.3, 0.31, 0.34), F.cover.z * dense);
+  // Less of red than of blue comes through, but what is left of dark hair under skin looks cool. Skin that is as dark as hair
+  // under it hardly changes.
+  let under = max(albedo * vec3f(0.3, 0.31, 0.34), min(albedo, vec3f(DARKEST)));
+  return mix(albedo, under, F.cover.z * dense);
 }
