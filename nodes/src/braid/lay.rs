@@ -286,7 +286,9 @@ impl Shape<'_> {
             }
             let mut centre = source.at(*u);
             if *s > length {
-                let height = self.size.b * y + self.size.top * x.min(y);
+                // What lies on the skin is raised from there by its own height, below.
+                let half = self.size.b * y + self.size.top * x.min(y);
+                let height = if self.facing == Facing::Skin { 0.0 } else { half };
                 (centre, frame) = tuft.lead(*s, frame, self.below.as_ref(), height);
             }
             let mut grip = 1.0;
