@@ -552,7 +552,7 @@ fn braid(
     let longest = inputs.flyaway_length * unit;
     let skin = plan.below.as_ref().filter(|below| below.contact != Contact::Allow);
     let skin = skin.map(|below| &below.skin);
-    let strays = stray::flyaways(&fine, (braid_id, tag), hairs, longest, skin, plan.stray);
+    let strays = stray::flyaways(&fine, (braid_id, tag), hairs, longest, skin, plan.stray, piece)?;
     Ok(Some([out.build(), stitch_curve.build(), strays]))
 }
 

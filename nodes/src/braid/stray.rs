@@ -6,6 +6,8 @@
 use crate::data::attributes::{self as attr, Domain};
 use crate::data::curves::{Tuft, TuftBuilder};
 use crate::data::scalp::Skin;
+use crate::define::NodeError;
+use crate::eval::Piece;
 use crate::maths::frame;
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::spline::Spline;
@@ -31,10 +33,12 @@ pub(crate) fn flyaways(
     longest: f32,
     skin: Option<&Skin>,
     dice: Dice,
-) -> Tuft {
+    piece: &mut Piece,
+) -> Result<Tuft, NodeError> {
     let mut out = TuftBuilder::new();
     let (mut ids, mut parents) = (vec![], vec![]);
     for index in 0..count as u64 {
+        piece.tick()?;
         let id = curve_id(braid, tag, (1 << 33) + index);
         let strand = &strands[dice.below(id, 0, strands.len() as u32) as usize];
         let u = dice.unit(id, 1);
@@ -67,7 +71,7 @@ pub(crate) fn flyaways(
         out.set(attr::PARENT, Domain::Curve, parents);
         out.set(attr::BRAID, Domain::Curve, vec![braid]);
     }
-    out.build()
+    Ok(out.build())
 }
 
 /// The end of a step, turned along the skin where that is in the way.
