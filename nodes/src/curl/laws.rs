@@ -1,8 +1,8 @@
 //! The laws of curls (methods.md 4), asserted on what the node gives. Tests only.
 
+use super::pattern::{Detail, Even, Pattern};
 use super::section::entries;
 use super::shape_list_curl::NODE;
-use super::winding::{Detail, Even, Pattern};
 use crate::data::attributes::{CURL_DIAMETER, CURL_PITCH, Domain, ID, PARENT};
 use crate::data::curves::{Curves, TuftBuilder};
 use crate::data::shapes::{Section, ShapeList, Tier};

@@ -3,6 +3,7 @@
 mod drawn;
 #[cfg(test)]
 mod laws;
+mod pattern;
 mod preset;
 mod section;
 mod shape_list_curl;

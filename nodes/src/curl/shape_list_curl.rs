@@ -8,9 +8,10 @@
 //! wider than its source's bends does not loop through itself.
 
 use super::drawn::with_drawn;
+use super::pattern::{Detail, Even, Pattern};
 use super::preset::Numbers;
 use super::section::{Shape, entries};
-use super::winding::{Detail, Even, Goal, Pattern, Sizes, Winder, arc_length};
+use super::winding::{Goal, Sizes, Winder, arc_length};
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, CURL_DIAMETER, CURL_PITCH, Domain, FIBRE, ID, NORMAL, PARENT, ROLL,
     SHRINKAGE,
