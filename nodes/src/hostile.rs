@@ -121,6 +121,19 @@ fn with_all(value: f32) -> Curves {
     Curves::new(vec![Arc::new(b.build())])
 }
 
+/// The same hairs, each of a puff of its own that reaches `radius` far: about its tip, its root, beside it, and beyond all.
+fn in_puffs(radius: f32) -> Curves {
+    let hairs = hairs(4);
+    let tuft = &hairs.tufts()[0];
+    let mut b = TuftBuilder::even(tuft.points().to_vec(), 5);
+    let middles = [tuft.points()[4], tuft.points()[5], Vec3::new(0.9, 11.0, 0.0), Vec3::ONE * 1e30];
+    b.set(attr::ID, Domain::Curve, (1..=4).collect());
+    b.set(attr::PUFF, Domain::Curve, vec![1, 2, 3, 4]);
+    b.set(attr::PUFF_CENTRE, Domain::Curve, middles.to_vec());
+    b.set(attr::PUFF_RADIUS, Domain::Curve, vec![radius, 3.0, radius, radius]);
+    Curves::new(vec![Arc::new(b.build())])
+}
+
 fn curves() -> Vec<Value> {
     let of = |all: &[&[Vec3]]| {
         let mut b = TuftBuilder::new();
@@ -141,6 +154,7 @@ fn curves() -> Vec<Value> {
     ];
     all.extend([1e-30, 1e-4, 300.0, 1e6, 1e19, 1e30, 3e38].map(|length| of(&[&line(length)])));
     all.extend([-1.0, 0.0, 1e-30, 1e30].map(with_all));
+    all.extend([1e-30, 3.0, 1e30, f32::MAX].map(in_puffs));
     all.into_iter().map(Value::Curves).collect()
 }
 

@@ -29,8 +29,10 @@ const LOOSE: f32 = 0.2;
 
 pub(super) fn measure(prim: &Prim) -> Option<Ties> {
     let (middle, radius) = (prim.vectors("tie")?, prim.numbers("tie_radius")?);
+    // A radius that is no number, or boundless, is none: every hair would pass.
+    let is_radius = |r: f32| r > 0.0 && r < 1e6;
     let held: Vec<usize> = (0..prim.len())
-        .filter(|i| !prim.curve(*i).is_empty() && radius.at(*i, prim.range(*i).start) > 0.0)
+        .filter(|i| !prim.curve(*i).is_empty() && is_radius(radius.at(*i, prim.range(*i).start)))
         .collect();
     if held.is_empty() {
         return None;
@@ -104,6 +106,8 @@ mod tests {
         let some = told(vec![1.0, 1.0, 0.0, 0.0], Vec3::Y * -8.0).unwrap();
         assert_eq!((some.hairs, some.beside), (2, 0));
         assert!((some.behind_cm[1] - 12.0).abs() < 1e-3, "{:?}", some.behind_cm);
-        assert!(told(vec![0.0], Vec3::ZERO).is_none());
+        for none in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e30] {
+            assert!(told(vec![none], Vec3::ZERO).is_none(), "{none}");
+        }
     }
 }
