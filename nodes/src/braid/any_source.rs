@@ -1,8 +1,8 @@
 //! The laws of methods.md 2 on thousands of random sources: straight, bent, spiral, and with cusps.
 //!
 //! Of each of two seeds ten thousand in release, a thousand in the dev build, where each costs five times as much. Overlap is
-//! promised where the source turns no more sharply than the braid can follow, the word wherever it does not turn back on
-//! itself (at such a cusp strands change sides, and nothing tells which of them is in front); everything else on any source.
+//! promised where the source turns no more sharply than the braid can follow; everything else on any source, the word of those
+//! whose stitches are a length that can be braided.
 //! All sources that break a law are told.
 
 use super::laws::{
@@ -19,6 +19,9 @@ use glam::Vec3;
 /// How many sources.
 const MANY: u64 = if cfg!(debug_assertions) { 1_000 } else { 10_000 };
 const THREADS: u64 = 2;
+/// Sources beyond those of the dev build whose words were broken before strands got points by their own length.
+const ONCE_BROKEN: [u64; 12] =
+    [2724, 2869, 3093, 3664, 5053, 5494, 6399, 6729, 7599, 8469, 8669, 9654];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
@@ -84,7 +87,7 @@ fn one(dice: Dice, id: u64) -> (Kind, f32) {
     let stitches = stitches.round();
     // Closer than this strands wind up on each other; much longer, the source bends within a stitch.
     let pitch = spline.length() / (stitches * width);
-    let seen = kind != Kind::Cusped && (0.6..4.0).contains(&pitch);
+    let seen = (0.6..4.0).contains(&pitch);
     let follows = follows && seen;
     let what = format!("{kind:?} {id}: {n} strands, {stitches} stitches, {width} cm");
     let sets: Vec<Set> = vec![
@@ -144,7 +147,9 @@ fn one(dice: Dice, id: u64) -> (Kind, f32) {
             braid_signs(&strands, &spline, &carried(&points), (0.0, 1.0), stitches.into(), &what);
         // With one stitch a pair may not have met yet.
         if stitches > 2.0 {
-            assert_eq!(got, want, "{what}");
+            // Of a source that is all folds, not every pair is seen.
+            let as_asked = got.iter().zip(&want).all(|(got, want)| got.is_none() || got == want);
+            assert!(got.len() == want.len() && as_asked, "{what}: {got:?}, not {want:?}");
         }
         if follows && stitches * (n as f32) < 60.0 && stitches > 1.0 {
             most = overlap(&strands).0;
@@ -164,8 +169,12 @@ fn tried(dice: Dice, id: u64) -> Result<(Kind, f32), String> {
 
 fn on_sources(seed: u64) {
     let dice = Dice::new(seed, 0, "any source");
-    let share =
-        |t: u64| (0..MANY).filter(|i| i % THREADS == t).map(|i| tried(dice, i)).collect::<Vec<_>>();
+    let beyond = ONCE_BROKEN.into_iter().filter(|id| *id >= MANY);
+    let ids: Vec<u64> = (0..MANY).chain(beyond).collect();
+    let share = |t: u64| {
+        let own = ids.iter().filter(|id| *id % THREADS == t);
+        own.map(|id| tried(dice, *id)).collect::<Vec<_>>()
+    };
     let share = &share;
     let all: Vec<Result<(Kind, f32), String>> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..THREADS).map(|t| scope.spawn(move || share(t))).collect();

@@ -144,6 +144,8 @@ pub(crate) struct Laid {
     /// The strands through the stations.
     raw: Vec<Spline>,
     braided: usize,
+    /// CVs of a strand to a station.
+    finer: f32,
 }
 
 struct Station {
@@ -179,7 +181,12 @@ const TURN: f32 = 0.15;
 /// Stitches closer than the amplitude wind strands up, and need as many more points; but not more than so
 /// many times, for what lies beyond has no thickness to be seen.
 const TIGHT: f32 = 3.0;
-/// The most stations that the turns of a source alone can ask for.
+/// Stations from one even point of a strand to the next above which a strand is given more points, so many times as many
+/// that there are [`EVEN`] at most, and no more than [`MOST_MORE`] times.
+const UNEVEN: f32 = 1.75;
+const EVEN: f32 = 1.25;
+const MOST_MORE: f32 = 4.0;
+/// The most stations, and points of a strand, that the turns of a source alone can ask for.
 const MOST_FOR_TURNS: f32 = 4096.0;
 /// The longest step of a tuft that the skin may turn, cm.
 const TUFT_STEP: f32 = 0.4;
@@ -210,9 +217,12 @@ impl Shape<'_> {
         }
         let raw =
             strands.iter().map(|points| Spline::new(points)).collect::<Result<Vec<_>, _>>()?;
-        let mut laid = Laid { lines: vec![], normals: vec![], stations, raw, braided };
+        let spans = stations.len() - 1;
+        let more = raw.iter().map(|spline| more_points(spline, spans)).fold(1.0, f32::max);
+        let n = (spans as f32 * more).ceil().min(MOST_FOR_TURNS.max(spans as f32)) as usize + 1;
+        let finer = (n - 1) as f32 / spans as f32;
+        let mut laid = Laid { lines: vec![], normals: vec![], stations, raw, braided, finer };
         for (i, spline) in laid.raw.iter().enumerate() {
-            let n = laid.stations.len();
             let (mut points, mut s, mut ups, mut room) = (vec![], vec![], vec![], vec![]);
             for k in 0..n {
                 let place = spline.locate(k as f32 / (n - 1) as f32);
@@ -514,6 +524,17 @@ fn eased_above(values: &[f32], half: usize) -> Vec<f32> {
         .collect()
 }
 
+/// How many times as many points as stations a strand needs so that its even points, too, tell where it crosses others. Where
+/// a source bends sharply the outer strands are so much longer there that the rest would be left with few.
+fn more_points(spline: &Spline, spans: usize) -> f32 {
+    let reached = |k: usize| {
+        let place = spline.locate(k as f32 / spans as f32);
+        place.span as f32 + place.t
+    };
+    let widest = (0..spans).map(|k| reached(k + 1) - reached(k)).fold(0.0, f32::max);
+    if widest > UNEVEN { (widest / EVEN).min(MOST_MORE) } else { 1.0 }
+}
+
 /// How much a curve turns in all, radians (chords for arcs: a little less).
 fn total_turn(spline: &Spline) -> f32 {
     let mut last = spline.tangent(Place { span: 0, t: 0.0 });
@@ -577,7 +598,7 @@ impl Laid {
     }
     /// CVs of a strand for one stitch.
     pub(crate) fn cvs_per_stitch(&self, stitches: f64) -> f32 {
-        (self.braided as f64 / stitches) as f32
+        (self.braided as f64 / stitches) as f32 * self.finer
     }
     fn along(&self, place: Place) -> f32 {
         let (a, b) = (&self.stations[place.span], &self.stations[place.span + 1]);

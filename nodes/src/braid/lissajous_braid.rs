@@ -5,7 +5,7 @@
 //! `touch.rs`, loose hairs in `stray.rs`.
 //!
 //! Guarantees: the strands' crossings, read from the evaluated curves, are those of the weave on any
-//! source that does not turn back on itself; tubes touch and never pass through each other wherever the source's radius of
+//! source (one that turns back on itself folds the braid over; between the points beside a fold nothing can be read); tubes touch and never pass through each other wherever the source's radius of
 //! curvature is at least twice the amplitude and it stays clear of itself; even stitches are even to 1 % of arc
 //! length; flyaways and the tuft beyond the source stay out of the skin; a source without length or with a number that is
 //! not finite is left out and named.

@@ -52,7 +52,8 @@ node! {
         flow: Flow = Flow::Sides, words("direction part comb");
         /// The direction, for the flows that have one, in the head frame (x to the head's left, y up, z forward).
         direction: Vec3 = Vec3::new(1.0, -0.2, -0.35);
-        /// Where hair is parted when it falls to both sides: 0 in the middle, positive nearer to the head's left ear.
+        /// Where hair is parted when it falls to both sides: 0 in the middle, positive nearer to the head's left ear. Within
+        /// 1.5 cm of there a parting of the scalp decides, and hair falls away from it.
         parted_at: f32 = 0.0, hard(-20.0, 20.0), soft(-6.0, 6.0), unit(Length), words("part side middle centre");
         /// How far curves that lie on the head keep to the way they are laid, before they just slide down.
         hold: f32 = 5.0, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), words("style set friction");
@@ -198,6 +199,9 @@ fn bound(scalp: &Scalp, tuft: &Tuft, i: usize, point: Vec3) -> Option<Root> {
     known.or_else(|| scalp.closest_root(point))
 }
 
+/// So near (cm) to where hair is parted a parting that is drawn decides to which side it falls.
+const ASIDE: f32 = 1.5;
+
 impl Inputs {
     /// The way along the skin in which a curve leaves its root. Unit, at right angles to `normal`.
     fn flow(&self, scalp: Option<&Scalp>, curve: &[Vec3], p: Vec3, normal: Vec3) -> Vec3 {
@@ -206,12 +210,23 @@ impl Inputs {
         let at = frame.head_from_point(p);
         let wanted = match self.flow {
             Flow::Sides => {
-                let side = if at.x < self.parted_at { -1.0 } else { 1.0 };
-                let sideways = self.direction * Vec3::new(side, 1.0, 1.0);
                 // Parted hair is parted to the crown: on the back of the head it falls down.
                 let behind = ((-normal.dot(frame.forward) - 0.1) / 0.6).clamp(0.0, 1.0);
                 let behind = behind * behind * (3.0 - 2.0 * behind);
-                frame.vector_from_head(sideways.lerp(Vec3::NEG_Y, behind))
+                let to = |side: f32| {
+                    let sideways = self.direction * Vec3::new(side, 1.0, 1.0);
+                    frame.vector_from_head(sideways.lerp(Vec3::NEG_Y, behind))
+                };
+                let side = if at.x < self.parted_at { -1.0 } else { 1.0 };
+                // A parting that is drawn there is not quite where hair is said to part: it decides.
+                let step = ASIDE * frame.unit();
+                let leads_over = |side: f32| {
+                    let along = across(to(side), normal).unwrap_or(Vec3::ZERO);
+                    let sections = scalp.and_then(Scalp::sections);
+                    sections.is_some_and(|sections| sections.crosses(p, p + along * step))
+                };
+                let near = (at.x - self.parted_at).abs() < ASIDE;
+                to(if near && leads_over(side) && !leads_over(-side) { -side } else { side })
             }
             Flow::Direction => frame.vector_from_head(self.direction),
             Flow::Back => {
@@ -396,5 +411,43 @@ mod tests {
             let length = Spline::new(tuft.curve(i)).unwrap().length();
             assert!((length - 10.0).abs() < 0.01, "{length}");
         }
+    }
+
+    #[test]
+    fn a_parting_beside_the_place_where_hair_parts_decides_to_which_side_it_falls() {
+        use crate::data::sections::{Parting, Sections};
+        let ball = shared_ball();
+        // From the front over the top, 0.8 cm beside the middle where hair is said to part.
+        let points = (-60..=60).map(|k: i32| {
+            let (s, c) = sin_cos(k as f32 / 120.0 * std::f32::consts::PI);
+            ball.closest_root(Vec3::new(0.8, c * 8.9, s * 8.9)).unwrap().point
+        });
+        let line = Parting { id: 1, points: points.collect(), half_width: 0.08, of_pattern: false };
+        let (sections, _) = Sections::new(&ball, vec![line], &[]);
+        let parted = Arc::new(ball.parted(Arc::new(sections)));
+        let sides = |scalp: Arc<Scalp>| {
+            let set = [
+                ("roots", roots(200).into()),
+                ("scalp", scalp.into()),
+                ("direction", Value::Vec3(Vec3::new(1.0, -0.2, 0.0))),
+                ("separate", Value::Bool(false)),
+                number("variation", 0.0),
+            ];
+            let (out, _) = run(&NODE, &set);
+            let curve = |(tuft, i): (&Tuft, usize)| {
+                let points = tuft.curve(i);
+                (points[0], points[4].x - points[0].x)
+            };
+            curves_of(&out[0]).each().map(curve).collect::<Vec<_>>()
+        };
+        let (bare, drawn) = (sides(shared_ball()), sides(parted));
+        let mut turned = 0;
+        // On the back of the head hair falls down, to neither side.
+        for ((root, before), (_, after)) in bare.iter().zip(&drawn).filter(|(b, _)| b.0.z > 0.0) {
+            assert_eq!(*before > 0.0, root.x >= 0.0, "{root}");
+            assert_eq!(*after > 0.0, root.x >= 0.8, "{root}");
+            turned += usize::from((*before > 0.0) != (*after > 0.0));
+        }
+        assert!(turned > 2, "{turned}: nothing is tested");
     }
 }

@@ -56,16 +56,20 @@ pub fn across(v: Vec3, tangent: Vec3) -> Option<Vec3> {
     (part.length_squared() > 1e-12 * v.length_squared()).then(|| part.normalize_or(Vec3::ZERO))
 }
 
-/// Carries `normal` by the smallest rotation that takes the unit tangent `from` to `to`. Past 170
-/// degrees, where that rotation is arbitrary, the axis is the normal itself.
+/// cos 135 degrees.
+const TURNED_BACK: f32 = -std::f32::consts::FRAC_1_SQRT_2;
+
+/// Carries `normal` by the smallest rotation that takes the unit tangent `from` to `to`. Past 135 degrees, where the
+/// axis of that rotation comes to be any, what lies along the curve is folded over as a ribbon is: its sides
+/// stay where they are, and its front faces the other way.
 pub fn carry(normal: Vec3, from: Vec3, to: Vec3) -> Vec3 {
     let cos = from.dot(to);
-    let carried = if cos < -0.984_807_7 {
-        normal
-    } else {
-        let axis = from.cross(to);
-        normal * cos + axis.cross(normal) + axis * (axis.dot(normal) / (1.0 + cos))
-    };
+    if cos < TURNED_BACK {
+        let side = across(from.cross(normal), to).unwrap_or_else(|| any_normal(to));
+        return side.cross(to);
+    }
+    let axis = from.cross(to);
+    let carried = normal * cos + axis.cross(normal) + axis * (axis.dot(normal) / (1.0 + cos));
     across(carried, to).unwrap_or_else(|| any_normal(to))
 }
 
@@ -120,7 +124,7 @@ pub const STEP_COS: f32 = 0.984_807_8;
 /// `start` is the wanted normal at the root ([`any_normal`] without one). `wish` is asked at every
 /// step, with the fraction, the point and the tangent; it never changes a frame by more than 20 degrees
 /// a step, and counts with the squared sine of its angle to the tangent, so that a direction along the curve asks
-/// nothing.
+/// nothing. Where the curve turns back on itself the normal folds over as in [`carry`], unless a wish asks it to stay.
 pub fn frames(
     spline: &Spline,
     us: &[f32],
@@ -157,10 +161,14 @@ pub fn frames(
             } else {
                 carry(normal, tangent, next_tangent)
             };
+            let turned_back = tangent.dot(next_tangent) < TURNED_BACK;
             // `u + step` may round to `u` when the step is tiny: the target is then reached.
             u = if u + step > u { u + step } else { target };
             (point, tangent) = (next_point, next_tangent);
             if let Some((direction, strength)) = wish(u, point, tangent) {
+                if turned_back && direction.dot(normal) < 0.0 {
+                    normal = -normal;
+                }
                 normal = relaxed(normal, tangent, direction, strength);
             }
         }
@@ -294,6 +302,21 @@ mod tests {
                 .collect();
             check_law(&points);
         }
+    }
+
+    #[test]
+    fn what_turns_back_on_itself_is_folded_over_like_a_ribbon() {
+        // There and back, exactly and a little to the front and the back of the ribbon.
+        for to in [[0.0, 0.0, 0.0], [0.0, 0.0, 0.4], [0.0, 0.0, -0.4]] {
+            let (_, frames) = walk(&[Vec3::ZERO, Vec3::Y * 4.0, Vec3::from(to)], 2001);
+            let (before, after) = (frames[100], frames[1900]);
+            assert!(before.binormal().dot(after.binormal()) > 0.9, "{to:?}: the sides change");
+            assert!(before.normal.dot(after.normal) < -0.9, "{to:?}: the front does not");
+        }
+        // Where a side is asked for, it stays outside.
+        let spline = Spline::new(&[Vec3::ZERO, Vec3::Y * 4.0, Vec3::ZERO]).unwrap();
+        let asked = frames(&spline, &[0.0, 1.0], None, |_, _, _| Some((Vec3::Z, 1.0)));
+        assert!(asked.iter().all(|frame| frame.normal.z > 0.99), "{asked:?}");
     }
 
     #[test]
