@@ -3,7 +3,8 @@
 //! Per cluster the frame, centre, radius and roll at every strand point are worked out once; a strand is
 //! then a root, a short random walk and one multiplication a point. Guarantees: raising the density only
 //! adds strands; no strand has more than `most_points`; a strand never leaves the radius in the plane across its cluster; no point ends under the
-//! skin by more than `allow_depth` (points, not the chords between them); roots lie on the scalp. Not
+//! skin by more than `allow_depth` (points, not the chords between them); roots lie on the scalp, on a parted one in
+//! the section of the cluster's, and so do strands as far along as the cluster itself does. Not
 //! promised: that strands keep clear of each other, or that points of strands pushed off the skin or
 //! frizzed are as evenly spaced as the cluster's.
 
@@ -234,6 +235,11 @@ impl Filler<'_> {
         // Two equal values before the first and after the last knot keep the walk's ends level.
         let mut walk = vec![Vec2::ZERO; sections.steps.len() + 2];
         let wisps = self.shape.as_ref().map_or(vec![], |shape| shape.wisps(cluster));
+        // So far the cluster keeps to the section of its root, and so do its strands.
+        let home = self.scalp.and_then(|scalp| scalp.home(sections.root));
+        let at_home = home.map_or(1, |home| {
+            1 + sections.at[1..].iter().take_while(|section| home.holds(section.centre)).count()
+        });
         for i in 0..count {
             piece.tick()?;
             let id = curve_id(cluster, self.seed as u64, i as u64);
@@ -253,6 +259,7 @@ impl Filler<'_> {
                 barys.push(on_scalp.bary);
                 uvs.push(on_scalp.uv);
             }
+            let first = points.len();
             points.push(root);
             self.wander(id, q, &sections.steps, &mut walk);
             let walked = |section: &Section| {
@@ -273,19 +280,37 @@ impl Filler<'_> {
                     let depth = sections.at[strand.before(k)].depth;
                     skin.map_or(p, |skin| skin.push_out(p, depth).0)
                 }));
-                continue;
+            } else {
+                points.extend(sections.at[1..].iter().map(|section| {
+                    let d = walked(section);
+                    let mut p = section.centre + section.x * d.x + section.y * d.y;
+                    if section.root_share > 0.0 {
+                        p = section.on_the_way(root - sections.root, p);
+                    }
+                    match skin {
+                        Some(skin) => skin.push_out(p, section.depth).0,
+                        None => p,
+                    }
+                }));
             }
-            points.extend(sections.at[1..].iter().map(|section| {
-                let d = walked(section);
-                let mut p = section.centre + section.x * d.x + section.y * d.y;
-                if section.root_share > 0.0 {
-                    p = section.on_the_way(root - sections.root, p);
+            if let (Some(home), Some(triangle)) = (&home, triangles.last()) {
+                let mut near = *triangle as u32;
+                for p in &mut points[first + 1..first + at_home] {
+                    *p = home.kept(*p, &mut near).unwrap_or(*p);
                 }
-                match skin {
-                    Some(skin) => skin.push_out(p, section.depth).0,
-                    None => p,
+                if home.passes(&points[first..first + at_home]) {
+                    piece.trouble(
+                        id,
+                        "a strand that would cross a parting near its root was left out; with more points or thinner clusters there are fewer",
+                    );
+                    points.truncate(first);
+                    depths.truncate(if sinks { first } else { 0 });
+                    ids.pop();
+                    triangles.pop();
+                    barys.pop();
+                    uvs.pop();
                 }
-            }));
+            }
         }
         let mut out = TuftBuilder::even(points, each);
         out.set(ID, Domain::Curve, ids);

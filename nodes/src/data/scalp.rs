@@ -174,6 +174,16 @@ impl Scalp {
                 _ => out = middle,
             }
         }
+        if back == 1.0 {
+            // The centre is on a parting itself: what is on a parting as well goes off it, to its own side.
+            let mut near = root.triangle;
+            let off = self.home(root.point).and_then(|home| home.kept(root.point, &mut near));
+            let off = off.and_then(|p| (p - root.point).try_normalize());
+            let off = off.or((root.point - centre).try_normalize()).unwrap_or(Vec3::ZERO);
+            let tries = (0..16).map(|k| root.point + off * (0.04 * k as f32));
+            let mut tries = tries.filter_map(|p| self.closest_root(p));
+            return tries.find(|root| self.free(root.point)).unwrap_or(root);
+        }
         // As far within the border as it lay beyond, so that roots do not pile up along it.
         let border = 1.0 - back;
         let mirrored = (border - back).max(0.2 * border);

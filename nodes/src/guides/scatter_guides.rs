@@ -1,7 +1,8 @@
 //! Scatter guides: guides all over the scalp region, laid by a simple flow, as a start for combing or as short hair.
 //!
 //! Guarantees: roots lie on the scalp and in the region; a higher count only adds guides; no point
-//! lies under the skin; points are evenly spaced. Not promised: that guides keep clear of each other.
+//! lies under the skin; points are evenly spaced; on a parted scalp none is rooted in a parting or leads over one on the skin: it
+//! goes along it, and ends at a corner that leaves no way. Not promised: that guides keep clear of each other.
 
 use super::even_roots::{Apart, EvenRoots};
 use crate::data::attributes::{
@@ -224,6 +225,7 @@ impl Grower<'_> {
         let (mut p, mut normal) = (root.point, root.normal);
         let mut grown = vec![p];
         let mut below = root.triangle;
+        let home = self.scalp.home_of(root);
         for _ in 0..steps {
             let next = p + direction * step;
             let (lifted, moved) = self.skin.lift(next, CLEARANCE);
@@ -231,6 +233,15 @@ impl Grower<'_> {
             let mut to = lifted;
             if moved && let Some(along) = (lifted - p).try_normalize() {
                 to = self.skin.lift(p + along * step, CLEARANCE).0;
+            }
+            // What lies on the skin goes along a parting, not over it.
+            if let Some(kept) = home.and_then(|home| home.kept(to, &mut below)).filter(|q| *q != to)
+            {
+                to = self.skin.lift(kept, CLEARANCE).0;
+            }
+            // At a corner that leaves no way, it ends.
+            if grown.len() > 1 && home.is_some_and(|home| home.passes(&[p, to])) {
+                break;
             }
             direction = (to - p).try_normalize().unwrap_or(direction);
             p = to;

@@ -3,7 +3,8 @@
 //! methods.md 1. The default is the rotation-minimising frame by double reflection (Wang, Jüttler,
 //! Zheng, Liu 2008, "Computation of rotation minimizing frames"), walked in steps of at most
 //! 10 degrees of turn. A wanted direction (an axis, the scalp's normal) pulls the normal towards
-//! itself, at most 20 degrees a step.
+//! itself, at most 20 degrees a step. What turns back by more than 135 degrees in one place is folded over about the binormal
+//! (methods.md has the normal as axis past 170): braids keep their strands on their sides.
 //!
 //! Guarantees: orthonormal to 1e-5; the normal of each step keeps `dot > 0.999` with the last one carried by the
 //! smallest rotation where nothing is wanted; corners and repeated points never make NaN.

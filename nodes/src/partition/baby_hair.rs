@@ -49,6 +49,9 @@ node! {
         length_variation: f32 = 0.55, hard(0.0, 0.95), unit(Ratio), words("random vary");
         /// Which way they lie: 0 straight out over the face, 90 along the hairline away from the middle, -90 towards it.
         direction: f32 = 35.0, hard(-180.0, 180.0), soft(-90.0, 90.0), unit(Angle), handle(Handle::Angle), words("comb flow sweep");
+        /// Where the middle is that they lie away from: 0 in the middle of the head, positive nearer to its left ear. As the
+        /// other hair is parted.
+        parted_at: f32 = 0.0, hard(-20.0, 20.0), soft(-6.0, 6.0), unit(Length), words("part side middle centre");
         /// How far the tips stand off the skin.
         lift: f32 = 0.12, hard(0.0, 10.0), soft(0.0, 1.0), unit(Length), words("height off");
         /// How much hairs differ in direction, lift and bend.
@@ -156,8 +159,9 @@ impl Maker<'_> {
         let root = self.scalp.closest_root(edge + inward * depth)?;
         let p = frame.head_from_vector(root.point - frame.origin) / frame.radius;
         let front = p.z.abs().min(1.0);
+        let x = p.x - self.inputs.parted_at * self.unit / frame.radius;
         let away =
-            frame.right * (p.x.signum() * front) - frame.up * (1.0 - front) - frame.forward * 0.2;
+            frame.right * (x.signum() * front) - frame.up * (1.0 - front) - frame.forward * 0.2;
         let along = if tangent.dot(away) < 0.0 { -tangent } else { tangent };
         let out = across(-inward, root.normal).unwrap_or_else(|| any_normal(root.normal));
         let along = across(along, root.normal).unwrap_or(out);

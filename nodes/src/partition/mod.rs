@@ -14,6 +14,8 @@ mod over;
 mod partings;
 mod pattern;
 mod pulled;
+#[cfg(test)]
+mod respected;
 pub(crate) mod territory;
 
 pub(crate) const NODES: &[&NodeDef] = &[&partings::NODE, &edge_partition::NODE, &baby_hair::NODE];

@@ -7,7 +7,7 @@
 //! Any other outline takes the sphere's place along the same directions.
 //!
 //! Guarantees: guides end on the sphere to 1e-4 of its radius, leave the scalp along its normal and stay outside it;
-//! more fill only adds hairs; with `flatten` at 1 no tip lies over the plane to another puff of the node, and none beyond a
+//! more fill only adds hairs; on a parted scalp all of a puff's hair is rooted in the section of its middle; with `flatten` at 1 no tip lies over the plane to another puff of the node, and none beyond a
 //! clearance of the skin. Not promised: that without it a sphere set so low that it dips into the head keeps its
 //! tips outside (they are counted in a warning).
 
@@ -402,11 +402,13 @@ impl<'a> Puff<'a> {
         self.axis * cos + (self.right * x + self.ahead * y) * sin
     }
 
-    /// The root under a place of the unit disc.
+    /// The root under a place of the unit disc, on a parted scalp in the section of the middle.
     fn root(&self, place: Vec2) -> Option<Root> {
         let place = place * self.root_radius;
         let over = self.middle.point + self.right * place.x + self.ahead * place.y;
-        self.inputs.scalp.closest_root(over)
+        let scalp = &self.inputs.scalp;
+        let root = scalp.closest_root(over)?;
+        Some(scalp.kept_in_section(self.middle.point, root))
     }
 
     /// The id of the guide in a row and column.

@@ -71,7 +71,14 @@ pub(super) fn measure(prim: &Prim) -> Option<Curls> {
     })
 }
 
+/// Fewer measured hairs than this tell nothing of the rest.
+const JUDGED: usize = 20;
+
 impl Curls {
+    /// Whether so many hairs turn often enough to be measured that all can be judged by them.
+    pub(super) fn can_be_judged(&self) -> bool {
+        self.measured >= JUDGED.min(self.curled) && self.measured > 0
+    }
     /// Whether the middle of each figure is within `share` of what was asked.
     pub(super) fn as_asked(&self, share: f32) -> [(&'static str, bool); 3] {
         let near = |ratio: [f32; 3]| (ratio[1] - 1.0).abs() <= share;
@@ -308,6 +315,29 @@ mod tests {
             let fine = coil(d, p, turns, 96.0, bend);
             let length: f32 = fine.windows(2).map(|w| w[0].distance(w[1])).sum();
             check(&coil(d, p, turns, 12.0, bend), d, p, 1.0 - turns * p / length);
+        }
+    }
+
+    #[test]
+    fn curls_of_which_too_few_turn_often_enough_are_not_judged() {
+        let judged = |measured: usize, curled: usize| {
+            let none = [0.0; 3];
+            let curls = Curls {
+                curled,
+                measured,
+                diameter_ratio: none,
+                pitch_ratio: none,
+                shrinkage_ratio: None,
+                diameter_cm: 0.0,
+                pitch_cm: 0.0,
+                shrinkage: 0.0,
+            };
+            curls.can_be_judged()
+        };
+        for (measured, curled, want) in
+            [(0, 1500, false), (8, 1500, false), (20, 1500, true), (3, 3, true), (0, 3, false)]
+        {
+            assert_eq!(judged(measured, curled), want, "{measured} of {curled}");
         }
     }
 

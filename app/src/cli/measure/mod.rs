@@ -280,7 +280,7 @@ impl Measured {
             laws.insert("no hair crosses a parting", partings.crossing == 0);
             laws.insert("no hair is rooted in a parting", partings.rooted_in == 0);
         }
-        if let Some(curls) = &self.curls {
+        if let Some(curls) = self.curls.as_ref().filter(|curls| curls.can_be_judged()) {
             laws.extend(curls.as_asked(0.05));
         }
         if let Some(puffs) = self.puffs.as_ref().filter(|puffs| puffs.can_be_judged()) {

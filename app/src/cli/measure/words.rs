@@ -66,7 +66,13 @@ pub(super) fn in_words(m: &Measured) -> String {
             f(p.half_width_cm[1])
         );
     }
-    if let Some(c) = &m.curls {
+    if let Some(c) = m.curls.as_ref().filter(|c| !c.can_be_judged()) {
+        text += &format!(
+            "  curls of {} hairs: {} turn often enough to be measured, too few to judge them by\n",
+            c.curled, c.measured
+        );
+    }
+    if let Some(c) = m.curls.as_ref().filter(|c| c.can_be_judged()) {
         let of = |ratio: [f32; 3]| {
             let [lo, mid, hi] = ratio.map(f);
             format!("{mid} of what was asked ({lo} to {hi})")

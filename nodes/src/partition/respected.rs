@@ -1,0 +1,82 @@
+//! Tests: whatever grows on a parted scalp keeps off its partings.
+//!
+//! Laid guides, what is filled about them and between them, and puffs: none is rooted in a parting, and none leads over one
+//! near its root. Nodes of partition and braid have tests of their own.
+
+use crate::data::curves::Curves;
+use crate::data::scalp::Scalp;
+use crate::define::Value;
+use crate::testing::{curves_of, run};
+use std::sync::Arc;
+
+fn node(id: &str, output: &str, set: &[(&str, Value)]) -> Value {
+    let node = crate::by_id(id).unwrap();
+    let at = node.outputs.iter().position(|it| it.name == output).unwrap();
+    run(node, set).0.remove(at)
+}
+
+fn curves(id: &str, set: &[(&str, Value)]) -> Curves {
+    curves_of(&node(id, "curves", set)).clone()
+}
+
+/// The built-in head, parted straight back into strips, or into boxes; and the middles of these.
+fn parted(cells: &str) -> (Arc<Scalp>, Curves) {
+    let head = node("head", "scalp", &[]);
+    let set = [
+        ("scalp", head),
+        ("pattern", "straight_back".into()),
+        ("count", Value::Int(8)),
+        ("cells", cells.into()),
+        ("cell_length", Value::Float(5.0)),
+    ];
+    let Value::Scalp(scalp) = node("partings", "scalp", &set) else { panic!() };
+    (scalp, curves_of(&node("partings", "middles", &set)).clone())
+}
+
+#[track_caller]
+fn check(what: &str, scalp: &Scalp, hair: &Curves, least: usize) {
+    let sections = scalp.sections().unwrap();
+    let (mut rooted, mut over) = (0, 0);
+    for (tuft, i) in hair.each() {
+        let points = tuft.curve(i);
+        rooted += usize::from(!scalp.free(points[0]));
+        // What has left the skin may pass over.
+        let near = points.len().min(8);
+        over += usize::from(points[..near].windows(2).any(|w| sections.passed(w[0], w[1], 0.0)));
+    }
+    assert!(hair.curve_count() > least, "{what}: {} hairs", hair.curve_count());
+    assert_eq!((rooted, over), (0, 0), "{what}: rooted in partings, over them");
+}
+
+#[test]
+fn guides_fills_and_puffs_keep_off_partings() {
+    for cells in ["whole", "boxes"] {
+        let (scalp, middles) = parted(cells);
+        let on = || ("scalp", Value::from(scalp.clone()));
+        let guides = |set: &[(&'static str, Value)]| {
+            let base = [on(), ("count", Value::Int(1500)), ("radius", Value::Float(0.8))];
+            curves("scatter_guides", &[&base, set].concat())
+        };
+        let laid = guides(&[("length", Value::Float(4.0))]);
+        check(&format!("laid guides on {cells}"), &scalp, &laid, 1000);
+        let between = [on(), ("guides", laid.into()), ("density", Value::Float(20.0))];
+        let hair = curves("interpolate", &between);
+        check(&format!("hair between guides on {cells}"), &scalp, &hair, 5000);
+        let upright = guides(&[
+            ("count", Value::Int(200)),
+            ("length", Value::Float(2.0)),
+            ("lie", Value::Float(90.0)),
+            ("bend", Value::Float(0.0)),
+            ("droop", Value::Float(0.0)),
+        ]);
+        let clusters = [on(), ("curves", upright.into()), ("strands", Value::Int(60))];
+        let hair = curves("cluster_to_strands", &clusters);
+        check(&format!("clusters on {cells}"), &scalp, &hair, 5000);
+        // The puff's own place is on a parting.
+        let puff = curves("sphere_puff", &[on(), ("count", Value::Int(2000))]);
+        check(&format!("a puff on {cells}"), &scalp, &puff, 1900);
+        let placed = [on(), ("placements", middles.into()), ("count", Value::Int(100))];
+        let puffs = curves("sphere_puff", &placed);
+        check(&format!("puffs in the middles of {cells}"), &scalp, &puffs, 500);
+    }
+}
