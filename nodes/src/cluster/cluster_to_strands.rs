@@ -295,8 +295,13 @@ impl Filler<'_> {
             }
             if let (Some(home), Some(triangle)) = (&home, triangles.last()) {
                 let mut near = *triangle as u32;
-                for p in &mut points[first + 1..first + at_home] {
-                    *p = home.kept(*p, &mut near).unwrap_or(*p);
+                for (p, section) in
+                    points[first + 1..first + at_home].iter_mut().zip(&sections.at[1..])
+                {
+                    // Straight to the side may be into the head.
+                    if let Some(kept) = home.kept(*p, &mut near).filter(|kept| kept != p) {
+                        *p = skin.map_or(kept, |skin| skin.push_out(kept, section.depth).0);
+                    }
                 }
                 if home.passes(&points[first..first + at_home]) {
                     piece.trouble(

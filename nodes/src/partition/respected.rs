@@ -1,7 +1,7 @@
 //! Tests: whatever grows on a parted scalp keeps off its partings.
 //!
 //! Laid guides, what is filled about them and between them, and puffs: none is rooted in a parting, and none leads over one
-//! near its root. Nodes of partition and braid have tests of their own.
+//! near its root; nor is any moved into the head for it. Nodes of partition and braid have tests of their own.
 
 use crate::data::curves::Curves;
 use crate::data::scalp::Scalp;
@@ -36,16 +36,19 @@ fn parted(cells: &str) -> (Arc<Scalp>, Curves) {
 #[track_caller]
 fn check(what: &str, scalp: &Scalp, hair: &Curves, least: usize) {
     let sections = scalp.sections().unwrap();
-    let (mut rooted, mut over) = (0, 0);
+    let (mut rooted, mut over, mut under) = (0, 0, 0);
+    let skin = scalp.skin();
     for (tuft, i) in hair.each() {
         let points = tuft.curve(i);
         rooted += usize::from(!scalp.free(points[0]));
+        under += points[1..].iter().filter(|p| skin.distance(**p) < -1e-3).count();
         // What has left the skin may pass over.
         let near = points.len().min(8);
         over += usize::from(points[..near].windows(2).any(|w| sections.passed(w[0], w[1], 0.0)));
     }
     assert!(hair.curve_count() > least, "{what}: {} hairs", hair.curve_count());
-    assert_eq!((rooted, over), (0, 0), "{what}: rooted in partings, over them");
+    let found = (rooted, over, under);
+    assert_eq!(found, (0, 0, 0), "{what}: rooted in partings, over them; points in the head");
 }
 
 #[test]

@@ -7,8 +7,8 @@
 //! Any other outline takes the sphere's place along the same directions.
 //!
 //! Guarantees: guides end on the sphere to 1e-4 of its radius, leave the scalp along its normal and stay outside it;
-//! more fill only adds hairs; on a parted scalp all of a puff's hair is rooted in the section of its middle; with `flatten` at 1 no tip lies over the plane to another puff of the node, and none beyond a
-//! clearance of the skin. Not promised: that without it a sphere set so low that it dips into the head keeps its
+//! more fill only adds hairs; on a parted scalp all of a puff's hair is rooted in the section of its middle; with
+//! `flatten` at 1 no tip lies over the plane to another puff of the node, and none beyond a clearance of the skin. Not promised: that without it a sphere set so low that it dips into the head keeps its
 //! tips outside (they are counted in a warning).
 
 use super::outline::Outline;
