@@ -90,9 +90,9 @@ const WANDERS: [f32; 2] = [0.14, 0.05];
 const SMALL: [f32; 2] = [0.05, 0.045];
 /// How much longer turns are seen to be where half are skipped, times four: found at 0.15 to 0.5.
 const HALF_SKIPPED: f32 = 0.2;
-/// How much wider a curl is seen to be that turns back at every turn, without blending: then it swings to and fro beside its
-/// source. Where it does so at every other turn, a hundredth.
-const SWINGS: f32 = 0.17;
+/// How much shorter turns are seen to be of a curl that turns back at every turn, without blending: then it swings to and fro
+/// beside its source, and its axis with it. Where it does so at every other turn, a hundredth.
+const SWINGS: f32 = 0.12;
 /// Turns for which Z-bends go on, or stay away: hair kinks in runs.
 const Z_RUN: u64 = 3;
 /// Turns over which the plane of Z-bends turns.
@@ -185,8 +185,8 @@ impl Pattern {
         let fourth = |x: f32| x * x * x * x;
         let swings = 1.0 + SWINGS * fourth(back) * (1.0 - fourth(self.blend));
         let even = Even {
-            size: (1.0 + SMALL[0] * fourth(size)) / (square.sqrt() * swings),
-            pitch: gone / (longer * passed),
+            size: (1.0 + SMALL[0] * fourth(size)) / square.sqrt(),
+            pitch: gone * swings / (longer * passed),
             told: (1.0 - skipped * (1.0 - SKIPPED * SKIPPED)).sqrt(),
         };
         Self { even, ..self }

@@ -146,6 +146,15 @@ pub(crate) struct Goal {
     pub(crate) fibre: f32,
 }
 
+/// A walk that came to its end.
+#[derive(Debug, Default)]
+struct Walk {
+    points: Vec<Vec3>,
+    marks: Vec<Mark>,
+    fibre: f32,
+    span: f32,
+}
+
 /// Winds curves; keeps its memory from curve to curve.
 #[derive(Debug, Default)]
 pub(crate) struct Winder {
@@ -170,6 +179,8 @@ pub(crate) struct Winder {
     marks: Vec<Mark>,
     /// How many of these the last walk has taken as they were wanted; what follows shares what was left over.
     walked: usize,
+    /// The walk so far whose length was nearest to what was asked.
+    nearest: Walk,
     /// Arc length of the curl and cm of source that it takes.
     pub(crate) fibre: f32,
     pub(crate) span: f32,
@@ -368,6 +379,7 @@ impl Winder {
         // a walk that needs more points than there may be is begun again with longer steps.
         let (mut fibre, mut corrections, mut again) = (goal.fibre, 0, false);
         let mut scarce = self.on_turn(most, length) < SCARCE;
+        let mut nearest = f32::INFINITY;
         for _ in 0..10 {
             let way = (fibre, stretch, most, again);
             match self.walk(pattern, rail, (last as u32, x), way, roll) {
@@ -383,6 +395,12 @@ impl Winder {
                     let close = off.abs() <= CLOSE * goal.fibre || goal.fibre == f32::INFINITY;
                     if ended || close {
                         return;
+                    }
+                    if off.abs() < nearest {
+                        nearest = off.abs();
+                        self.nearest.points.clone_from(&self.points);
+                        self.nearest.marks.clone_from(&self.marks);
+                        (self.nearest.fibre, self.nearest.span) = (self.fibre, self.span);
                     }
                     corrections += 1;
                     fibre *= goal.fibre / self.fibre;
@@ -406,6 +424,12 @@ impl Winder {
                     }
                 }
             }
+        }
+        // No length was close, and the last walk may have stopped on the way for want of points.
+        if nearest < f32::INFINITY {
+            std::mem::swap(&mut self.points, &mut self.nearest.points);
+            std::mem::swap(&mut self.marks, &mut self.nearest.marks);
+            (self.fibre, self.span) = (self.nearest.fibre, self.nearest.span);
         }
     }
 

@@ -107,10 +107,10 @@ impl Curl {
         spline.resample(count, |p| at.push(p));
         let sums = sums(&at);
         let mut window = count as f32 / 3.0;
-        let mut turned = vec![];
+        let (mut turned, mut swings) = (vec![], false);
         for _ in 0..8 {
             let (axis, from) = axis(&sums, window)?;
-            turned = turns(&at[from..from + axis.len()], &axis);
+            (turned, swings) = turns(&at[from..from + axis.len()], &axis);
             let next = axis.len() as f32 / turned[turned.len() - 1].max(1e-3);
             // Waves are counted in a window of many before they are in one of one.
             let settled = (next - window).abs() < 0.01 * window;
@@ -123,10 +123,18 @@ impl Curl {
             return None;
         }
         // Where there are many turns, the axis is a mean over several: no turn's own wandering or going back bends it.
-        let several = (0.25 * count as f32 / window).floor().clamp(1.0, 4.0);
-        let (axis, from) = self::axis(&sums, several * window)?;
+        let mut several = (0.25 * count as f32 / window).floor().clamp(1.0, 4.0);
+        // A curl that goes back at every turn comes round in two: its axis is a mean over these, or bends half as often.
+        let bends = count as f32 / window * if swings { 0.5 } else { 1.0 };
+        if swings {
+            several = several.min(2.0);
+        }
+        let (axis, from) = match swings && several == 1.0 {
+            true => (low_axis(&at, bends), 0),
+            false => self::axis(&sums, several * window)?,
+        };
         let n = axis.len();
-        let turned = turns(&at[from..from + n], &axis);
+        let (turned, _) = turns(&at[from..from + n], &axis);
         // How far: along the axis, once more a mean where that is over several turns, from the root to as far as the tip lies
         // ahead.
         let (course, start) = match several > 1.0 {
@@ -151,7 +159,7 @@ impl Curl {
         // How wide: off the axis across it, each place as often as the axis is long there.
         let (axis, from) = match several > 1.0 {
             true => (axis, from),
-            false => (low_axis(&at, count as f32 / window), 0),
+            false => (low_axis(&at, bends), 0),
         };
         let middle = CURL_MIDDLE.map(|u| (u * (count - 1) as f32).round() as usize);
         let (first, last) = (middle[0].max(from + 1), middle[1].min(from + axis.len() - 1));
@@ -241,15 +249,16 @@ fn low_axis(at: &[Vec3], turns: f32) -> Vec<Vec3> {
     fitted.into_iter().map(|p| p.as_vec3()).collect()
 }
 
-/// How often `at` has gone about its axis up to each sample, whichever way round.
-fn turns(at: &[Vec3], axis: &[Vec3]) -> Vec<f32> {
+/// How often `at` has gone about its axis up to each sample, whichever way round; and whether it goes as often one way as the
+/// other.
+fn turns(at: &[Vec3], axis: &[Vec3]) -> (Vec<f32>, bool) {
     let n = axis.len();
     let tangent =
         |k: usize| (axis[(k + 1).min(n - 1)] - axis[k.saturating_sub(1)]).normalize_or_zero();
     let mut before = tangent(0);
     let mut normal = coif_nodes::maths::frame::any_normal(before);
     let mut last: Option<Vec2> = None;
-    let mut angle = 0.0f32;
+    let (mut angle, mut net) = (0.0f32, Vec2::ZERO);
     let mut out = Vec::with_capacity(n);
     for k in 0..n {
         let along = tangent(k);
@@ -259,7 +268,10 @@ fn turns(at: &[Vec3], axis: &[Vec3]) -> Vec<f32> {
             let off = at[k] - axis[k];
             let here = Vec2::new(off.dot(normal), off.dot(along.cross(normal)));
             if let Some(last) = last {
-                angle += atan2(last.perp_dot(here), last.dot(here)).abs();
+                let step = atan2(last.perp_dot(here), last.dot(here));
+                angle += step.abs();
+                // What flies past the axis, as a wave does, goes neither way.
+                net += if step.abs() < 0.5 { Vec2::new(step, step.abs()) } else { Vec2::ZERO };
             }
             if here.length_squared() > 0.0 {
                 last = Some(here);
@@ -267,7 +279,8 @@ fn turns(at: &[Vec3], axis: &[Vec3]) -> Vec<f32> {
         }
         out.push(angle / std::f32::consts::TAU);
     }
-    out
+    let swings = net.y > 0.6 * angle && net.x.abs() < 0.5 * net.y;
+    (out, swings)
 }
 
 #[cfg(test)]
