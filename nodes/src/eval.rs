@@ -7,9 +7,14 @@
 //! [`EvalCx::each_tuft_with`] (tufts that read other tufts), [`EvalCx::fold`] (a list replayed on a
 //! state). Each derives the key of a piece of work from the node, its values and the tufts it reads, and asks the host
 //! for that piece before doing it.
+//!
+//! Pieces that ask a parted scalp about places only may run by place ([`EvalCx::by_place`]): where a parting moves, those run
+//! again that read what is there.
 
 use crate::data::curves::{Curves, Tuft};
+use crate::data::footprint::{Footprint, traced};
 use crate::data::scalp::{Scalp, Skin};
+use crate::data::sections::Sections;
 use crate::define::NodeError;
 use crate::maths::hash::{Dice, Key, KeyBuilder};
 use std::any::Any;
@@ -114,6 +119,9 @@ pub struct EvalCx<'a> {
     /// curves nor strokes: these enter the keys of the pieces that read them, so that one more stroke makes
     /// one more tuft.
     pub node: Key,
+    /// The same without what partings the scalp has; none where it has none, or where an input asks for a mask, which may be a
+    /// section.
+    pub node_by_place: Option<Key>,
     /// The surroundings.
     pub host: &'a dyn Host,
     /// What is counted and said.
@@ -150,6 +158,24 @@ impl Piece<'_> {
 struct Made {
     tufts: Vec<Vec<Arc<Tuft>>>,
     troubles: Vec<Message>,
+}
+
+impl Made {
+    fn bytes(&self) -> usize {
+        self.tufts.iter().flatten().map(|t| t.bytes()).sum::<usize>() + 256
+    }
+}
+
+/// A piece by place: what was made last, each with what it read of the sections.
+struct ByPlace(Vec<(Footprint, Arc<Made>)>);
+
+/// For how many ways in which a scalp was parted a piece is kept: back and forth.
+const WAYS: usize = 2;
+
+/// Pieces that run by place, or as any others where nothing is parted.
+pub struct Placed<'a> {
+    cx: &'a EvalCx<'a>,
+    by: Option<(Key, &'a Sections)>,
 }
 
 impl EvalCx<'_> {
@@ -194,6 +220,110 @@ impl EvalCx<'_> {
         if self.host.cancelled() { Err(NodeError::Cancelled) } else { Ok(()) }
     }
 
+    /// Pieces that read of the node's scalp's sections what is told by place, in the piece, and nothing else that comes from
+    /// them: neither what they hold from outside nor what several of them share. They run again only where partings changed
+    /// that they read.
+    pub fn by_place<'s>(&'s self, scalp: Option<&'s Scalp>) -> Placed<'s> {
+        Placed { cx: self, by: self.node_by_place.zip(scalp.and_then(Scalp::sections)) }
+    }
+
+    /// See [`Placed::each_tuft`].
+    pub fn each_tuft<const N: usize>(
+        &self,
+        curves: &Curves,
+        make: impl Fn(&Tuft, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        self.anywhere().each_tuft(curves, make)
+    }
+
+    /// See [`Placed::each_curve`].
+    pub fn each_curve<const N: usize>(
+        &self,
+        curves: &Curves,
+        make: impl Fn(&Tuft, usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        self.anywhere().each_curve(curves, make)
+    }
+
+    /// See [`Placed::each_tuft_with`].
+    pub fn each_tuft_with<const N: usize>(
+        &self,
+        curves: &Curves,
+        sources: &Curves,
+        needs: impl Fn(usize, &Tuft) -> Vec<u32>,
+        make: impl Fn(&Tuft, &[&Tuft], &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        self.anywhere().each_tuft_with(curves, sources, needs, make)
+    }
+
+    /// See [`Placed::each_item`].
+    pub fn each_item<const N: usize>(
+        &self,
+        n: usize,
+        item: impl Fn(usize) -> Key + Sync,
+        make: impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        self.anywhere().each_item(n, item, make)
+    }
+
+    fn anywhere(&self) -> Placed<'_> {
+        Placed { cx: self, by: None }
+    }
+
+    /// A list replayed on a state. The states after every item are kept, so that adding to the end runs one step
+    /// and changing an item runs from there on.
+    pub fn fold<S: Send + Sync + 'static, I>(
+        &self,
+        start: (Key, impl FnOnce() -> Result<S, NodeError>),
+        items: &[(Key, I)],
+        step: impl Fn(&S, &I) -> Result<S, NodeError>,
+        bytes: impl Fn(&S) -> usize,
+    ) -> Result<Arc<S>, NodeError> {
+        let mut keys = vec![KeyBuilder::new("fold").key(self.node).key(start.0).finish()];
+        for (key, _) in items {
+            let last = keys[keys.len() - 1];
+            keys.push(KeyBuilder::new("fold").key(last).key(*key).finish());
+        }
+        let known = (0..keys.len())
+            .rev()
+            .find_map(|i| Some((i, self.host.find(keys[i])?.downcast::<S>().ok()?)));
+        let (mut done, mut state) = match known {
+            Some(known) => known,
+            None => {
+                let state = Arc::new(start.1()?);
+                self.host.keep(keys[0], state.clone(), bytes(&state));
+                (0, state)
+            }
+        };
+        self.log.tufts_reused.fetch_add(done as u32, Ordering::Relaxed);
+        while done < items.len() {
+            self.check()?;
+            state = Arc::new(step(&state, &items[done].1)?);
+            self.log.tufts_run.fetch_add(1, Ordering::Relaxed);
+            done += 1;
+            self.host.keep(keys[done], state.clone(), bytes(&state));
+        }
+        Ok(state)
+    }
+
+    /// Something derived from `key` alone that several evaluations may share, such as a tree over roots.
+    pub fn memo<T: Send + Sync + 'static>(
+        &self,
+        key: Key,
+        make: impl FnOnce() -> (T, usize),
+    ) -> Arc<T> {
+        let key = KeyBuilder::new("memo").key(key).finish();
+        if let Some(found) = self.host.find(key).and_then(|kept| kept.downcast::<T>().ok()) {
+            return found;
+        }
+        let (value, bytes) = make();
+        let value = Arc::new(value);
+        self.host.keep(key, value.clone(), bytes);
+        value
+    }
+}
+
+impl Placed<'_> {
     /// Tufts to tufts: each output tuft reads one input tuft and nothing else that varies.
     pub fn each_tuft<const N: usize>(
         &self,
@@ -261,15 +391,16 @@ impl EvalCx<'_> {
     ) -> Result<[Curves; N], NodeError> {
         let made: Vec<OnceLock<Result<Arc<Made>, NodeError>>> =
             (0..n).map(|_| OnceLock::new()).collect();
+        let node = self.by.map_or(self.cx.node, |(node, _)| node);
         let (done, points) = (AtomicU32::new(0), AtomicUsize::new(0));
-        self.host.for_each(n, &|i| {
+        self.cx.host.for_each(n, &|i| {
             if points.load(Ordering::Relaxed) <= MOST_POINTS {
-                let piece = self.piece(key(i).key(self.node).finish(), i, &make);
+                let piece = self.piece(key(i).key(node).finish(), i, &make);
                 let tufts = piece.iter().flat_map(|made| made.tufts.iter().flatten());
                 points.fetch_add(tufts.map(|t| t.points().len()).sum(), Ordering::Relaxed);
                 let _ = made[i].set(piece);
             }
-            self.host.progress(done.fetch_add(1, Ordering::Relaxed) as usize + 1, n);
+            self.cx.host.progress(done.fetch_add(1, Ordering::Relaxed) as usize + 1, n);
         });
         // So much is made, or not, whatever the order of pieces.
         if points.into_inner() > MOST_POINTS {
@@ -284,7 +415,7 @@ impl EvalCx<'_> {
             for (output, tufts) in outputs.iter_mut().zip(&made.tufts) {
                 output.extend(tufts.iter().cloned());
             }
-            made.troubles.iter().for_each(|trouble| self.log.say(trouble.clone()));
+            made.troubles.iter().for_each(|trouble| self.cx.log.say(trouble.clone()));
         }
         Ok(outputs.map(Curves::new))
     }
@@ -295,13 +426,39 @@ impl EvalCx<'_> {
         i: usize,
         make: &(impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync),
     ) -> Result<Arc<Made>, NodeError> {
-        self.check()?;
-        if let Some(made) = self.host.find(key).and_then(|kept| kept.downcast::<Made>().ok()) {
-            self.log.tufts_reused.fetch_add(1, Ordering::Relaxed);
+        self.cx.check()?;
+        let Some((_, sections)) = self.by else {
+            if let Some(made) = self.cx.host.find(key).and_then(|kept| kept.downcast().ok()) {
+                self.cx.log.tufts_reused.fetch_add(1, Ordering::Relaxed);
+                return Ok(made);
+            }
+            let made = Arc::new(self.made(i, make)?);
+            self.cx.host.keep(key, made.clone(), made.bytes());
             return Ok(made);
+        };
+        let known = self.cx.host.find(key).and_then(|kept| kept.downcast::<ByPlace>().ok());
+        let known = known.as_deref().map_or(&[][..], |known| &known.0);
+        if let Some((_, made)) = known.iter().find(|(read, _)| read.is_same_on(sections)) {
+            self.cx.log.tufts_reused.fetch_add(1, Ordering::Relaxed);
+            return Ok(made.clone());
         }
-        self.log.tufts_run.fetch_add(1, Ordering::Relaxed);
-        let mut piece = Piece { host: self.host, since: 0, troubles: BTreeMap::new() };
+        let (made, read) = traced(sections, || self.made(i, make));
+        let made = Arc::new(made?);
+        let before = known.iter().take(WAYS - 1);
+        let before = before.map(|(read, made)| (read.clone(), made.clone()));
+        let kept: Vec<_> = std::iter::once((read, made.clone())).chain(before).collect();
+        let bytes = kept.iter().map(|(read, made)| read.bytes() + made.bytes()).sum();
+        self.cx.host.keep(key, Arc::new(ByPlace(kept)), bytes);
+        Ok(made)
+    }
+
+    fn made<const N: usize>(
+        &self,
+        i: usize,
+        make: &(impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync),
+    ) -> Result<Made, NodeError> {
+        self.cx.log.tufts_run.fetch_add(1, Ordering::Relaxed);
+        let mut piece = Piece { host: self.cx.host, since: 0, troubles: BTreeMap::new() };
         let tufts: Vec<Vec<Arc<Tuft>>> =
             make(i, &mut piece)?.into_iter().map(Tuft::split).collect();
         let troubles = piece
@@ -309,62 +466,7 @@ impl EvalCx<'_> {
             .into_iter()
             .map(|(text, (count, curves))| Message { warning: true, text, count, curves })
             .collect();
-        let bytes = tufts.iter().flatten().map(|t| t.bytes()).sum::<usize>() + 256;
-        let made = Arc::new(Made { tufts, troubles });
-        self.host.keep(key, made.clone(), bytes);
-        Ok(made)
-    }
-
-    /// A list replayed on a state. The states after every item are kept, so that adding to the end runs one step
-    /// and changing an item runs from there on.
-    pub fn fold<S: Send + Sync + 'static, I>(
-        &self,
-        start: (Key, impl FnOnce() -> Result<S, NodeError>),
-        items: &[(Key, I)],
-        step: impl Fn(&S, &I) -> Result<S, NodeError>,
-        bytes: impl Fn(&S) -> usize,
-    ) -> Result<Arc<S>, NodeError> {
-        let mut keys = vec![KeyBuilder::new("fold").key(self.node).key(start.0).finish()];
-        for (key, _) in items {
-            let last = keys[keys.len() - 1];
-            keys.push(KeyBuilder::new("fold").key(last).key(*key).finish());
-        }
-        let known = (0..keys.len())
-            .rev()
-            .find_map(|i| Some((i, self.host.find(keys[i])?.downcast::<S>().ok()?)));
-        let (mut done, mut state) = match known {
-            Some(known) => known,
-            None => {
-                let state = Arc::new(start.1()?);
-                self.host.keep(keys[0], state.clone(), bytes(&state));
-                (0, state)
-            }
-        };
-        self.log.tufts_reused.fetch_add(done as u32, Ordering::Relaxed);
-        while done < items.len() {
-            self.check()?;
-            state = Arc::new(step(&state, &items[done].1)?);
-            self.log.tufts_run.fetch_add(1, Ordering::Relaxed);
-            done += 1;
-            self.host.keep(keys[done], state.clone(), bytes(&state));
-        }
-        Ok(state)
-    }
-
-    /// Something derived from `key` alone that several evaluations may share, such as a tree over roots.
-    pub fn memo<T: Send + Sync + 'static>(
-        &self,
-        key: Key,
-        make: impl FnOnce() -> (T, usize),
-    ) -> Arc<T> {
-        let key = KeyBuilder::new("memo").key(key).finish();
-        if let Some(found) = self.host.find(key).and_then(|kept| kept.downcast::<T>().ok()) {
-            return found;
-        }
-        let (value, bytes) = make();
-        let value = Arc::new(value);
-        self.host.keep(key, value.clone(), bytes);
-        value
+        Ok(Made { tufts, troubles })
     }
 }
 
@@ -394,7 +496,14 @@ mod tests {
     /// Replays numbers on a sum; gives the sum, and how many steps ran and were reused.
     fn replay(host: &Memory, numbers: &[u64]) -> (u64, u32, u32) {
         let log = Log::default();
-        let cx = EvalCx { seed: 0, quality: Quality::Final, node: Key(1), host, log: &log };
+        let cx = EvalCx {
+            seed: 0,
+            quality: Quality::Final,
+            node: Key(1),
+            node_by_place: None,
+            host,
+            log: &log,
+        };
         let items: Vec<(Key, u64)> =
             numbers.iter().map(|n| (KeyBuilder::new("item").int(*n).finish(), *n)).collect();
         let sum = cx.fold((Key(2), || Ok(0u64)), &items, |sum, n| Ok(sum * 10 + n), |_| 8).unwrap();
@@ -415,7 +524,14 @@ mod tests {
     fn messages_join_repeats_and_name_the_first_few() {
         let log = Log::default();
         let host = PlainHost;
-        let cx = EvalCx { seed: 0, quality: Quality::Final, node: Key(1), host: &host, log: &log };
+        let cx = EvalCx {
+            seed: 0,
+            quality: Quality::Final,
+            node: Key(1),
+            node_by_place: None,
+            host: &host,
+            log: &log,
+        };
         (1..=20).for_each(|curve| cx.trouble(curve, "was left out"));
         let said: Vec<String> = log.messages().iter().map(ToString::to_string).collect();
         assert_eq!(said, ["was left out (20 curves, first 0000000000000001)"]);
@@ -425,7 +541,14 @@ mod tests {
     #[test]
     fn preview_makes_a_tenth_but_never_under_sixteen() {
         let (log, host) = (Log::default(), PlainHost);
-        let cx = |quality| EvalCx { seed: 0, quality, node: Key(1), host: &host, log: &log };
+        let cx = |quality| EvalCx {
+            seed: 0,
+            quality,
+            node: Key(1),
+            node_by_place: None,
+            host: &host,
+            log: &log,
+        };
         let thinned = |n| cx(Quality::Preview).thinned(n);
         assert_eq!([10, 100, 1000].map(thinned), [10, 16, 100]);
         assert_eq!(cx(Quality::Final).thinned(1000), 1000);

@@ -224,8 +224,8 @@ impl Evaluator {
         let log = Log::default();
         let mut report =
             NodeReport { name: step.name.clone(), kind: step.def.id, ..NodeReport::default() };
-        let (node, whole) = keys(step, &inputs, plan.seed, plan.quality);
-        let known = self.cache().find(whole).and_then(|kept| kept.downcast::<Known>().ok());
+        let keys = Keys::new(step, &inputs, plan.seed, plan.quality);
+        let known = self.cache().find(keys.whole).and_then(|kept| kept.downcast::<Known>().ok());
         let result = if step.bypass {
             passed_through(step, &inputs)
                 .ok_or_else(|| NodeError::failed("bypassed, but it has no curves to pass on"))
@@ -239,8 +239,15 @@ impl Evaluator {
         } else {
             let pool = self.pool(plan.quality);
             let host = PoolHost { evaluator: self, pool, cancel, progress, node: &step.name };
-            let cx =
-                EvalCx { seed: plan.seed, quality: plan.quality, node, host: &host, log: &log };
+            let cx = EvalCx {
+                seed: plan.seed,
+                quality: plan.quality,
+                node: keys.node,
+                // Who keeps nothing need not know what was read.
+                node_by_place: keys.node_by_place.filter(|_| !self.cache().is_off()),
+                host: &host,
+                log: &log,
+            };
             let ran = std::panic::catch_unwind(AssertUnwindSafe(|| (step.def.run)(&cx, &inputs)));
             let result = ran.unwrap_or_else(|panic| {
                 let text = panic
@@ -260,7 +267,7 @@ impl Evaluator {
                     messages: report.messages.clone(),
                     tufts: report.tufts_run + report.tufts_reused,
                 };
-                self.cache().keep(whole, Arc::new(known), bytes);
+                self.cache().keep(keys.whole, Arc::new(known), bytes);
             }
             result
         };
@@ -293,28 +300,69 @@ struct Known {
     tufts: u32,
 }
 
-/// The key of the node and its values, and the key that also counts the curves it reads.
-fn keys(step: &Step, inputs: &[Vec<Value>], seed: u64, quality: Quality) -> (Key, Key) {
+/// Keys of one evaluation of a node.
+struct Keys {
+    /// Of the node and its values: see [`EvalCx::node`].
+    node: Key,
+    /// See [`EvalCx::node_by_place`].
+    node_by_place: Option<Key>,
+    /// The key that also counts the curves it reads.
+    whole: Key,
+}
+
+impl Keys {
+    fn new(step: &Step, inputs: &[Vec<Value>], seed: u64, quality: Quality) -> Self {
+        let node = node_key(step, inputs, (seed, quality), &Value::key);
+        let mut curves = KeyBuilder::new("reads").key(node);
+        for (def, values) in step.def.inputs.iter().zip(inputs) {
+            if is_list(def.ty) {
+                curves = values.iter().fold(curves.text(def.name), |key, v| key.key(v.key()));
+            }
+        }
+        let mut scalps = inputs.iter().flatten().filter_map(|value| match value {
+            Value::Scalp(scalp) => Some(scalp.key_without_partings()),
+            _ => None,
+        });
+        let one_scalp = scalps.next().flatten().filter(|_| scalps.next().is_none());
+        let has_mask = |value: &Value| matches!(value, Value::Field(field) if field.has_mask());
+        let by_place = one_scalp.filter(|_| !inputs.iter().flatten().any(has_mask));
+        let node_by_place = by_place.map(|parted| {
+            node_key(step, inputs, (seed, quality), &|value| match value {
+                Value::Scalp(_) => parted,
+                other => other.key(),
+            })
+        });
+        Self { node, node_by_place, whole: curves.finish() }
+    }
+}
+
+/// What comes as a list enters the keys of the pieces made from its items, not of all pieces.
+fn is_list(ty: Type) -> bool {
+    matches!(ty, Type::Curves | Type::Strokes)
+}
+
+fn node_key(
+    step: &Step,
+    inputs: &[Vec<Value>],
+    (seed, quality): (u64, Quality),
+    key_of: &dyn Fn(&Value) -> Key,
+) -> Key {
     let mut node = KeyBuilder::new(step.def.id).int(u64::from(step.def.version)).int(seed);
     if step.def.thins {
         node = node.int(quality as u64);
     }
-    let mut curves = KeyBuilder::new("reads");
     for (def, values) in step.def.inputs.iter().zip(inputs) {
-        // What comes as a list enters the keys of the pieces made from its items, not of all pieces.
-        if matches!(def.ty, Type::Curves | Type::Strokes) {
-            curves = values.iter().fold(curves.text(def.name), |key, v| key.key(v.key()));
-        } else if !values.is_empty() {
-            // A value that says what the default says is the same value.
-            let default = def.default.map(|default| default().key());
-            if values.len() == 1 && default == Some(values[0].key()) {
-                continue;
-            }
-            node = values.iter().fold(node.text(def.name), |key, v| key.key(v.key()));
+        if is_list(def.ty) || values.is_empty() {
+            continue;
         }
+        // A value that says what the default says is the same value.
+        let default = def.default.map(|default| default().key());
+        if values.len() == 1 && default == Some(values[0].key()) {
+            continue;
+        }
+        node = values.iter().fold(node.text(def.name), |key, v| key.key(key_of(v)));
     }
-    let node = node.finish();
-    (node, curves.key(node).finish())
+    node.finish()
 }
 
 /// The first curves that a node reads, for every output that gives curves; none when an output gives something else or

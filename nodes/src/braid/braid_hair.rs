@@ -177,10 +177,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         needed.dedup();
         needed
     };
-    let [curves, extension] = cx.each_tuft_with(&inputs.roots, &all, needs, |tuft, _, piece| {
-        let filler = Filler { inputs: &inputs, leader: Leader::new(&manner, scalp, skin) };
-        filler.fill(tuft, &of_row, piece)
-    })?;
+    let placed = cx.by_place(scalp);
+    let [curves, extension] =
+        placed.each_tuft_with(&inputs.roots, &all, needs, |tuft, _, piece| {
+            let filler = Filler { inputs: &inputs, leader: Leader::new(&manner, scalp, skin) };
+            filler.fill(tuft, &of_row, piece)
+        })?;
     Ok(Outputs { curves, extension })
 }
 

@@ -232,12 +232,13 @@ const STITCHES: u64 = BRAID_ITSELF + 1;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let plan = Plan::new(cx, &inputs);
-    let [curves, stitches, flyaways] = cx.each_curve(&inputs.source, |tuft, curve, piece| {
-        match braid(&plan, tuft, curve, piece)? {
-            Some(made) => Ok(made),
-            None => Ok([const { TuftBuilder::new }; 3].map(|new| new().build())),
-        }
-    })?;
+    let [curves, stitches, flyaways] =
+        cx.by_place(inputs.scalp.as_deref()).each_curve(&inputs.source, |tuft, curve, piece| {
+            match braid(&plan, tuft, curve, piece)? {
+                Some(made) => Ok(made),
+                None => Ok([const { TuftBuilder::new }; 3].map(|new| new().build())),
+            }
+        })?;
     Ok(Outputs { curves, stitches, flyaways })
 }
 

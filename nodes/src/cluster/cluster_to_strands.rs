@@ -135,7 +135,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         skin,
         shape: Shape::asked(&inputs, unit, cx.dice(inputs.seed, "shape")),
     };
-    let [curves] = cx.each_curve(&inputs.curves, |tuft, curve, piece| {
+    let [curves] = cx.by_place(scalp).each_curve(&inputs.curves, |tuft, curve, piece| {
         let id = tuft.id(curve);
         let mut left_out = |why: &str| {
             piece.trouble(id, why);

@@ -232,9 +232,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     });
     let pattern = inputs.pattern(cx, &numbers, shapes.to_vec());
     let skin = inputs.scalp.as_deref().map(|scalp| cx.skin(scalp));
-    let [curves, coarse] = cx.each_tuft(&inputs.curves, |tuft, piece| {
-        curl(tuft, &inputs, &numbers, &pattern, skin.as_ref(), piece)
-    })?;
+    let [curves, coarse] =
+        cx.by_place(inputs.scalp.as_deref()).each_tuft(&inputs.curves, |tuft, piece| {
+            curl(tuft, &inputs, &numbers, &pattern, skin.as_ref(), piece)
+        })?;
     remark_on_shrinkage(cx, &curves);
     remark_on_limit(cx, &curves, &coarse, inputs.most_points);
     Ok(Outputs { curves })

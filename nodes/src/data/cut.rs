@@ -9,9 +9,10 @@
 //! from the middle width of all. Not promised: sections narrower than a cell (1.1 mm).
 
 use super::chart::{CELL, CELLS, around, cell_of, cross, middle};
+use super::footprint::{Digests, block_of, read_cell, read_place};
 use super::scalp::Scalp;
 use super::sections::{FAR, NONE, Parting};
-use crate::maths::hash::curve_id;
+use crate::maths::hash::{Key, KeyBuilder, curve_id};
 use glam::{IVec2, Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -56,7 +57,9 @@ pub(super) struct Lines {
 
 /// A grid over the pieces in space.
 struct Places {
-    low: Vec3,
+    /// Number of the lowest place along each axis: places are counted from the origin, so that the same place has the same
+    /// pieces wherever other partings lie.
+    low: [i32; 3],
     side: f32,
     size: [usize; 3],
     /// Where each place's pieces start in `listed`.
@@ -75,10 +78,11 @@ impl Places {
         let longest = (high - low).max_element();
         if !longest.is_finite() {
             let (size, starts) = ([0; 3], vec![0]);
-            return Self { low: Vec3::ZERO, side: PLACE, size, starts, listed: vec![] };
+            return Self { low: [0; 3], side: PLACE, size, starts, listed: vec![] };
         }
         let side = PLACE.max(longest / Self::MOST);
-        let size = ((high - low) / side).to_array().map(|x| x as usize + 1);
+        let (low, high) = (place_of(low, side), place_of(high, side));
+        let size = [0, 1, 2].map(|k| (high[k] - low[k]) as usize + 1);
         let mut places = Self { low, side, size, starts: vec![], listed: vec![] };
         let mut starts = vec![0u32; size.iter().product::<usize>() + 1];
         for piece in pieces {
@@ -99,29 +103,23 @@ impl Places {
         places
     }
 
-    /// The place of a point, where the grid has one.
-    fn at(&self, p: Vec3) -> Option<usize> {
-        let at = ((p - self.low) / self.side).to_array();
+    /// Where the list of a place begins, where the grid has it.
+    fn slot(&self, place: [i32; 3]) -> Option<usize> {
+        let at = [0, 1, 2].map(|k| usize::try_from(place[k].saturating_sub(self.low[k])).ok());
+        let [Some(x), Some(y), Some(z)] = at else { return None };
         let [nx, ny, nz] = self.size;
-        let within = |x: f32, n: usize| x >= 0.0 && x < n as f32;
-        let there = within(at[0], nx) && within(at[1], ny) && within(at[2], nz);
-        let [x, y, z] = at.map(|x| x as usize);
-        there.then(|| (x * ny + y) * nz + z)
+        (x < nx && y < ny && z < nz).then(|| (x * ny + y) * nz + z)
     }
 
     /// The places that lie within half a place of a piece, and a little more.
     fn about(&self, piece: &Piece) -> impl Iterator<Item = usize> + use<> {
         let [a, b] = piece.ends;
-        let span = |low: Vec3, high: Vec3| {
-            let (low, high) = ((low / self.side).to_array(), (high / self.side).to_array());
-            let axis = |k: usize| {
-                let end = (high[k].max(0.0) as usize).min(self.size[k] - 1);
-                low[k].max(0.0) as usize..=end
-            };
-            [axis(0), axis(1), axis(2)]
-        };
-        let [xs, ys, zs] =
-            span(a.min(b) - self.low - 0.6 * PLACE, a.max(b) - self.low + 0.6 * PLACE);
+        let low = place_of(a.min(b) - 0.6 * PLACE, self.side);
+        let high = place_of(a.max(b) + 0.6 * PLACE, self.side);
+        let [xs, ys, zs] = [0, 1, 2].map(|k| {
+            let slot = |x: i32| (x.max(self.low[k]) - self.low[k]) as usize;
+            slot(low[k])..=slot(high[k]).min(self.size[k] - 1)
+        });
         let [_, ny, nz] = self.size;
         xs.flat_map(move |x| {
             let zs = zs.clone();
@@ -131,13 +129,34 @@ impl Places {
 
     /// The pieces near a point.
     fn near(&self, p: Vec3) -> &[u32] {
-        let range = |at| self.starts[at] as usize..self.starts[at + 1] as usize;
-        self.at(p).map_or(&[], |at| &self.listed[range(at)])
+        let place = place_of(p, self.side);
+        read_place(place);
+        self.slot(place).map_or(&[], |at| self.listed(at))
+    }
+
+    fn listed(&self, at: usize) -> &[u32] {
+        &self.listed[self.starts[at] as usize..self.starts[at + 1] as usize]
+    }
+
+    /// All places that have pieces near them.
+    fn each(&self) -> impl Iterator<Item = ([i32; 3], &[u32])> {
+        let [_, ny, nz] = self.size;
+        let place = move |at: usize| {
+            let at = [at / nz / ny, at / nz % ny, at % nz];
+            [0, 1, 2].map(|k| self.low[k] + at[k] as i32)
+        };
+        let all = (0..self.starts.len() - 1).map(move |at| (at, self.listed(at)));
+        all.filter(|(_, listed)| !listed.is_empty()).map(move |(at, listed)| (place(at), listed))
     }
 
     fn bytes(&self) -> usize {
         4 * (self.starts.len() + self.listed.len())
     }
+}
+
+/// The number of a point's place along each axis.
+fn place_of(p: Vec3, side: f32) -> [i32; 3] {
+    (p / side).to_array().map(|x| x.floor() as i32)
 }
 
 /// Side of a place, cm: partings up to twice as wide are seen from either side.
@@ -243,6 +262,7 @@ impl Lines {
 
     /// The pieces in a cell and in those around it.
     pub(super) fn near_cell(&self, cell: usize) -> &[u32] {
+        read_cell(cell);
         &self.listed[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 
@@ -304,6 +324,44 @@ impl Lines {
         }
         self.clear = best.iter().map(|(d, _)| d.sqrt()).collect();
         self.nearest = best.into_iter().map(|(_, i)| i).collect();
+    }
+
+    /// What these lines and the sections with these ids say in each part of the map and of space: all that queries of a cell, with
+    /// those around it, and of a place can find.
+    pub(super) fn digests(&self, labels: &[u32], ids: impl Fn(u32) -> u64) -> Digests {
+        let piece = |piece: &Piece| {
+            let Piece { flat, ends, up, half_width, .. } = piece;
+            let key = KeyBuilder::new("piece").float(*half_width).vec3(*up);
+            let key = ends.iter().fold(key, |key, end| key.vec3(*end));
+            flat.iter().fold(key, |key, q| key.float(q.x).float(q.y)).finish()
+        };
+        let pieces: Vec<Key> = self.pieces.iter().map(piece).collect();
+        let of = |i: u32| pieces.get(i as usize).copied().unwrap_or_default();
+        let mut tiles: Vec<KeyBuilder> =
+            (0..Digests::COUNT).map(|_| KeyBuilder::new("tile")).collect();
+        for cell in 0..CELLS * CELLS {
+            let near = of(self.nearest[cell]);
+            let clear = self.clear[cell].to_bits();
+            let key = |key: KeyBuilder| {
+                let key = key.int(ids(labels[cell])).key(near).int(u64::from(clear));
+                self.near_cell(cell).iter().fold(key, |key, i| key.key(of(*i)))
+            };
+            let tile = &mut tiles[Digests::tile(cell)];
+            *tile = key(std::mem::replace(tile, KeyBuilder::new("")));
+        }
+        let mut blocks: BTreeMap<_, KeyBuilder> = BTreeMap::new();
+        for (place, listed) in self.places.each() {
+            let block = blocks.entry(block_of(place)).or_insert_with(|| KeyBuilder::new("block"));
+            let key = std::mem::replace(block, KeyBuilder::new(""));
+            let key = place.iter().fold(key, |key, x| key.int(*x as u64));
+            *block = listed.iter().fold(key, |key, i| key.key(of(*i)));
+        }
+        let widest = self.pieces.iter().fold(0.0, |widest, piece| piece.half_width.max(widest));
+        Digests {
+            tiles: tiles.into_iter().map(KeyBuilder::finish).collect(),
+            blocks: blocks.into_iter().map(|(block, key)| (block, key.finish())).collect(),
+            common: KeyBuilder::new("common").float(self.places.side).float(widest).finish(),
+        }
     }
 
     pub(super) fn bytes(&self) -> usize {

@@ -113,6 +113,15 @@ impl Field {
         })
     }
 
+    /// Whether a mask is part of it, which may be a section of a parted scalp.
+    pub fn has_mask(&self) -> bool {
+        match self {
+            Field::Mask(_) => true,
+            Field::Product(parts) => parts.iter().any(Field::has_mask),
+            Field::Constant(_) | Field::Ramp(_) | Field::Attribute(_) => false,
+        }
+    }
+
     /// Adds the field's definition to a key.
     pub fn add_to(&self, key: KeyBuilder) -> KeyBuilder {
         match self {

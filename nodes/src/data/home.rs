@@ -105,7 +105,7 @@ impl Home<'_> {
         let height = p.distance(chart.origin()) - chart.out(cell);
         // Off the skin what lies below is told by the skin's slope.
         let least = self.sections.widest_half() + NEAR + height.abs() + more;
-        let least = match self.sections.labels()[cell] {
+        let least = match self.sections.label(cell) {
             own if own == self.number => least,
             // Forehead and neck.
             NONE => least.max(BEYOND + height.abs() + more),
@@ -198,7 +198,7 @@ impl Home<'_> {
         let steps = (p.distance(q) / CELL).ceil().clamp(1.0, 400.0);
         (0..=steps as u32).all(|k| {
             let at = cell_of(p.lerp(q, k as f32 / steps));
-            at.is_some_and(|cell| self.sections.labels()[cell] == self.number)
+            at.is_some_and(|cell| self.sections.label(cell) == self.number)
         })
     }
 }
@@ -206,7 +206,7 @@ impl Home<'_> {
 impl<'a> Home<'a> {
     /// The ways to a point of the section.
     pub fn ways(&self, to: Vec3) -> Ways<'a> {
-        let (chart, labels) = (self.scalp.chart(), self.sections.labels());
+        let chart = self.scalp.chart();
         let mut far: BTreeMap<u32, f32> = BTreeMap::new();
         let mut next = BTreeMap::new();
         let mut heap = BinaryHeap::new();
@@ -220,7 +220,7 @@ impl<'a> Home<'a> {
                 continue;
             }
             let here = chart.spots()[cell as usize].point;
-            for other in around(cell as usize).filter(|o| labels[*o] == self.number) {
+            for other in around(cell as usize).filter(|o| self.sections.label(*o) == self.number) {
                 // Along a parting the way is long.
                 let clear = self.sections.clear(other) > self.sections.widest_half();
                 let step = here.distance(chart.spots()[other].point);

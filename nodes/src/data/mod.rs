@@ -5,6 +5,7 @@ pub mod chart;
 pub mod curves;
 mod cut;
 pub mod field;
+pub mod footprint;
 pub mod home;
 pub mod lead;
 pub mod mesh;

@@ -210,6 +210,11 @@ impl Scalp {
     pub fn key(&self) -> Key {
         self.key
     }
+    /// What [`Self::key`] is for every scalp of this head that is parted, however it is; none where this one is not.
+    pub fn key_without_partings(&self) -> Option<Key> {
+        let whole = self.sections.as_ref()?.whole();
+        Some(KeyBuilder::new("parted somehow").key(whole).finish())
+    }
     /// The triangles.
     pub fn surface(&self) -> &Surface {
         &self.head.surface

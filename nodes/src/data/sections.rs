@@ -12,10 +12,12 @@
 use super::chart::{Spread, around, cell_of, cross, middle};
 pub(crate) use super::cut::off_the_scalp;
 use super::cut::{Lines, cut, square_to};
+use super::footprint::{Digests, read_all, read_cell};
 use super::scalp::{Root, Scalp};
 use crate::maths::hash::{Key, KeyBuilder, curve_id};
 use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::OnceLock;
 
 /// A parting line, on the scalp.
 #[derive(Clone, Debug)]
@@ -73,6 +75,7 @@ pub struct Sections {
     out: Vec<f32>,
     /// Number of each cell's section, or [`NONE`].
     labels: Vec<u32>,
+    digests: OnceLock<Digests>,
 }
 
 /// In no section; no piece.
@@ -115,6 +118,7 @@ impl Sections {
             lines: cut.lines,
             out: scalp.chart().spots().iter().map(|spot| spread.out(spot.point)).collect(),
             labels: cut.labels,
+            digests: OnceLock::new(),
         };
         let mut said = vec![];
         if cut.slivers > 0 {
@@ -128,6 +132,7 @@ impl Sections {
 
     /// Hash of the cuts.
     pub fn key(&self) -> Key {
+        read_all();
         self.key
     }
     /// Key of the scalp before it was parted.
@@ -136,14 +141,17 @@ impl Sections {
     }
     /// All sections; their numbers are places in this list.
     pub fn list(&self) -> &[Section] {
+        read_all();
         &self.list
     }
     /// The lines.
     pub fn partings(&self) -> &[Parting] {
+        read_all();
         &self.partings
     }
     /// The names that were given, each with its point.
     pub fn given(&self) -> &[(String, Vec3)] {
+        read_all();
         &self.given
     }
     /// Half the width of the widest parting, cm.
@@ -152,10 +160,24 @@ impl Sections {
     }
     /// Number of the section of each cell of the map, or [`NONE`].
     pub fn labels(&self) -> &[u32] {
+        read_all();
         &self.labels
+    }
+    /// Number of the section of a cell of the map, or [`NONE`].
+    pub(super) fn label(&self, cell: usize) -> u32 {
+        read_cell(cell);
+        self.labels[cell]
+    }
+    /// What is said where, made when first asked for.
+    pub(super) fn digests(&self) -> &Digests {
+        self.digests.get_or_init(|| {
+            let id = |label| self.list.get(label as usize).map_or(0, |section| section.id);
+            self.lines.digests(&self.labels, id)
+        })
     }
     /// Number of the section of a name.
     pub fn named(&self, name: &str) -> Option<u32> {
+        read_all();
         (0..).zip(&self.list).find(|(_, s)| s.name == name).map(|(i, _)| i)
     }
     /// Id of the section that a point of the scalp lies in.
@@ -232,6 +254,7 @@ impl Sections {
     }
     /// How far the middle of a cell of the map is from the nearest parting, cm.
     pub(super) fn clear(&self, cell: usize) -> f32 {
+        read_cell(cell);
         self.lines.clear[cell]
     }
 

@@ -23,6 +23,7 @@ fn gather(set: &[(&str, Value)]) -> (Curves, Vec<Tie>) {
         seed: 0,
         quality: Default::default(),
         node: KeyBuilder::new("test").finish(),
+        node_by_place: None,
         host: &host,
         log: &log,
     };

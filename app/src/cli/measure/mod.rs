@@ -148,6 +148,7 @@ fn read_scalp(path: &PathBuf) -> Result<Arc<Scalp>, String> {
         seed: 0,
         quality: Quality::Final,
         node: Key::default(),
+        node_by_place: None,
         host: &PlainHost,
         log: &log,
     };
