@@ -246,6 +246,9 @@ declare! {
     PUFF_RADIUS: f32 = "puff_radius", 0.0;
     /// Angle from the top of a puff down to which its tips were asked to reach, degrees; 0: not known.
     PUFF_COVERAGE: f32 = "puff_coverage", 0.0;
+    /// What was asked of a puff's outline: by how much deeper the innermost tips end than the outermost, as a share of the radius;
+    /// how far tips may lie beside it, cm; and the share of hairs that may stand over it.
+    PUFF_EDGE: Vec3 = "puff_edge", Vec3::ZERO;
     /// Middle of the ring in which the tie that holds this hair lets it go, cm.
     TIE: Vec3 = "tie", Vec3::ZERO;
     /// Radius of that ring, cm; 0: the hair is held by no tie.

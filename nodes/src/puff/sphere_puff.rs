@@ -15,7 +15,7 @@ use super::outline::Outline;
 use super::press::{self, Wall};
 use super::tie::Tie;
 use crate::data::attributes::{
-    Domain, FIBRE, ID, PARENT, PUFF, PUFF_CENTRE, PUFF_COVERAGE, PUFF_RADIUS, ROOT_BARY,
+    Domain, FIBRE, ID, PARENT, PUFF, PUFF_CENTRE, PUFF_COVERAGE, PUFF_EDGE, PUFF_RADIUS, ROOT_BARY,
     ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -459,10 +459,17 @@ impl<'a> Puff<'a> {
             let tip = self.pressed(self.centre + direction * reach);
             // Where the sphere dips into the head, hair ends on the skin.
             let tip = self.skin.push_out(tip, 0.0).0;
-            let radius = self.on_outline(direction).distance(self.centre);
+            // What is seen as the outline is where the outermost tips end.
+            let outline = self.on_outline(direction).distance(self.centre);
+            let radius = outline * self.outermost();
             self.grow(place, tip, radius, (id, self.guide_id(row, column)), &mut out);
         }
         Ok(out.build(self))
+    }
+
+    /// How far out the outermost tips end, as a share of the outline.
+    fn outermost(&self) -> f32 {
+        1.0 - self.inputs.depth_from.min(self.inputs.depth_to)
     }
 
     /// The direction at a place of the unit disc, by slerp between the four guides around it (the axis stands for
@@ -613,13 +620,20 @@ impl Bundle {
         tuft.set(FIBRE, Domain::Curve, self.fibres);
         tuft.set(PUFF, Domain::Curve, vec![puff.puff]);
         tuft.set(PUFF_CENTRE, Domain::Curve, vec![puff.centre]);
-        let round = |radius: &f32| (radius - puff.radius).abs() <= 1e-5 * puff.radius;
-        let is_sphere = matches!(puff.outline, Outline::Sphere)
-            && puff.walls.is_empty()
-            && (puff.inputs.flatten <= 0.0 || self.radii.iter().all(round));
-        let radii = if is_sphere { vec![puff.radius] } else { self.radii };
+        let is_ball = matches!(puff.outline, Outline::Sphere) && puff.walls.is_empty();
+        let one = |all: f32| {
+            let is_one = |radius: &f32| (radius - all).abs() <= 1e-5 * all;
+            (is_ball && self.radii.iter().all(is_one)).then(|| vec![all])
+        };
+        // Of guides and of hair.
+        let radii = one(puff.radius).or_else(|| one(puff.radius * puff.outermost()));
+        let radii = radii.unwrap_or(self.radii);
         tuft.set(PUFF_RADIUS, Domain::Curve, radii);
         tuft.set(PUFF_COVERAGE, Domain::Curve, vec![puff.inputs.coverage]);
+        let inputs = puff.inputs;
+        let deeper = (inputs.depth_to - inputs.depth_from).abs() / puff.outermost();
+        let edge = Vec3::new(deeper, inputs.edge_softness * puff.unit, inputs.stray);
+        tuft.set(PUFF_EDGE, Domain::Curve, vec![edge]);
         tuft.build()
     }
 }

@@ -110,7 +110,7 @@ impl Curl {
         let (mut turned, mut swings) = (vec![], false);
         for _ in 0..8 {
             let (axis, from) = axis(&sums, window)?;
-            (turned, swings) = turns(&at[from..from + axis.len()], &axis);
+            (turned, swings) = turns(&at[from..from + axis.len()], &axis, window);
             let next = axis.len() as f32 / turned[turned.len() - 1].max(1e-3);
             // Waves are counted in a window of many before they are in one of one.
             let settled = (next - window).abs() < 0.01 * window;
@@ -134,7 +134,7 @@ impl Curl {
             false => self::axis(&sums, several * window)?,
         };
         let n = axis.len();
-        let (turned, _) = turns(&at[from..from + n], &axis);
+        let (turned, _) = turns(&at[from..from + n], &axis, window);
         // How far: along the axis, once more a mean where that is over several turns, from the root to as far as the tip lies
         // ahead.
         let (course, start) = match several > 1.0 {
@@ -249,16 +249,18 @@ fn low_axis(at: &[Vec3], turns: f32) -> Vec<Vec3> {
     fitted.into_iter().map(|p| p.as_vec3()).collect()
 }
 
-/// How often `at` has gone about its axis up to each sample, whichever way round; and whether it goes as often one way as the
-/// other.
-fn turns(at: &[Vec3], axis: &[Vec3]) -> (Vec<f32>, bool) {
+/// How often `at` has gone about its axis up to each sample, whichever way round; and whether it goes back at every turn, each
+/// about `turn` samples long.
+fn turns(at: &[Vec3], axis: &[Vec3], turn: f32) -> (Vec<f32>, bool) {
     let n = axis.len();
     let tangent =
         |k: usize| (axis[(k + 1).min(n - 1)] - axis[k.saturating_sub(1)]).normalize_or_zero();
     let mut before = tangent(0);
     let mut normal = coif_nodes::maths::frame::any_normal(before);
     let mut last: Option<Vec2> = None;
-    let (mut angle, mut net) = (0.0f32, Vec2::ZERO);
+    let (mut angle, mut gone) = (0.0f32, Vec2::ZERO);
+    // How far round up to each sample, one way less the other and both together.
+    let mut net = Vec::with_capacity(n);
     let mut out = Vec::with_capacity(n);
     for k in 0..n {
         let along = tangent(k);
@@ -271,15 +273,20 @@ fn turns(at: &[Vec3], axis: &[Vec3]) -> (Vec<f32>, bool) {
                 let step = atan2(last.perp_dot(here), last.dot(here));
                 angle += step.abs();
                 // What flies past the axis, as a wave does, goes neither way.
-                net += if step.abs() < 0.5 { Vec2::new(step, step.abs()) } else { Vec2::ZERO };
+                gone += if step.abs() < 0.5 { Vec2::new(step, step.abs()) } else { Vec2::ZERO };
             }
             if here.length_squared() > 0.0 {
                 last = Some(here);
             }
         }
+        net.push(gone);
         out.push(angle / std::f32::consts::TAU);
     }
-    let swings = net.y > 0.6 * angle && net.x.abs() < 0.5 * net.y;
+    // Of two turns that go back at every turn nothing is left; of two of which one in two goes back, half.
+    let two = ((2.0 * turn).round() as usize).clamp(1, n - 1);
+    let left = (0..n - two).map(|k| net[k + two] - net[k]);
+    let left = left.fold(Vec2::ZERO, |sum, left| sum + Vec2::new(left.x.abs(), left.y));
+    let swings = gone.y > 0.6 * angle && left.x < 0.3 * left.y;
     (out, swings)
 }
 

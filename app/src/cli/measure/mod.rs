@@ -285,7 +285,10 @@ impl Measured {
             laws.extend(curls.as_asked(0.05));
         }
         if let Some(puffs) = self.puffs.as_ref().filter(|puffs| puffs.can_be_judged()) {
-            laws.insert("outlines of puffs are clean", puffs.within >= 0.95 && puffs.is_covered());
+            laws.insert(
+                "outlines of puffs are as clean as asked",
+                puffs.within >= 0.95 && puffs.is_covered(),
+            );
         }
         if let Some(ties) = &self.ties {
             laws.insert("hair passes its tie", ties.beside == 0);

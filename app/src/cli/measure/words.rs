@@ -100,6 +100,14 @@ pub(super) fn in_words(m: &Measured) -> String {
             f(100.0 * p.within),
             f(100.0 * p.deviation)
         );
+        if p.edge != Default::default() {
+            text += &format!(
+                "    asked: tips up to {} % deeper, up to {} cm beside the outline, {} % of hairs over it\n",
+                f(100.0 * p.edge.deeper),
+                f(p.edge.beside_cm),
+                f(100.0 * p.edge.over)
+            );
+        }
     }
     if let Some(t) = &m.ties {
         let [lo, mid, hi] = t.behind_cm.map(f);
