@@ -5,6 +5,7 @@
 //! node that failed is told. Ends of both kinds carry their exit code.
 
 use super::files::write_text;
+use super::measure::MOST_POINTS;
 use super::progress::Bar;
 use super::report::{ContentHash, Head, Output, Report, peak_rss_mib, rounded};
 use super::{Exit, complain, print};
@@ -21,7 +22,7 @@ use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{NodeError, Type, Value};
 use coif_nodes::eval::Quality;
-use coif_nodes::formats::conform::{Conformed, conform};
+use coif_nodes::formats::conform::{Conformed, FEW, conform, over_partings};
 use coif_nodes::formats::export;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -269,6 +270,15 @@ impl Opened {
         if groups.is_empty() {
             return Err(Stop::refused(format!("{graph}: no output gives curves")));
         }
+        let hair = groups.iter().filter(|group| !group.guides);
+        let points: usize = hair.map(|group| group.curves.point_count()).sum();
+        if points > MOST_POINTS {
+            report.warnings.push(format!(
+                "the hair has {:.1} million points, and a groom is to have 16 at most: ask for fewer strands, or for fewer points \
+                 on each",
+                points as f64 / 1e6
+            ));
+        }
         Ok(Evaluated { groups, scalps, more })
     }
 }
@@ -307,6 +317,16 @@ impl Wanted {
             ));
         }
         let curves = conformed;
+        if !self.guides {
+            let each = |n: usize, f: &(dyn Fn(usize) + Sync)| evaluator.for_each(n, f);
+            let [over, looked] = over_partings(&curves, parted, LOOKED_AT, &each);
+            // Single hairs are no fault: one in a thousand is left out of files for less.
+            if over * FEW > looked {
+                report.warnings.push(format!(
+                    "{socket}: {over} of {looked} hairs that were looked at lead over a parting; coif measure counts all"
+                ));
+            }
+        }
         report.outputs.push(Output {
             node: socket.node.to_string(),
             socket: socket.name.to_string(),
@@ -327,6 +347,9 @@ impl Wanted {
         Ok(export::Group { name: self.group.clone(), guides: self.guides, curves })
     }
 }
+
+/// One hair in so many is looked at for partings.
+const LOOKED_AT: usize = 16;
 
 /// Middle and largest drift of the curves that were drawn.
 fn root_drift(curves: &Curves) -> Option<[f32; 2]> {

@@ -111,6 +111,41 @@ pub fn conform(
     Conformed { curves: Curves::new(tufts), changes }
 }
 
+/// Of every so many curves one, how many lead over a parting of the scalps `parted`, and how many were looked at. Hair of a braid
+/// counts up to where it joins that.
+pub fn over_partings(
+    curves: &Curves,
+    parted: &[Arc<Scalp>],
+    every: usize,
+    for_each: crate::eval::ForEach,
+) -> [usize; 2] {
+    let sections: Vec<&Sections> = parted.iter().filter_map(|scalp| scalp.sections()).collect();
+    if sections.is_empty() {
+        return [0; 2];
+    }
+    let land = Land { skin: None, sections: &sections };
+    let tufts = curves.tufts();
+    let starts: Vec<usize> = tufts
+        .iter()
+        .scan(0, |next, tuft| Some(std::mem::replace(next, *next + tuft.len())))
+        .collect();
+    let found: Vec<OnceLock<[usize; 2]>> = (0..tufts.len()).map(|_| OnceLock::new()).collect();
+    for_each(tufts.len(), &|n| {
+        let tuft = &tufts[n];
+        let first = starts[n].next_multiple_of(every.max(1)) - starts[n];
+        let (mut over, mut looked) = (0, 0);
+        for i in (first..tuft.len()).step_by(every.max(1)) {
+            let points = tuft.curve(i);
+            let until = joins(tuft, i).map_or(points.len(), |last| last + 1);
+            over += usize::from(land.is_over_a_parting(&points[..until]));
+            looked += 1;
+        }
+        let _ = found[n].set([over, looked]);
+    });
+    let found = found.into_iter().filter_map(OnceLock::into_inner);
+    found.fold([0; 2], |sum, [over, looked]| [sum[0] + over, sum[1] + looked])
+}
+
 /// What curves keep clear of.
 struct Land<'a> {
     skin: Option<&'a Skin<'a>>,

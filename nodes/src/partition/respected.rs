@@ -83,3 +83,39 @@ fn guides_fills_and_puffs_keep_off_partings() {
         check(&format!("puffs in the middles of {cells}"), &scalp, &puffs, 500);
     }
 }
+
+#[test]
+fn hair_combed_to_a_tie_on_a_parting_stays_on_its_side_and_what_comes_from_farther_is_told() {
+    let head = node("head", "scalp", &[]);
+    // Two sections, and a tie on the line between them; six, of which the tie stands over two.
+    for (count, far) in [(2, false), (6, true)] {
+        let set = [
+            ("scalp", head.clone()),
+            ("pattern", "straight_back".into()),
+            ("count", Value::Int(count)),
+        ];
+        let Value::Scalp(scalp) = node("partings", "scalp", &set) else { panic!() };
+        let set = [
+            ("scalp", Value::from(scalp.clone())),
+            ("position", glam::Vec3::new(0.0, 7.2, -6.2).into()),
+            ("density", Value::Float(20.0)),
+        ];
+        let (out, said) = run(crate::by_id("gather").unwrap(), &set);
+        let (hair, sections) = (curves_of(&out[0]), scalp.sections().unwrap());
+        let passes =
+            |points: &[glam::Vec3]| points.windows(2).any(|w| sections.passed(w[0], w[1], 0.0));
+        let over = hair.each().filter(|(tuft, i)| passes(tuft.curve(*i))).count();
+        assert!(hair.curve_count() > 5_000, "{}", hair.curve_count());
+        let told = said.iter().any(|text| {
+            text.contains(&format!(
+                "to their sections, and reach to the hair near them ({over} curves"
+            ))
+        });
+        assert_eq!(
+            (over > 0, told),
+            (far, far),
+            "{count}: {over} of {}; {said:?}",
+            hair.curve_count()
+        );
+    }
+}

@@ -117,9 +117,13 @@ const MOST_HAIRS: usize = 2_000_000;
 const PROBES: u32 = 8192;
 /// Samples of a hair's way before its points are spread evenly.
 const SAMPLES: usize = 40;
+/// What is said of hair that its tie draws over a parting.
+const OVER: &str = "a hair is combed over a parting to its tie: own_section keeps ties to their sections, and reach to the hair near them";
 /// Steps in which the share of hair within a distance is tabulated, and how long they are, cm.
 const SHARES: usize = 256;
 const SHARE_STEP: f32 = 0.2;
+/// Places of a tie's ring at which it is looked what section it stands over.
+const AROUND: usize = 16;
 /// Farther than this (cm on a head of average size) no point is moved to keep it off a parting.
 const FAR_OFF: f32 = 0.6;
 
@@ -142,7 +146,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         ties: ties
             .iter()
             .zip(domes)
-            .map(|(tie, dome)| Gathered::new(*tie, dome, sections.and_then(|s| s.of(&tie.foot))))
+            .map(|(tie, dome)| Gathered::new(*tie, dome, scalp, inputs.own_section))
             .collect(),
         sections,
         keep: cx.dice(inputs.seed, "mask"),
@@ -254,6 +258,8 @@ struct Gathered {
     dome: Arc<Dome>,
     /// The section that it sits in, when only that counts.
     section: Option<u32>,
+    /// The sections that its ring stands over: hair of these need not pass over a parting to come to it.
+    under: Vec<u32>,
     /// Share of the tie's hair rooted within so many steps of distance.
     shares: Vec<f32>,
     /// How thick hair lies at a distance times that distance, cm2.
@@ -261,8 +267,20 @@ struct Gathered {
 }
 
 impl Gathered {
-    fn new(tie: Tie, dome: Arc<Dome>, section: Option<u32>) -> Self {
-        Self { tie, dome, section, shares: vec![0.0; SHARES + 1], thickness: 0.0 }
+    fn new(tie: Tie, dome: Arc<Dome>, scalp: &Scalp, own: bool) -> Self {
+        let (mut section, mut under) = (None, vec![]);
+        if let Some(sections) = scalp.sections() {
+            section = sections.of(&tie.foot).filter(|_| own);
+            let about = (0..AROUND).map(|k| {
+                let (y, x) = sin_cos_turns(k as f32 / AROUND as f32);
+                tie.foot.point + (tie.right * x + tie.ahead() * y) * tie.radius
+            });
+            let about = about.filter_map(|p| scalp.closest_root(p));
+            under = about.chain([tie.foot]).filter_map(|root| sections.of(&root)).collect();
+            under.sort_unstable();
+            under.dedup();
+        }
+        Self { tie, dome, section, under, shares: vec![0.0; SHARES + 1], thickness: 0.0 }
     }
     /// The share of the tie's hair that is rooted within a distance.
     #[inline]
@@ -452,6 +470,12 @@ impl Gatherer<'_> {
                 piece.trouble(rooted.id, why);
                 continue;
             }
+            if self.sections.is_none()
+                && let Some(sections) = self.scalp.sections()
+                && points[first..].windows(2).any(|w| sections.passed(w[0], w[1], 0.0))
+            {
+                piece.trouble(rooted.id, OVER);
+            }
             kept.push(*rooted);
             let length = points[first..].windows(2).map(|w: &[Vec3]| w[0].distance(w[1])).sum();
             lengths.push(length);
@@ -530,8 +554,8 @@ impl Gatherer<'_> {
         let side = out.cross(tie.axis);
         // The table's place of the root is a little off the root: the difference fades away along the hair.
         let off = rooted.root.point - dome.at(rooted.place).0;
-        // A tie takes only hair of its section, and that goes no way through another.
-        let home = self.sections.and_then(|_| self.scalp.home(rooted.root.point));
+        // Hair of a section that its tie stands over goes no way through another.
+        let home = self.home(rooted);
         let (mut k, mut by) = (1, rooted.root.triangle);
         let from_here = points.len();
         points.push(rooted.root.point);
@@ -569,8 +593,16 @@ impl Gatherer<'_> {
         }
         self.past_ears(&mut points[from_here..]);
         if let Some(end) = points.last_mut() {
-            *end = tie.foot.point + out * ring + tie.axis * tie.height;
+            // The ring of a tie that leans may dip into the head.
+            *end = self.clear(tie.foot.point + out * ring + tie.axis * tie.height);
         }
+    }
+
+    /// The section that a hair keeps to on its way.
+    fn home(&self, rooted: &Rooted) -> Option<Home<'_>> {
+        let number = self.scalp.sections()?.of(&rooted.root)?;
+        let stands = self.ties[rooted.tie].under.contains(&number);
+        (self.inputs.own_section || stands).then(|| self.scalp.home(rooted.root.point)).flatten()
     }
 
     /// Where a hair would lead over an ear it goes straight to where it is past it, and round what is in between.

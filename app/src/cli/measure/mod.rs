@@ -92,7 +92,7 @@ struct OnScalp {
 
 /// The most points of a strand (the limit of engines) and of all hair of a file.
 const MOST_A_CURVE: usize = 255;
-const MOST_POINTS: usize = 16_000_000;
+pub(crate) const MOST_POINTS: usize = 16_000_000;
 /// Tubes may overlap by this share of their distance.
 const TOUCH: f32 = 1.02;
 
