@@ -77,7 +77,7 @@ fn run(kind: &str, set: &[(&str, Value)], host: &dyn Host) -> Curves {
         values[at].push(value.clone());
     }
     let (log, quality) = (Log::default(), Quality::Final);
-    let cx = EvalCx { seed: 0, quality, node: key.finish(), node_by_place: None, host, log: &log };
+    let cx = EvalCx::new(0, quality, key.finish(), host, &log);
     match (node.run)(&cx, &values).expect("a result").swap_remove(0) {
         Value::Curves(curves) => curves,
         other => panic!("a {}", other.type_name()),

@@ -126,6 +126,8 @@ pub struct EvalCx<'a> {
     pub host: &'a dyn Host,
     /// What is counted and said.
     pub log: &'a Log,
+    /// The key and the sections of pieces that run by place.
+    by_place: Option<(Key, &'a Sections)>,
 }
 
 /// One piece of work while it runs.
@@ -172,13 +174,17 @@ struct ByPlace(Vec<(Footprint, Arc<Made>)>);
 /// For how many ways in which a scalp was parted a piece is kept: back and forth.
 const WAYS: usize = 2;
 
-/// Pieces that run by place, or as any others where nothing is parted.
-pub struct Placed<'a> {
-    cx: &'a EvalCx<'a>,
-    by: Option<(Key, &'a Sections)>,
-}
-
-impl EvalCx<'_> {
+impl<'a> EvalCx<'a> {
+    /// An evaluation of a node with this key.
+    pub fn new(seed: u64, quality: Quality, node: Key, host: &'a dyn Host, log: &'a Log) -> Self {
+        Self { seed, quality, node, node_by_place: None, host, log, by_place: None }
+    }
+    /// For pieces that read of the node's scalp's sections what is told by place, in the piece, and nothing else that comes from
+    /// them: neither what they hold from outside nor what several of them share. They run again only where partings changed
+    /// that they read.
+    pub fn by_place<'s>(&'s self, scalp: Option<&'s Scalp>) -> EvalCx<'s> {
+        EvalCx { by_place: self.node_by_place.zip(scalp.and_then(Scalp::sections)), ..*self }
+    }
     /// Dice of this document for a node's seed tag and a purpose.
     pub fn dice(&self, tag: i64, purpose: &str) -> Dice {
         Dice::new(self.seed, tag as u64, purpose)
@@ -220,110 +226,6 @@ impl EvalCx<'_> {
         if self.host.cancelled() { Err(NodeError::Cancelled) } else { Ok(()) }
     }
 
-    /// Pieces that read of the node's scalp's sections what is told by place, in the piece, and nothing else that comes from
-    /// them: neither what they hold from outside nor what several of them share. They run again only where partings changed
-    /// that they read.
-    pub fn by_place<'s>(&'s self, scalp: Option<&'s Scalp>) -> Placed<'s> {
-        Placed { cx: self, by: self.node_by_place.zip(scalp.and_then(Scalp::sections)) }
-    }
-
-    /// See [`Placed::each_tuft`].
-    pub fn each_tuft<const N: usize>(
-        &self,
-        curves: &Curves,
-        make: impl Fn(&Tuft, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
-    ) -> Result<[Curves; N], NodeError> {
-        self.anywhere().each_tuft(curves, make)
-    }
-
-    /// See [`Placed::each_curve`].
-    pub fn each_curve<const N: usize>(
-        &self,
-        curves: &Curves,
-        make: impl Fn(&Tuft, usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
-    ) -> Result<[Curves; N], NodeError> {
-        self.anywhere().each_curve(curves, make)
-    }
-
-    /// See [`Placed::each_tuft_with`].
-    pub fn each_tuft_with<const N: usize>(
-        &self,
-        curves: &Curves,
-        sources: &Curves,
-        needs: impl Fn(usize, &Tuft) -> Vec<u32>,
-        make: impl Fn(&Tuft, &[&Tuft], &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
-    ) -> Result<[Curves; N], NodeError> {
-        self.anywhere().each_tuft_with(curves, sources, needs, make)
-    }
-
-    /// See [`Placed::each_item`].
-    pub fn each_item<const N: usize>(
-        &self,
-        n: usize,
-        item: impl Fn(usize) -> Key + Sync,
-        make: impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
-    ) -> Result<[Curves; N], NodeError> {
-        self.anywhere().each_item(n, item, make)
-    }
-
-    fn anywhere(&self) -> Placed<'_> {
-        Placed { cx: self, by: None }
-    }
-
-    /// A list replayed on a state. The states after every item are kept, so that adding to the end runs one step
-    /// and changing an item runs from there on.
-    pub fn fold<S: Send + Sync + 'static, I>(
-        &self,
-        start: (Key, impl FnOnce() -> Result<S, NodeError>),
-        items: &[(Key, I)],
-        step: impl Fn(&S, &I) -> Result<S, NodeError>,
-        bytes: impl Fn(&S) -> usize,
-    ) -> Result<Arc<S>, NodeError> {
-        let mut keys = vec![KeyBuilder::new("fold").key(self.node).key(start.0).finish()];
-        for (key, _) in items {
-            let last = keys[keys.len() - 1];
-            keys.push(KeyBuilder::new("fold").key(last).key(*key).finish());
-        }
-        let known = (0..keys.len())
-            .rev()
-            .find_map(|i| Some((i, self.host.find(keys[i])?.downcast::<S>().ok()?)));
-        let (mut done, mut state) = match known {
-            Some(known) => known,
-            None => {
-                let state = Arc::new(start.1()?);
-                self.host.keep(keys[0], state.clone(), bytes(&state));
-                (0, state)
-            }
-        };
-        self.log.tufts_reused.fetch_add(done as u32, Ordering::Relaxed);
-        while done < items.len() {
-            self.check()?;
-            state = Arc::new(step(&state, &items[done].1)?);
-            self.log.tufts_run.fetch_add(1, Ordering::Relaxed);
-            done += 1;
-            self.host.keep(keys[done], state.clone(), bytes(&state));
-        }
-        Ok(state)
-    }
-
-    /// Something derived from `key` alone that several evaluations may share, such as a tree over roots.
-    pub fn memo<T: Send + Sync + 'static>(
-        &self,
-        key: Key,
-        make: impl FnOnce() -> (T, usize),
-    ) -> Arc<T> {
-        let key = KeyBuilder::new("memo").key(key).finish();
-        if let Some(found) = self.host.find(key).and_then(|kept| kept.downcast::<T>().ok()) {
-            return found;
-        }
-        let (value, bytes) = make();
-        let value = Arc::new(value);
-        self.host.keep(key, value.clone(), bytes);
-        value
-    }
-}
-
-impl Placed<'_> {
     /// Tufts to tufts: each output tuft reads one input tuft and nothing else that varies.
     pub fn each_tuft<const N: usize>(
         &self,
@@ -391,16 +293,16 @@ impl Placed<'_> {
     ) -> Result<[Curves; N], NodeError> {
         let made: Vec<OnceLock<Result<Arc<Made>, NodeError>>> =
             (0..n).map(|_| OnceLock::new()).collect();
-        let node = self.by.map_or(self.cx.node, |(node, _)| node);
+        let node = self.by_place.map_or(self.node, |(node, _)| node);
         let (done, points) = (AtomicU32::new(0), AtomicUsize::new(0));
-        self.cx.host.for_each(n, &|i| {
+        self.host.for_each(n, &|i| {
             if points.load(Ordering::Relaxed) <= MOST_POINTS {
                 let piece = self.piece(key(i).key(node).finish(), i, &make);
                 let tufts = piece.iter().flat_map(|made| made.tufts.iter().flatten());
                 points.fetch_add(tufts.map(|t| t.points().len()).sum(), Ordering::Relaxed);
                 let _ = made[i].set(piece);
             }
-            self.cx.host.progress(done.fetch_add(1, Ordering::Relaxed) as usize + 1, n);
+            self.host.progress(done.fetch_add(1, Ordering::Relaxed) as usize + 1, n);
         });
         // So much is made, or not, whatever the order of pieces.
         if points.into_inner() > MOST_POINTS {
@@ -415,7 +317,7 @@ impl Placed<'_> {
             for (output, tufts) in outputs.iter_mut().zip(&made.tufts) {
                 output.extend(tufts.iter().cloned());
             }
-            made.troubles.iter().for_each(|trouble| self.cx.log.say(trouble.clone()));
+            made.troubles.iter().for_each(|trouble| self.log.say(trouble.clone()));
         }
         Ok(outputs.map(Curves::new))
     }
@@ -426,20 +328,20 @@ impl Placed<'_> {
         i: usize,
         make: &(impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync),
     ) -> Result<Arc<Made>, NodeError> {
-        self.cx.check()?;
-        let Some((_, sections)) = self.by else {
-            if let Some(made) = self.cx.host.find(key).and_then(|kept| kept.downcast().ok()) {
-                self.cx.log.tufts_reused.fetch_add(1, Ordering::Relaxed);
+        self.check()?;
+        let Some((_, sections)) = self.by_place else {
+            if let Some(made) = self.host.find(key).and_then(|kept| kept.downcast().ok()) {
+                self.log.tufts_reused.fetch_add(1, Ordering::Relaxed);
                 return Ok(made);
             }
             let made = Arc::new(self.made(i, make)?);
-            self.cx.host.keep(key, made.clone(), made.bytes());
+            self.host.keep(key, made.clone(), made.bytes());
             return Ok(made);
         };
-        let known = self.cx.host.find(key).and_then(|kept| kept.downcast::<ByPlace>().ok());
+        let known = self.host.find(key).and_then(|kept| kept.downcast::<ByPlace>().ok());
         let known = known.as_deref().map_or(&[][..], |known| &known.0);
         if let Some((_, made)) = known.iter().find(|(read, _)| read.is_same_on(sections)) {
-            self.cx.log.tufts_reused.fetch_add(1, Ordering::Relaxed);
+            self.log.tufts_reused.fetch_add(1, Ordering::Relaxed);
             return Ok(made.clone());
         }
         let (made, read) = traced(sections, || self.made(i, make));
@@ -448,7 +350,7 @@ impl Placed<'_> {
         let before = before.map(|(read, made)| (read.clone(), made.clone()));
         let kept: Vec<_> = std::iter::once((read, made.clone())).chain(before).collect();
         let bytes = kept.iter().map(|(read, made)| read.bytes() + made.bytes()).sum();
-        self.cx.host.keep(key, Arc::new(ByPlace(kept)), bytes);
+        self.host.keep(key, Arc::new(ByPlace(kept)), bytes);
         Ok(made)
     }
 
@@ -457,8 +359,8 @@ impl Placed<'_> {
         i: usize,
         make: &(impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync),
     ) -> Result<Made, NodeError> {
-        self.cx.log.tufts_run.fetch_add(1, Ordering::Relaxed);
-        let mut piece = Piece { host: self.cx.host, since: 0, troubles: BTreeMap::new() };
+        self.log.tufts_run.fetch_add(1, Ordering::Relaxed);
+        let mut piece = Piece { host: self.host, since: 0, troubles: BTreeMap::new() };
         let tufts: Vec<Vec<Arc<Tuft>>> =
             make(i, &mut piece)?.into_iter().map(Tuft::split).collect();
         let troubles = piece
@@ -467,6 +369,58 @@ impl Placed<'_> {
             .map(|(text, (count, curves))| Message { warning: true, text, count, curves })
             .collect();
         Ok(Made { tufts, troubles })
+    }
+
+    /// A list replayed on a state. The states after every item are kept, so that adding to the end runs one step
+    /// and changing an item runs from there on.
+    pub fn fold<S: Send + Sync + 'static, I>(
+        &self,
+        start: (Key, impl FnOnce() -> Result<S, NodeError>),
+        items: &[(Key, I)],
+        step: impl Fn(&S, &I) -> Result<S, NodeError>,
+        bytes: impl Fn(&S) -> usize,
+    ) -> Result<Arc<S>, NodeError> {
+        let mut keys = vec![KeyBuilder::new("fold").key(self.node).key(start.0).finish()];
+        for (key, _) in items {
+            let last = keys[keys.len() - 1];
+            keys.push(KeyBuilder::new("fold").key(last).key(*key).finish());
+        }
+        let known = (0..keys.len())
+            .rev()
+            .find_map(|i| Some((i, self.host.find(keys[i])?.downcast::<S>().ok()?)));
+        let (mut done, mut state) = match known {
+            Some(known) => known,
+            None => {
+                let state = Arc::new(start.1()?);
+                self.host.keep(keys[0], state.clone(), bytes(&state));
+                (0, state)
+            }
+        };
+        self.log.tufts_reused.fetch_add(done as u32, Ordering::Relaxed);
+        while done < items.len() {
+            self.check()?;
+            state = Arc::new(step(&state, &items[done].1)?);
+            self.log.tufts_run.fetch_add(1, Ordering::Relaxed);
+            done += 1;
+            self.host.keep(keys[done], state.clone(), bytes(&state));
+        }
+        Ok(state)
+    }
+
+    /// Something derived from `key` alone that several evaluations may share, such as a tree over roots.
+    pub fn memo<T: Send + Sync + 'static>(
+        &self,
+        key: Key,
+        make: impl FnOnce() -> (T, usize),
+    ) -> Arc<T> {
+        let key = KeyBuilder::new("memo").key(key).finish();
+        if let Some(found) = self.host.find(key).and_then(|kept| kept.downcast::<T>().ok()) {
+            return found;
+        }
+        let (value, bytes) = make();
+        let value = Arc::new(value);
+        self.host.keep(key, value.clone(), bytes);
+        value
     }
 }
 
@@ -496,14 +450,7 @@ mod tests {
     /// Replays numbers on a sum; gives the sum, and how many steps ran and were reused.
     fn replay(host: &Memory, numbers: &[u64]) -> (u64, u32, u32) {
         let log = Log::default();
-        let cx = EvalCx {
-            seed: 0,
-            quality: Quality::Final,
-            node: Key(1),
-            node_by_place: None,
-            host,
-            log: &log,
-        };
+        let cx = EvalCx::new(0, Quality::Final, Key(1), host, &log);
         let items: Vec<(Key, u64)> =
             numbers.iter().map(|n| (KeyBuilder::new("item").int(*n).finish(), *n)).collect();
         let sum = cx.fold((Key(2), || Ok(0u64)), &items, |sum, n| Ok(sum * 10 + n), |_| 8).unwrap();
@@ -524,14 +471,7 @@ mod tests {
     fn messages_join_repeats_and_name_the_first_few() {
         let log = Log::default();
         let host = PlainHost;
-        let cx = EvalCx {
-            seed: 0,
-            quality: Quality::Final,
-            node: Key(1),
-            node_by_place: None,
-            host: &host,
-            log: &log,
-        };
+        let cx = EvalCx::new(0, Quality::Final, Key(1), &host, &log);
         (1..=20).for_each(|curve| cx.trouble(curve, "was left out"));
         let said: Vec<String> = log.messages().iter().map(ToString::to_string).collect();
         assert_eq!(said, ["was left out (20 curves, first 0000000000000001)"]);
@@ -541,14 +481,7 @@ mod tests {
     #[test]
     fn preview_makes_a_tenth_but_never_under_sixteen() {
         let (log, host) = (Log::default(), PlainHost);
-        let cx = |quality| EvalCx {
-            seed: 0,
-            quality,
-            node: Key(1),
-            node_by_place: None,
-            host: &host,
-            log: &log,
-        };
+        let cx = |quality| EvalCx::new(0, quality, Key(1), &host, &log);
         let thinned = |n| cx(Quality::Preview).thinned(n);
         assert_eq!([10, 100, 1000].map(thinned), [10, 16, 100]);
         assert_eq!(cx(Quality::Final).thinned(1000), 1000);

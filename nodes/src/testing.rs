@@ -64,7 +64,7 @@ pub(crate) fn run_on(
         }
         values[at].push(value.clone());
     }
-    let cx = EvalCx { seed: 0, quality, node: key.finish(), node_by_place: None, host, log };
+    let cx = EvalCx::new(0, quality, key.finish(), host, log);
     (node.run)(&cx, &values)
 }
 

@@ -9,6 +9,7 @@ use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use coif_nodes::define::Value;
 use coif_nodes::eval::Quality;
+use coif_nodes::maths::transcendental::{sin_cos, sin_cos_turns};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -76,7 +77,7 @@ fn strokes() -> Strokes {
         // A spiral of even area over the cap above the ears.
         let y = 1.0 - 0.75 * (i as f32 + 0.5) / CLUSTERS as f32;
         let r = (1.0 - y * y).sqrt();
-        let (s, c) = coif_nodes::maths::transcendental::sin_cos(i as f32 * golden);
+        let (s, c) = sin_cos(i as f32 * golden);
         let out = Vec3::new(r * s, y, r * c);
         let sample = |k: usize| Sample {
             position: out * (8.9 + k as f32),
@@ -89,24 +90,98 @@ fn strokes() -> Strokes {
     Strokes((0..CLUSTERS).map(stroke).collect())
 }
 
+/// Rows between drawn partings, braided, with hair through them; free-hanging locks in the same sections, curled.
+const PARTED: &str = r#"(
+    format: 1,
+    title: "Parting moved",
+    seed: 0,
+    nodes: {
+        "braid": (kind: "lissajous_braid"),
+        "braids": (kind: "groom_output", inputs: {"name": "braids"}),
+        "clusters": (kind: "cluster_to_strands", inputs: {"strands": 30, "radius": 0.8}),
+        "curl": (kind: "shape_list_curl", inputs: {"preset": "3a"}),
+        "curls": (kind: "groom_output", inputs: {"name": "curls"}),
+        "guides": (kind: "scatter_guides", inputs: {"count": 200, "length": 12.0}),
+        "hair": (kind: "braid_hair"),
+        "head": (kind: "head"),
+        "lines": (kind: "stroke_input", inputs: {"project": "free"}),
+        "parted": (kind: "partings"),
+        "territory": (kind: "braid_territory", inputs: {"density": 20.0}),
+    },
+    links: {
+        "braid.scalp": "parted.scalp",
+        "braid.source": "territory.source",
+        "braids.curves": "hair.curves",
+        "clusters.curves": "guides.curves",
+        "clusters.scalp": "parted.scalp",
+        "curl.curves": "clusters.curves",
+        "curl.scalp": "parted.scalp",
+        "curls.curves": "curl.curves",
+        "guides.scalp": "parted.scalp",
+        "hair.roots": "territory.curves",
+        "hair.scalp": "parted.scalp",
+        "hair.stitches": "braid.stitches",
+        "hair.strands": "braid.curves",
+        "lines.scalp": "head.scalp",
+        "parted.lines": "lines.curves",
+        "parted.scalp": "head.scalp",
+        "territory.scalp": "parted.scalp",
+        "territory.source": "parted.rows",
+    },
+)
+"#;
+
+const LINES: usize = 7;
+
+/// Partings from the forehead to the nape, 1.7 cm beside one another; number `moved` lies `by` cm beside its place.
+fn lines(moved: usize, by: f32) -> Strokes {
+    let stroke = |i: usize| {
+        let x = 1.7 * (i as f32 - 0.5 * (LINES - 1) as f32) + if i == moved { by } else { 0.0 };
+        let sample = |k: usize| {
+            let (up, front) = sin_cos_turns((5.0 + 12.0 * k as f32) / 360.0);
+            let radius = (121.0 - x * x).sqrt();
+            Sample {
+                position: Vec3::new(x, radius * up, radius * front),
+                pressure: 0.5,
+                time: k as f32 * 0.02,
+                ..Sample::default()
+            }
+        };
+        Stroke::new(i as u64 + 1, (0..22).map(sample).collect())
+    };
+    Strokes((0..LINES).map(stroke).collect())
+}
+
 struct Session {
     document: Document,
+    targets: Vec<Socket>,
     evaluator: Evaluator,
     files: DiskFiles,
 }
 
 impl Session {
-    fn new() -> Self {
-        let mut document = file::read(GRAPH).unwrap_or_else(|err| panic!("{err}")).document;
-        set(&mut document, "pen", "strokes", strokes().into());
-        set(&mut document, "pen", "project", "free".into());
+    fn of(graph: &str, targets: [&str; 2]) -> Self {
+        let document = file::read(graph).unwrap_or_else(|err| panic!("{err}")).document;
+        let targets = targets.map(|s| s.parse().unwrap()).into();
         let evaluator = Evaluator::new(2, 1 << 30).unwrap();
-        Self { document, evaluator, files: DiskFiles::default() }
+        Self { document, targets, evaluator, files: DiskFiles::default() }
+    }
+    fn new() -> Self {
+        let mut session = Self::of(GRAPH, ["chain.curves", "gathered.curves"]);
+        set(&mut session.document, "pen", "strokes", strokes().into());
+        set(&mut session.document, "pen", "project", "free".into());
+        session
+    }
+    fn parted() -> Self {
+        Self::of(PARTED, ["braids.curves", "curls.curves"])
+    }
+    /// Runs with these partings drawn.
+    fn run_parted(&mut self, lines: Strokes) -> Outcome {
+        set(&mut self.document, "lines", "strokes", lines.into());
+        self.run()
     }
     fn run(&self) -> Outcome {
-        let targets: Vec<Socket> =
-            ["chain.curves", "gathered.curves"].map(|s| s.parse().unwrap()).into();
-        let plan = plan(&self.document, &targets, Quality::Final, &self.files)
+        let plan = plan(&self.document, &self.targets, Quality::Final, &self.files)
             .unwrap_or_else(|err| panic!("{err}"));
         let outcome = self.evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet);
         for node in &outcome.nodes {
@@ -219,4 +294,79 @@ fn in_the_editor_a_failing_node_passes_its_curves_through() {
     assert!(curves.curve_count() > 0);
     let node = passed.nodes.iter().find(|n| n.name == "width").unwrap();
     assert!(node.error.as_ref().unwrap().to_string().contains("nothing"));
+}
+
+fn pieces(outcome: &Outcome, node: &str) -> (u32, u32) {
+    let node = outcome.nodes.iter().find(|n| n.name == node).unwrap();
+    if node.cached { (0, node.tufts_reused) } else { (node.tufts_run, node.tufts_reused) }
+}
+
+/// Whether what was kept of other runs gave the hair that a fresh run gives.
+#[track_caller]
+fn assert_same(kept: &Outcome, fresh: &Outcome, what: &str) {
+    for (kept, fresh) in kept.targets.iter().zip(&fresh.targets) {
+        let (Some(kept), Some(fresh)) = (kept, fresh) else { panic!("{what}: no hair") };
+        assert_eq!(kept.key(), fresh.key(), "{what}");
+    }
+}
+
+#[test]
+fn hair_beside_a_moved_parting_is_made_again_and_the_rest_is_kept() {
+    let mut session = Session::parted();
+    let rows = LINES as u32 + 1;
+    assert_eq!(pieces(&session.run_parted(lines(0, 0.0)), "braid"), (rows, 0));
+    for (moved, by) in [(3, 0.3), (3, 0.5), (6, -0.4), (0, 0.0)] {
+        let kept = session.run_parted(lines(moved, by));
+        let fresh = Session::parted().run_parted(lines(moved, by));
+        assert_same(&kept, &fresh, &format!("parting {moved} by {by}"));
+        let of = |node| pieces(&kept, node);
+        let ((hair, kept_hair), (curls, kept_curls)) = (of("hair"), of("curl"));
+        if by == 0.0 {
+            assert_eq!((of("braid"), hair, curls), ((0, rows), 0, 0), "back to what is known");
+        } else if moved == 3 {
+            assert_eq!(of("braid"), (2, rows - 2), "the rows on its two sides");
+            // Hair of a row is made in one piece or two.
+            assert!((2..=4).contains(&hair) && kept_hair >= 6, "{hair}, {kept_hair} kept");
+            // Locks that hang over other sections read the lines that they pass.
+            assert!(curls > 0 && 2 * curls < kept_curls, "{curls}, {kept_curls} kept");
+        } else {
+            // Number 3 went back to its place as well.
+            assert_eq!(of("braid"), (2, rows - 2), "its own rows; those of number 3 are known");
+            assert!(kept_hair >= 5 && kept_curls > 0, "{kept_hair}, {kept_curls} kept");
+        }
+    }
+}
+
+#[test]
+fn whatever_becomes_of_partings_the_hair_is_that_of_a_fresh_run() {
+    let mut session = Session::parted();
+    let some = |keep: &dyn Fn(usize) -> bool| {
+        let all = lines(0, 0.0).0.into_iter().enumerate();
+        Strokes(all.filter(|(i, _)| keep(*i)).map(|(_, stroke)| stroke).collect())
+    };
+    let scaled = |by: f32| {
+        let mut all = lines(0, 0.0);
+        for sample in all.0.iter_mut().flat_map(|stroke| &mut stroke.samples) {
+            sample.position *= by;
+        }
+        all
+    };
+    let point = |at: f32| Sample { position: Vec3::splat(at), ..Sample::default() };
+    let cases = [
+        ("all", some(&|_| true)),
+        ("none", Strokes::default()),
+        ("one", some(&|i| i == 3)),
+        ("all but one", some(&|i| i != 3)),
+        ("far off the head", scaled(1e5)),
+        ("in the middle of the head", scaled(1e-4)),
+        (
+            "a point, and two alike",
+            Strokes(vec![Stroke::new(1, vec![point(8.0)]), Stroke::new(2, vec![point(8.0); 2])]),
+        ),
+        ("all again", some(&|_| true)),
+    ];
+    for (what, drawn) in cases {
+        let kept = session.run_parted(drawn.clone());
+        assert_same(&kept, &Session::parted().run_parted(drawn), what);
+    }
 }

@@ -239,15 +239,9 @@ impl Evaluator {
         } else {
             let pool = self.pool(plan.quality);
             let host = PoolHost { evaluator: self, pool, cancel, progress, node: &step.name };
-            let cx = EvalCx {
-                seed: plan.seed,
-                quality: plan.quality,
-                node: keys.node,
-                // Who keeps nothing need not know what was read.
-                node_by_place: keys.node_by_place.filter(|_| !self.cache().is_off()),
-                host: &host,
-                log: &log,
-            };
+            let mut cx = EvalCx::new(plan.seed, plan.quality, keys.node, &host, &log);
+            // Who keeps nothing need not know what was read.
+            cx.node_by_place = keys.node_by_place.filter(|_| !self.cache().is_off());
             let ran = std::panic::catch_unwind(AssertUnwindSafe(|| (step.def.run)(&cx, &inputs)));
             let result = ran.unwrap_or_else(|panic| {
                 let text = panic

@@ -328,7 +328,7 @@ impl Lines {
 
     /// What these lines and the sections with these ids say in each part of the map and of space: all that queries of a cell, with
     /// those around it, and of a place can find.
-    pub(super) fn digests(&self, labels: &[u32], ids: impl Fn(u32) -> u64) -> Digests {
+    pub(super) fn digests(&self, labels: &[u32], ids: impl Fn(u32) -> u64, widest: f32) -> Digests {
         let piece = |piece: &Piece| {
             let Piece { flat, ends, up, half_width, .. } = piece;
             let key = KeyBuilder::new("piece").float(*half_width).vec3(*up);
@@ -356,7 +356,6 @@ impl Lines {
             let key = place.iter().fold(key, |key, x| key.int(*x as u64));
             *block = listed.iter().fold(key, |key, i| key.key(of(*i)));
         }
-        let widest = self.pieces.iter().fold(0.0, |widest, piece| piece.half_width.max(widest));
         Digests {
             tiles: tiles.into_iter().map(KeyBuilder::finish).collect(),
             blocks: blocks.into_iter().map(|(block, key)| (block, key.finish())).collect(),

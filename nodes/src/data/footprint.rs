@@ -5,8 +5,9 @@
 //! same. Work that reads nothing else that differs then gives the same result on both.
 //!
 //! Guarantees: what the queries of [`Sections`] answer at a place follows from its tile or block alone; what cannot be put down to
-//! places (lists, names) counts as all of it. Not promised: anything for what was read before, or on another thread: who traces a
-//! piece of work sees to it that nothing it holds comes from the sections.
+//! places (lists, names) counts as all of it. Not promised: that the numbers of sections stay, which only tell one from another
+//! within a piece; and anything for what was read before, or on another thread: who traces a piece of work sees to it that nothing
+//! it holds comes from the sections.
 
 use super::chart::CELLS;
 use super::sections::Sections;
@@ -164,4 +165,136 @@ fn note_cell(cell: usize) {
             reads.tiles[tile / 64] |= 1 << (tile % 64);
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::attributes::{Domain, ID};
+    use crate::data::curves::{Curves, TuftBuilder};
+    use crate::data::scalp::Scalp;
+    use crate::define::Value;
+    use crate::maths::hash::Dice;
+    use crate::maths::transcendental::sin_cos_turns;
+    use crate::testing::run;
+    use glam::Vec3;
+    use std::sync::Arc;
+
+    /// The built-in head with five partings from the forehead to the nape; the middle one lies `by` cm beside its place.
+    fn parted(head: &Value, by: f32) -> Arc<Scalp> {
+        let mut b = TuftBuilder::new();
+        for k in 0..5 {
+            let x = 2.2 * (k as f32 - 2.0) + if k == 2 { by } else { 0.0 };
+            let radius = (121.0 - x * x).sqrt();
+            let at = |n: u32| {
+                let (up, front) = sin_cos_turns((5.0 + 6.0 * n as f32) / 360.0);
+                Vec3::new(x, radius * up, radius * front)
+            };
+            b.push_curve(&(0..43).map(at).collect::<Vec<_>>());
+        }
+        b.set(ID, Domain::Curve, (1..=5).collect());
+        let lines = Curves::new(vec![Arc::new(b.build())]);
+        let set = [("scalp", head.clone()), ("lines", lines.into()), ("width", Value::Float(0.3))];
+        match run(crate::by_id("partings").unwrap(), &set).0.swap_remove(0) {
+            Value::Scalp(scalp) => scalp,
+            other => panic!("a {}", other.type_name()),
+        }
+    }
+
+    /// What a query answers, in bits; sections by their ids.
+    type Query = fn(&Scalp, Vec3, Vec3) -> Vec<u64>;
+
+    fn bits(p: Option<Vec3>) -> Vec<u64> {
+        p.map_or(vec![], |p| p.to_array().map(|x| u64::from(x.to_bits())).to_vec())
+    }
+
+    const QUERIES: [(&str, Query); 10] = [
+        ("the section", |scalp, p, _| scalp.sections().unwrap().id_at(p).into_iter().collect()),
+        ("the place", |scalp, p, _| {
+            let place = scalp.sections().unwrap().at(p);
+            let of = |place: crate::data::sections::Place| {
+                [place.distance.to_bits(), place.bare.to_bits(), u32::from(place.free)]
+                    .map(u64::from)
+            };
+            place.map_or(vec![], |place| of(place).to_vec())
+        }),
+        ("whether hair may be rooted", |scalp, p, _| vec![u64::from(scalp.free(p))]),
+        ("a way over a line", |scalp, p, q| {
+            vec![u64::from(scalp.sections().unwrap().passed(p, q, 0.0))]
+        }),
+        ("a way over the scalp", |scalp, p, q| {
+            vec![u64::from(scalp.sections().unwrap().crosses(p, q))]
+        }),
+        ("a point of home", |scalp, p, q| {
+            scalp
+                .home(p)
+                .map_or(vec![], |home| vec![u64::from(home.holds(q)), u64::from(home.is_under(q))])
+        }),
+        ("a point kept at home", |scalp, p, q| {
+            let mut near = 0;
+            bits(scalp.home(p).and_then(|home| home.kept(q, &mut near)))
+        }),
+        ("hair that leaves home", |scalp, p, q| {
+            scalp.home(p).map_or(vec![], |home| {
+                vec![u64::from(home.crosses(p, q)), u64::from(home.is_straight(p, q))]
+            })
+        }),
+        ("the way home", |scalp, p, q| {
+            let way = scalp.home(p).and_then(|home| home.ways(p).from(q));
+            way.into_iter().flatten().flat_map(|p| bits(Some(p))).collect()
+        }),
+        ("a root kept in its section", |scalp, p, q| {
+            let root = scalp.closest_root(q).unwrap();
+            bits(Some(scalp.kept_in_section(p, root).point))
+        }),
+    ];
+
+    #[test]
+    fn where_a_footprint_is_the_same_so_are_the_answers() {
+        let head = run(crate::by_id("head").unwrap(), &[]).0.swap_remove(0);
+        let before = parted(&head, 0.0);
+        let dice = Dice::new(0, 0, "footprint");
+        for (by, rounds) in [(0.4, 400), (-1.0, 200)] {
+            let after = parted(&head, by);
+            let (old, new) = (before.sections().unwrap(), after.sections().unwrap());
+            for (what, ask) in QUERIES {
+                let rounds = if what == "the way home" { 12 } else { rounds };
+                let (mut same, mut changed) = (0, 0);
+                for k in 0..rounds {
+                    let off = |n| dice.signed(k, n);
+                    // About the moved line and the sections beside it, a little off the skin.
+                    let p = Vec3::new(3.0 * off(0), 8.0 + off(1), 4.0 * off(2));
+                    let p = before.closest_root(p).unwrap().point;
+                    let q = p + Vec3::new(off(3), 0.3 * off(4), off(5));
+                    let (was, read) = traced(old, || ask(&before, p, q));
+                    let (is, again) = traced(new, || ask(&after, p, q));
+                    if read.is_same_on(new) {
+                        assert_eq!(was, is, "{what}: {p} {q}, moved by {by}");
+                        assert!(
+                            again.is_same_on(old),
+                            "{what}: {p} {q}, read as the other way round"
+                        );
+                        same += 1;
+                    } else {
+                        changed += u32::from(was != is);
+                    }
+                    assert!(read.is_same_on(old) && again.is_same_on(new));
+                }
+                // Not all of it is read by every query, nor does a whole section's way stay where its border moves.
+                assert!(same > 0 || what == "the way home", "{what}: {same} the same");
+                assert!(changed > 0, "{what}: {changed} changed");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_places_counts_as_all() {
+        let head = run(crate::by_id("head").unwrap(), &[]).0.swap_remove(0);
+        let (before, after) = (parted(&head, 0.0), parted(&head, 0.4));
+        let (old, new) = (before.sections().unwrap(), after.sections().unwrap());
+        let (_, read) = traced(old, || old.list().len());
+        assert!(read.is_same_on(old) && !read.is_same_on(new));
+        let (_, nothing) = traced(old, || ());
+        assert!(nothing.is_same_on(new));
+    }
 }

@@ -16,7 +16,7 @@ use super::footprint::{Digests, read_all, read_cell};
 use super::scalp::{Root, Scalp};
 use crate::maths::hash::{Key, KeyBuilder, curve_id};
 use glam::{Vec2, Vec3};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 /// A parting line, on the scalp.
@@ -172,7 +172,7 @@ impl Sections {
     pub(super) fn digests(&self) -> &Digests {
         self.digests.get_or_init(|| {
             let id = |label| self.list.get(label as usize).map_or(0, |section| section.id);
-            self.lines.digests(&self.labels, id)
+            self.lines.digests(&self.labels, id, self.widest)
         })
     }
     /// Number of the section of a name.
@@ -258,26 +258,16 @@ impl Sections {
         self.lines.clear[cell]
     }
 
-    /// The partings, by number in [`Self::partings`], that the straight way between two points of the scalp crosses, in order of
-    /// number.
-    pub fn crossed(&self, from: Vec3, to: Vec3) -> Vec<u32> {
-        let (p, q) = (self.spread.flat(from), self.spread.flat(to));
-        let steps = ((q - p).length() / super::chart::CELL).ceil().clamp(1.0, 1e4) as usize;
-        let mut found = BTreeSet::new();
-        for k in 0..=steps {
-            let Some(cell) = cell_of(p.lerp(q, k as f32 / steps as f32)) else { continue };
-            for i in self.lines.near_cell(cell) {
-                let piece = &self.lines.pieces[*i as usize];
-                if cross(p, q, piece.flat[0], piece.flat[1]) {
-                    found.insert(piece.parting);
-                }
-            }
-        }
-        found.into_iter().collect()
-    }
     /// Whether the straight way between two points of the scalp crosses a parting.
     pub fn crosses(&self, from: Vec3, to: Vec3) -> bool {
-        !self.crossed(from, to).is_empty()
+        let (p, q) = (self.spread.flat(from), self.spread.flat(to));
+        let steps = ((q - p).length() / super::chart::CELL).ceil().clamp(1.0, 1e4) as usize;
+        let crossed = |i: &u32| {
+            let [a, b] = self.lines.pieces[*i as usize].flat;
+            cross(p, q, a, b)
+        };
+        let mut cells = (0..=steps).filter_map(|k| cell_of(p.lerp(q, k as f32 / steps as f32)));
+        cells.any(|cell| self.lines.near_cell(cell).iter().any(crossed))
     }
 
     /// Areas, middles and ids.
@@ -470,6 +460,7 @@ mod tests {
     use crate::data::scalp::tests::shared_ball;
     use crate::maths::hash::Dice;
     use crate::maths::transcendental::sin_cos_turns;
+    use std::collections::BTreeSet;
 
     /// A line over the ball in the plane x = `x` (or z = `x`), from one edge of the scalp to the other.
     fn across(id: u64, x: f32, turned: bool) -> Parting {

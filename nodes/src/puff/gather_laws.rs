@@ -19,14 +19,7 @@ fn gather(set: &[(&str, Value)]) -> (Curves, Vec<Tie>) {
     assert!(said.is_empty(), "{said:?}");
     let host = crate::eval::PlainHost;
     let log = crate::eval::Log::default();
-    let cx = EvalCx {
-        seed: 0,
-        quality: Default::default(),
-        node: KeyBuilder::new("test").finish(),
-        node_by_place: None,
-        host: &host,
-        log: &log,
-    };
+    let cx = EvalCx::new(0, Default::default(), KeyBuilder::new("test").finish(), &host, &log);
     let ties = Tie::all(&cx, &shared_ball(), curves_of(&out[1]));
     (curves_of(&out[0]).clone(), ties)
 }

@@ -144,14 +144,7 @@ fn read_scalp(path: &PathBuf) -> Result<Arc<Scalp>, String> {
         inputs[at].push(Value::File(DiskFiles::new("/").read(&path.to_string_lossy())?));
     }
     let log = Log::default();
-    let cx = EvalCx {
-        seed: 0,
-        quality: Quality::Final,
-        node: Key::default(),
-        node_by_place: None,
-        host: &PlainHost,
-        log: &log,
-    };
+    let cx = EvalCx::new(0, Quality::Final, Key::default(), &PlainHost, &log);
     match (node.run)(&cx, &inputs).map_err(|err| err.to_string())?.into_iter().next() {
         Some(Value::Scalp(scalp)) => Ok(scalp),
         _ => Err("the head node gave no scalp".to_owned()),
