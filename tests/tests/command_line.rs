@@ -252,6 +252,25 @@ fn every_hostile_mesh_is_refused_in_one_line_or_loads() {
 }
 
 #[test]
+fn hair_that_leads_over_partings_is_told_of() {
+    let parted = |count: u32| {
+        let nodes = format!(
+            "{HEAD}        \"hair\": (kind: \"gather\", inputs: {{\"density\": 8.0}}),\n        \"parted\": (kind: \
+             \"partings\", inputs: {{\"pattern\": \"straight_back\", \"count\": {count}}}),\n{OUT}"
+        );
+        let links = "        \"hair.scalp\": \"parted.scalp\",\n        \"out.curves\": \"hair.curves\",\n        \
+                     \"parted.scalp\": \"head.scalp\",\n";
+        graph(&nodes, links)
+    };
+    // A tie on the line between two sections; and over rows, of which it stands over two.
+    let ran = check("two sections", &parted(2), &[], 0, &[]);
+    assert!(!ran.err.contains("parting"), "{}", ran.err);
+    let said =
+        ["hair: a hair is combed over a parting to its tie", "out.curves: ", "lead over a parting"];
+    check("rows", &parted(6), &[], 0, &said);
+}
+
+#[test]
 fn hostile_documents_are_refused_in_one_line() {
     let folder = Folder::new("documents");
     let deep = "(".repeat(100_000);

@@ -271,14 +271,7 @@ impl Opened {
             return Err(Stop::refused(format!("{graph}: no output gives curves")));
         }
         let hair = groups.iter().filter(|group| !group.guides);
-        let points: usize = hair.map(|group| group.curves.point_count()).sum();
-        if points > MOST_POINTS {
-            report.warnings.push(format!(
-                "the hair has {:.1} million points, and a groom is to have 16 at most: ask for fewer strands, or for fewer points \
-                 on each",
-                points as f64 / 1e6
-            ));
-        }
+        report.warnings.extend(too_many(hair.map(|group| group.curves.point_count()).sum()));
         Ok(Evaluated { groups, scalps, more })
     }
 }
@@ -298,8 +291,9 @@ impl Wanted {
             [only] => Some(only.skin()),
             _ => None,
         };
+        let each = |n: usize, f: &(dyn Fn(usize) + Sync)| evaluator.for_each(n, f);
         let Conformed { curves: conformed, changes } =
-            conform(&curves, skin, parted, self.guides, &|n, f| evaluator.for_each(n, f));
+            conform(&curves, skin, parted, self.guides, &each);
         drop(curves);
         let socket = &self.socket;
         if changes.left_out > 0 {
@@ -318,12 +312,12 @@ impl Wanted {
         }
         let curves = conformed;
         if !self.guides {
-            let each = |n: usize, f: &(dyn Fn(usize) + Sync)| evaluator.for_each(n, f);
             let [over, looked] = over_partings(&curves, parted, LOOKED_AT, &each);
             // Single hairs are no fault: one in a thousand is left out of files for less.
             if over * FEW > looked {
                 report.warnings.push(format!(
-                    "{socket}: {over} of {looked} hairs that were looked at lead over a parting; coif measure counts all"
+                    "{socket}: {over} of {looked} hairs that were looked at lead over a parting; coif measure counts all where the \
+                     partings are written with them, as guides"
                 ));
             }
         }
@@ -346,6 +340,17 @@ impl Wanted {
         }
         Ok(export::Group { name: self.group.clone(), guides: self.guides, curves })
     }
+}
+
+/// What there is to say of so many points of hair.
+fn too_many(points: usize) -> Option<String> {
+    (points > MOST_POINTS).then(|| {
+        format!(
+            "the hair has {:.1} million points, and a groom is to have 16 at most: ask for fewer strands, or for fewer points on \
+             each",
+            points as f64 / 1e6
+        )
+    })
 }
 
 /// One hair in so many is looked at for partings.
@@ -561,4 +566,16 @@ fn of_kind(document: &Document, targets: &[Socket], kind: &str) -> Vec<Socket> {
         .filter(|id| document.node(id.as_str()).is_some_and(|n| n.kind == kind))
         .map(|id| Socket::new(id, "scalp"))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_points_than_a_groom_is_to_have_are_told() {
+        assert_eq!(too_many(MOST_POINTS), None);
+        let said = too_many(18_240_000).unwrap();
+        assert!(said.starts_with("the hair has 18.2 million points"), "{said}");
+    }
 }

@@ -438,8 +438,8 @@ fn measured(points: &[Vec3]) -> (f32, f32) {
     (2.0 * (sum / count as f32).sqrt(), (samples[n].y - samples[0].y).abs() / turns)
 }
 
-/// Diameter and pitch as `coif measure` finds them where hair turns back or goes to and fro: whichever way round a turn goes
-/// counts, about the mean over several turns.
+/// Diameter and pitch as `coif measure` finds them where hair turns back now and then or goes to and fro: whichever way round a
+/// turn goes counts, about the mean over several turns. Of hair that goes back at every turn the program takes the mean over two.
 fn followed(points: &[Vec3]) -> (f32, f32) {
     let spline = Spline::new(points).unwrap();
     let n = (points.len() * 4).min(2048);

@@ -5,9 +5,10 @@
 //! over the skin. How thick they lie on one another follows from the area of the tie: what passes at a distance is the
 //! hair rooted beyond, spread over the circle there.
 //!
-//! Guarantees: roots on the scalp and unmoved; no point under the skin; ends within the tie's ring; hairs of one tie that
-//! do not stray keep their order; more hair only adds hairs; hair of a tie that takes only its own section crosses no
-//! parting. Not promised: equal lengths.
+//! Guarantees: roots on the scalp and unmoved; no point under the skin; ends within the tie's ring, or over it where that dips
+//! into the head; hairs of one tie that do not stray keep their order; more hair only adds hairs; hair of a tie that takes only
+//! its own section crosses no parting, nor does hair of a section that its tie stands over but where the skin leaves it no way,
+//! which is told. Not promised: equal lengths.
 
 use super::dome::{Dome, Polar};
 use super::tie::Tie;

@@ -386,6 +386,41 @@ mod tests {
         assert!((curl.pitch / pitch - 1.0).abs() < 0.06, "{curl:?} {pitch}");
     }
 
+    /// Turns of a curl 0.5 cm wide, `pitch` cm each, of which `back` says whether it goes against the last.
+    fn turning(turns: usize, pitch: f32, back: impl Fn(usize) -> bool) -> Vec<Vec3> {
+        let (mut hand, mut angle, mut points) = (1.0f32, 0.0f32, vec![]);
+        for k in 0..turns * 24 {
+            if k > 0 && k % 24 == 0 && back(k / 24) {
+                hand = -hand;
+            }
+            points.push(
+                Vec3::new(angle.cos(), 0.0, angle.sin()) * 0.25
+                    - Vec3::Y * (pitch * k as f32 / 24.0),
+            );
+            angle += hand * std::f32::consts::TAU / 24.0;
+        }
+        points
+    }
+
+    #[test]
+    fn a_curl_that_goes_back_at_every_turn_is_told_from_one_that_does_at_some() {
+        // By which the axis is read; the width of either is that of its turns, off an axis that swings or does not.
+        let swings = |points: &[Vec3]| {
+            let count = points.len();
+            let window = 24.0;
+            let (axis, from) = axis(&sums(points), 2.0 * window).unwrap();
+            assert!(axis.len() > count / 2);
+            turns(&points[from..from + axis.len()], &axis, window).1
+        };
+        for n in [8, 20, 40] {
+            assert!(swings(&turning(n, 0.7, |_| true)), "{n} turns, back at every one");
+            assert!(!swings(&turning(n, 0.7, |_| false)), "{n} turns one way");
+            assert!(!swings(&turning(n, 0.7, |k| k % 2 == 0)), "{n} turns, back at every other");
+            let at_random = |k: usize| (k * 7_919 % 31) % 2 == 0;
+            assert!(!swings(&turning(n, 0.7, at_random)), "{n} turns, back at half of them");
+        }
+    }
+
     #[test]
     fn straight_hair_has_no_curl() {
         let straight: Vec<Vec3> = (0..20).map(|k| Vec3::Y * k as f32).collect();
