@@ -58,7 +58,7 @@ impl Gpu {
     /// When there is none, or none that can run our shaders.
     pub fn new(precision: Precision) -> Result<Self, GpuError> {
         let descriptor = wgpu::InstanceDescriptor {
-            backends: Backends::from_env().unwrap_or(Backends::PRIMARY | Backends::GL),
+            backends: Backends::from_env().unwrap_or(Backends::PRIMARY),
             ..wgpu::InstanceDescriptor::new_without_display_handle()
         };
         let instance = wgpu::Instance::new(descriptor);
@@ -78,6 +78,10 @@ impl Gpu {
     pub fn on(adapter: &wgpu::Adapter, precision: Precision) -> Result<Self, GpuError> {
         let info = adapter.get_info();
         let too_small = |reason: String| GpuError::TooSmall { name: info.name.clone(), reason };
+        if info.backend == wgpu::Backend::Gl {
+            let why = "OpenGL cannot read depth in a shader as hair needs it; install its Vulkan driver";
+            return Err(too_small(why.to_owned()));
+        }
         let has = adapter.limits();
         let needs = Limits::default();
         if has.max_storage_buffers_per_shader_stage < needs.max_storage_buffers_per_shader_stage {

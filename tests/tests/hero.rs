@@ -265,6 +265,16 @@ fn heroes_show_what_their_style_shows() {
 }
 
 #[test]
+fn grooms_that_show_curls_have_them_as_asked() {
+    let mut wrong = vec![];
+    for name in ["curls", "curls_3b", "coils_4a", "zigzag_4b"] {
+        let (_, prims) = measured(name, None, &[]);
+        check_ask(name, &prims, &Ask::Curls, &mut wrong);
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
 fn heroes_sit_on_real_heads() {
     let mut wrong = vec![];
     for head in real_heads("heroes_sit_on_real_heads") {

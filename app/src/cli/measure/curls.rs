@@ -106,20 +106,18 @@ impl Curl {
         let mut at = Vec::with_capacity(count);
         spline.resample(count, |p| at.push(p));
         let sums = sums(&at);
-        let mut window = count as f32 / 3.0;
-        let (mut turned, mut swings) = (vec![], false);
-        for _ in 0..8 {
-            let (axis, from) = axis(&sums, window)?;
-            (turned, swings) = turns(&at[from..from + axis.len()], &axis, window);
-            let next = axis.len() as f32 / turned[turned.len() - 1].max(1e-3);
-            // Waves are counted in a window of many before they are in one of one.
-            let settled = (next - window).abs() < 0.01 * window;
-            window = next.clamp(6.0, count as f32 / 2.5);
-            if settled {
-                break;
-            }
+        let settle = |window| Turning::settled(&at, &sums, window);
+        let mut turning = settle(count as f32 / 3.0)?;
+        // Of a coil wider than its pitch the axis over half a turn too many winds along with the hair, and so few turns are
+        // counted about it that it seems to be right. It is longer than the axis over one turn.
+        if let Some(other) = settle(0.7 * turning.window)
+            && other.window < 0.85 * turning.window
+            && other.axis_step < 0.9 * turning.axis_step
+        {
+            turning = other;
         }
-        if turned[turned.len() - 1] < 1.5 || window * 2.5 > count as f32 {
+        let Turning { window, turned, swings, .. } = turning;
+        if turned < 1.5 || window * 2.5 > count as f32 {
             return None;
         }
         // Where there are many turns, the axis is a mean over several: no turn's own wandering or going back bends it.
@@ -176,6 +174,42 @@ impl Curl {
             pitch: span / turns.max(1e-3),
             shrinkage: 1.0 - (span + rest) / length,
         })
+    }
+}
+
+/// How a hair turns about its axis.
+struct Turning {
+    /// Samples of a turn.
+    window: f32,
+    /// Turns counted.
+    turned: f32,
+    /// Whether it goes back at every turn.
+    swings: bool,
+    /// cm of the axis for a sample of the hair.
+    axis_step: f32,
+}
+
+impl Turning {
+    /// Turns counted about the axis over one turn, as often as it takes for both to agree, a turn being `window` samples at first.
+    fn settled(at: &[Vec3], sums: &[glam::DVec3], mut window: f32) -> Option<Self> {
+        let count = at.len();
+        let mut found = None;
+        for _ in 0..8 {
+            let (axis, from) = axis(sums, window)?;
+            let (turned, swings) = turns(&at[from..from + axis.len()], &axis, window);
+            let turned = turned[turned.len() - 1];
+            let next = axis.len() as f32 / turned.max(1e-3);
+            // Waves are counted in a window of many before they are in one of one.
+            let settled = (next - window).abs() < 0.01 * window;
+            window = next.clamp(6.0, count as f32 / 2.5);
+            let long: f32 = axis.windows(2).map(|w| w[0].distance(w[1])).sum();
+            let axis_step = long / (axis.len() - 1) as f32;
+            found = Some(Self { window, turned, swings, axis_step });
+            if settled {
+                break;
+            }
+        }
+        found
     }
 }
 
@@ -331,6 +365,9 @@ mod tests {
             (0.3, 0.25, 60.0, 1e-3),
             (2.5, 6.0, 4.0, 1e-3),
             (0.5, 0.7, 20.0, 0.1),
+            // Wider than their pitch: about a mean over half a turn too many, fewer turns are counted than there are.
+            (1.6, 1.3, 4.0, 1e-3),
+            (1.6, 1.3, 8.0, 1e-3),
         ] {
             let fine = coil(d, p, turns, 96.0, bend);
             let length: f32 = fine.windows(2).map(|w| w[0].distance(w[1])).sum();
