@@ -79,7 +79,8 @@ impl Gpu {
         let info = adapter.get_info();
         let too_small = |reason: String| GpuError::TooSmall { name: info.name.clone(), reason };
         if info.backend == wgpu::Backend::Gl {
-            let why = "OpenGL cannot read depth in a shader as hair needs it; install its Vulkan driver";
+            let why =
+                "OpenGL cannot read depth in a shader as hair needs it; install its Vulkan driver";
             return Err(too_small(why.to_owned()));
         }
         let has = adapter.limits();

@@ -17,7 +17,7 @@ use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec3;
 
 /// How many sources.
-const MANY: u64 = if cfg!(debug_assertions) { 1_000 } else { 10_000 };
+pub(super) const MANY: u64 = if cfg!(debug_assertions) { 1_000 } else { 10_000 };
 const THREADS: u64 = 2;
 /// Sources beyond those of the dev build whose words were broken before strands got points by their own length.
 const ONCE_BROKEN: [u64; 12] =
@@ -159,11 +159,25 @@ fn one(dice: Dice, id: u64) -> (Kind, f32) {
     (kind, most)
 }
 
-/// What was found on one source, or the law that it breaks.
-fn tried(dice: Dice, id: u64) -> Result<(Kind, f32), String> {
-    std::panic::catch_unwind(|| one(dice, id)).map_err(|panic| {
-        let said = panic.downcast_ref::<String>().cloned();
-        said.unwrap_or_else(|| format!("source {id} panics"))
+/// What is found for each of these, by two threads; or the law that is broken, in words.
+pub(super) fn each_of<T: Send>(
+    ids: &[u64],
+    one: impl Fn(u64) -> T + Sync,
+) -> Vec<Result<T, String>> {
+    let tried = |id: u64| {
+        std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| one(id))).map_err(|panic| {
+            let said = panic.downcast_ref::<String>().cloned();
+            said.unwrap_or_else(|| format!("{id} panics"))
+        })
+    };
+    let share = |t: u64| {
+        let own = ids.iter().filter(|id| *id % THREADS == t);
+        own.map(|id| tried(*id)).collect::<Vec<_>>()
+    };
+    let share = &share;
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..THREADS).map(|t| scope.spawn(move || share(t))).collect();
+        threads.into_iter().flat_map(|t| t.join().unwrap()).collect()
     })
 }
 
@@ -171,15 +185,7 @@ fn on_sources(seed: u64) {
     let dice = Dice::new(seed, 0, "any source");
     let beyond = ONCE_BROKEN.into_iter().filter(|id| *id >= MANY);
     let ids: Vec<u64> = (0..MANY).chain(beyond).collect();
-    let share = |t: u64| {
-        let own = ids.iter().filter(|id| *id % THREADS == t);
-        own.map(|id| tried(dice, *id)).collect::<Vec<_>>()
-    };
-    let share = &share;
-    let all: Vec<Result<(Kind, f32), String>> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..THREADS).map(|t| scope.spawn(move || share(t))).collect();
-        threads.into_iter().flat_map(|t| t.join().unwrap()).collect()
-    });
+    let all: Vec<Result<(Kind, f32), String>> = each_of(&ids, |id| one(dice, id));
     let most: Vec<f32> = all.iter().flatten().map(|(_, most)| *most).collect();
     let looked = most.iter().filter(|most| **most > 0.0).count();
     let worst = most.iter().copied().fold(0.0, f32::max);

@@ -280,7 +280,7 @@ pub(super) fn carried(source: &[Vec3]) -> impl Fn(&[f32]) -> Vec<Frame> + use<> 
     move |us| frames(&spline, us, None, |_, _, _| None)
 }
 
-fn on_ball(source: &[Vec3]) -> impl Fn(&[f32]) -> Vec<Frame> + use<> {
+pub(super) fn on_ball(source: &[Vec3]) -> impl Fn(&[f32]) -> Vec<Frame> + use<> {
     let spline = Spline::new(source).unwrap();
     move |us| {
         let frame = |u: &f32| {

@@ -385,7 +385,11 @@ impl Shape<'_> {
             // A bulge where the strand is outermost, of its own size at each pass.
             let pass = (2.0 * (cycle + self.weave.ahead(i))).floor().max(0.0) as u64;
             let x2 = x * x;
-            x *= 1.0 + 0.3 * self.looseness * self.loose.unit(self.ids[i as usize], pass) * x2 * x2;
+            // The more strands, the nearer to the edge the last crossing is (as 1 - cos(pi / N)): there strands bulge less, or
+            // one would pass the next before it turns.
+            let fewer = (5.0 / n as f32).min(1.0);
+            let most = 0.3 * fewer * fewer * self.looseness;
+            x *= 1.0 + most * self.loose.unit(self.ids[i as usize], pass) * x2 * x2;
         }
         station.centre + station.frame.across(station.a * x, station.b * y)
     }

@@ -325,6 +325,8 @@ impl<'a> Plan<'a> {
 const MOST_STITCHES: f32 = 400.0;
 /// Stitches are not shorter than this share of the longest: hair is given points for a few on a stitch, and goes through more.
 const SHORTEST: f32 = 0.4;
+/// Stitches of fewer amplitudes than this somewhere on a braid are told.
+const CROWDED: f32 = 0.7;
 
 /// The strands, stitches and flyaways of one source; none where the source is no curve.
 fn braid(
@@ -416,14 +418,20 @@ fn braid(
     if limited != size.pitch {
         size = plan.paths.size(full_w, depth, Pitch::Cm(limited), at_full);
     }
-    if size.pitch < 0.98 * size.a {
+    let least = SHORTEST * size.pitch;
+    let along = |s: f32| spacing_at(s / length).clamp(least, size.pitch);
+    // Width and stitches that do not vary alike may fit at the widest place alone.
+    let closest = |k: usize| {
+        let s = tied_at * k as f32 / 16.0;
+        let pitch = if varies { along(s) } else { size.pitch };
+        pitch / (size.a * scale(s / length).0).max(1e-6)
+    };
+    if size.pitch < 0.98 * size.a || (0..=16).map(closest).fold(f32::MAX, f32::min) < CROWDED {
         piece.trouble(
             source_id,
             "stitches are closer than the amplitude of the braid, so strands are thin",
         );
     }
-    let least = SHORTEST * size.pitch;
-    let along = |s: f32| spacing_at(s / length).clamp(least, size.pitch);
     let along: Option<&dyn Fn(f32) -> f32> = if varies { Some(&along) } else { None };
     let (advance, stitches) = advance(plan, braid_id, size.pitch, along, tied_at);
 

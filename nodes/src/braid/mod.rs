@@ -3,6 +3,8 @@
 use crate::define::NodeDef;
 
 #[cfg(test)]
+mod any_row;
+#[cfg(test)]
 mod any_source;
 mod braid_hair;
 mod braid_territory;

@@ -112,7 +112,7 @@ pub fn conform(
 }
 
 /// Of every so many curves one, how many lead over a parting of the scalps `parted`, and how many were looked at. Hair of a braid
-/// counts up to where it joins that.
+/// counts up to where it joins that, hair that is held by a tie up to that.
 pub fn over_partings(
     curves: &Curves,
     parted: &[Arc<Scalp>],
@@ -136,7 +136,8 @@ pub fn over_partings(
         let (mut over, mut looked) = (0, 0);
         for i in (first..tuft.len()).step_by(every.max(1)) {
             let points = tuft.curve(i);
-            let until = joins(tuft, i).map_or(points.len(), |last| last + 1);
+            let free = joins(tuft, i).or_else(|| passes_its_tie(tuft, i));
+            let until = free.map_or(points.len(), |last| last + 1);
             over += usize::from(land.is_over_a_parting(&points[..until]));
             looked += 1;
         }
@@ -217,6 +218,25 @@ fn joins(tuft: &Tuft, i: usize) -> Option<usize> {
         return None;
     }
     points.into_iter().position(|k| along.at(i, k) > root).map(|k| k - 1)
+}
+
+/// The last point of a hair before it passes the middle of its tie, where it is held by one and passes in its ring or a band's
+/// thickness (2 mm) beside it: behind that it hangs, over partings too.
+fn passes_its_tie(tuft: &Tuft, i: usize) -> Option<usize> {
+    let first = tuft.range(i).start;
+    let radius: f32 = tuft.view(a::TIE_RADIUS).at(i, first);
+    if !(radius > 0.0 && radius < 1e6) {
+        return None;
+    }
+    let tie: Vec3 = tuft.view(a::TIE).at(i, first);
+    let off = |w: &[Vec3]| {
+        let way = w[1] - w[0];
+        let t = (tie - w[0]).dot(way) / way.length_squared().max(1e-12);
+        tie.distance(w[0] + way * t.clamp(0.0, 1.0))
+    };
+    let offs = tuft.curve(i).windows(2).map(off).enumerate();
+    let (at, far) = offs.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    (far <= radius + 0.2).then_some(at)
 }
 
 fn conform_tuft(tuft: &Arc<Tuft>, land: &Land, effort: Effort) -> Done {
@@ -374,14 +394,15 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_hair_that_would_be_moved_over_a_parting_is_left_out_and_a_guide_is_kept() {
+    /// `sin` and `cos` of 240ths of a turn, times `r`.
+    fn arc(k: i32, r: f32) -> (f32, f32) {
+        let (sin, cos) = crate::maths::transcendental::sin_cos_turns(k as f32 / 240.0);
+        (sin * r, cos * r)
+    }
+
+    /// The ball with a parting over its top, along z.
+    fn parted_ball() -> [Arc<Scalp>; 1] {
         let ball = crate::data::scalp::tests::shared_ball();
-        // A parting over the top of the ball, and a coarse hair that dives under it.
-        let arc = |k: i32, r: f32| {
-            let (sin, cos) = crate::maths::transcendental::sin_cos_turns(k as f32 / 240.0);
-            (sin * r, cos * r)
-        };
         let points = (-50..=50).map(|k| {
             let (z, y) = arc(k, 8.9);
             ball.closest_root(Vec3::new(0.0, y, z)).unwrap().point
@@ -393,7 +414,40 @@ mod tests {
             of_pattern: false,
         };
         let (sections, _) = Sections::new(&ball, vec![line], &[]);
-        let parted = [Arc::new(ball.parted(Arc::new(sections)))];
+        [Arc::new(ball.parted(Arc::new(sections)))]
+    }
+
+    #[test]
+    fn hair_leads_over_a_parting_before_its_tie_and_not_behind() {
+        let hair: Vec<Vec3> = (-6..=6)
+            .map(|k| {
+                let (x, y) = arc(2 * k, 8.95);
+                Vec3::new(x, y, 0.1)
+            })
+            .collect();
+        let check = |tie: Vec3, radius: f32, over: usize| {
+            let mut b = TuftBuilder::new();
+            b.push_curve(&hair);
+            b.set(a::TIE, Domain::Curve, vec![tie]);
+            b.set(a::TIE_RADIUS, Domain::Curve, vec![radius]);
+            let curves = Curves::new(vec![Arc::new(b.build())]);
+            let found = over_partings(&curves, &parted_ball(), 1, &in_order);
+            assert_eq!(found, [over, 1], "{tie} {radius}");
+        };
+        let before = hair[3] + Vec3::Y * 0.4;
+        check(before, 0.3, 0);
+        check(before + Vec3::Y, 0.3, 1);
+        check(hair[10], 0.3, 1);
+        check(before, 0.0, 1);
+        check(before, f32::NAN, 1);
+        check(Vec3::NAN, 0.3, 1);
+    }
+
+    #[test]
+    fn a_hair_that_would_be_moved_over_a_parting_is_left_out_and_a_guide_is_kept() {
+        let ball = crate::data::scalp::tests::shared_ball();
+        // A coarse hair that dives under the parting.
+        let parted = parted_ball();
         let skin = ball.skin();
         // Its turns are half in the ball, and far under it where the parting is.
         let hair: Vec<Vec3> = (-80..=80)

@@ -452,7 +452,10 @@ mod tests {
         for n in [8, 20, 40] {
             assert!(swings(&turning(n, 0.7, |_| true)), "{n} turns, back at every one");
             assert!(!swings(&turning(n, 0.7, |_| false)), "{n} turns one way");
-            assert!(!swings(&turning(n, 0.7, |k| k.is_multiple_of(2))), "{n} turns, back at every other");
+            assert!(
+                !swings(&turning(n, 0.7, |k| k.is_multiple_of(2))),
+                "{n} turns, back at every other"
+            );
             let at_random = |k: usize| (k * 7_919 % 31).is_multiple_of(2);
             assert!(!swings(&turning(n, 0.7, at_random)), "{n} turns, back at half of them");
         }

@@ -2,10 +2,11 @@
 //!
 //! Partings are the curves of a file with a `parting` number, mostly guides; their `radius` is half the parting's width and
 //! their `scalp_normal` the way off the skin. A hair can cross a parting only where it lies on the scalp: from its root
-//! until it is farther off the skin than [`ON`] or has joined a braid. Where `along` is told point by point a hair has joined
+//! until it is farther off the skin than [`ON`], has joined a braid or has passed the tie that holds it, behind which it hangs. Where `along` is told point by point a hair has joined
 //! where that begins to grow; the step that leads into its strand is the braid's, which may be wider than its section.
 
 use super::prim::{Column, Prim, in_parts, quantile};
+use super::ties::Held;
 use glam::Vec3;
 use serde::Serialize;
 use std::cmp::Ordering;
@@ -141,6 +142,7 @@ impl Partings {
     pub(super) fn judge(&self, prim: &Prim) -> Parted {
         let joined = prim.numbers("along").filter(Column::is_of_points);
         let braid = prim.whole("braid");
+        let tied = Held::of(prim);
         let parts = in_parts(prim.len(), 1000, |part| {
             let (mut crossing, mut rooted_in) = (0, 0);
             for i in part {
@@ -149,6 +151,7 @@ impl Partings {
                 rooted_in +=
                     usize::from(self.near(*root).any(|p| p.distance(*root) < p.half - ROUNDING));
                 let braided = braid.as_ref().is_some_and(|b| b[i] != 0);
+                let held = tied.as_ref().and_then(|tied| tied.until(prim, i));
                 let mut s = 0.0;
                 let until = match joined {
                     Some(along) if braided => joins(along, i, prim.range(i)),
@@ -156,7 +159,8 @@ impl Partings {
                 };
                 for w in points.windows(2).take(until) {
                     s += w[0].distance(w[1]);
-                    if braided && joined.is_none() && s > TO_ITS_BRAID {
+                    let hangs = held.is_some_and(|held| s > held);
+                    if hangs || braided && joined.is_none() && s > TO_ITS_BRAID {
                         break;
                     }
                     if self.crossed(w[0], w[1]) {
@@ -296,6 +300,32 @@ mod tests {
         check([0.3, 0.3, 0.3, 0.3, 0.3], 1);
         check([f32::NAN; 5], 1);
         check([f32::NAN, 0.3, 0.4, 0.5, 0.6], 1);
+    }
+
+    #[test]
+    fn hair_may_hang_over_behind_the_tie_that_it_passes_and_not_before() {
+        let parting = parting();
+        let check = |tie: Vec3, radius: f32, crossing: usize| {
+            let at = |x: f32| Vec3::new(x, 0.05, 4.5);
+            let hair = prim_of(
+                &[&[at(-1.0), at(-0.6), at(-0.2), at(0.2), at(0.6)]],
+                &[
+                    ("tie", ReadValues::Float3(vec![tie])),
+                    ("tie_radius", ReadValues::Float(vec![radius])),
+                ],
+            );
+            let partings = Partings::of(&[Prim::new(&parting)]).unwrap();
+            assert_eq!(partings.judge(&Prim::new(&hair)).crossing, crossing, "{tie} {radius}");
+        };
+        let before = Vec3::new(-0.6, 0.4, 4.5);
+        check(before, 0.3, 0);
+        // Behind the parting, not passed, and no tie at all.
+        check(Vec3::new(0.6, 0.4, 4.5), 0.3, 1);
+        check(before + Vec3::Y, 0.3, 1);
+        check(before, 0.0, 1);
+        check(before, f32::INFINITY, 1);
+        check(before, f32::NAN, 1);
+        check(Vec3::NAN, 0.3, 1);
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! A hair is held by a tie where the file tells the middle and the radius of one for it. It passes where its way comes as near as the
 //! radius, and [`LOOSE`] more: within the band.
 
-use super::prim::{Prim, in_parts, quantile};
+use super::prim::{Column, Prim, in_parts, quantile};
 use glam::Vec3;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -28,23 +28,18 @@ pub(super) struct Ties {
 const LOOSE: f32 = 0.2;
 
 pub(super) fn measure(prim: &Prim) -> Option<Ties> {
-    let (middle, radius) = (prim.vectors("tie")?, prim.numbers("tie_radius")?);
-    // A radius that is no number, or boundless, is none: every hair would pass.
-    let is_radius = |r: f32| r > 0.0 && r < 1e6;
-    let held: Vec<usize> = (0..prim.len())
-        .filter(|i| !prim.curve(*i).is_empty() && is_radius(radius.at(*i, prim.range(*i).start)))
-        .collect();
+    let ties = Held::of(prim)?;
+    let held: Vec<usize> = (0..prim.len()).filter(|i| ties.tie(prim, *i).is_some()).collect();
     if held.is_empty() {
         return None;
     }
     let found = in_parts(held.len(), 500, |part| {
         let hair = |k: usize| {
-            let first = prim.range(held[k]).start;
-            let (middle, radius) = (middle.at(held[k], first), radius.at(held[k], first));
+            let (middle, radius) = ties.tie(prim, held[k])?;
             let (far, behind) = passes(prim.curve(held[k]), middle);
-            (middle.to_array().map(f32::to_bits), far, radius, behind)
+            Some((middle.to_array().map(f32::to_bits), far, radius, behind))
         };
-        part.map(hair).collect::<Vec<_>>()
+        part.filter_map(hair).collect::<Vec<_>>()
     })
     .concat();
     let sorted = |of: &dyn Fn(f32, f32, f32) -> f32| {
@@ -60,6 +55,31 @@ pub(super) fn measure(prim: &Prim) -> Option<Ties> {
         off: [0.5, 1.0].map(|q| quantile(&off, q)),
         behind_cm: [0.05, 0.5, 1.0].map(|q| quantile(&behind, q)),
     })
+}
+
+/// The ties that hold the hairs of a prim.
+pub(super) struct Held<'p>(Column<'p, Vec3>, Column<'p, f32>);
+
+impl<'p> Held<'p> {
+    pub(super) fn of(prim: &'p Prim) -> Option<Self> {
+        Some(Self(prim.vectors("tie")?, prim.numbers("tie_radius")?))
+    }
+    /// Middle and radius of the tie of a hair.
+    fn tie(&self, prim: &Prim, i: usize) -> Option<(Vec3, f32)> {
+        let first = prim.range(i).start;
+        let radius = self.1.at(i, first);
+        // A radius that is no number, or boundless, is none: every hair would pass.
+        (!prim.curve(i).is_empty() && radius > 0.0 && radius < 1e6)
+            .then(|| (self.0.at(i, first), radius))
+    }
+    /// How long a hair is up to the tie that it passes.
+    pub(super) fn until(&self, prim: &Prim, i: usize) -> Option<f32> {
+        let (middle, radius) = self.tie(prim, i)?;
+        let points = prim.curve(i);
+        let (far, behind) = passes(points, middle);
+        let whole: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
+        (far <= radius + LOOSE).then_some(whole - behind)
+    }
 }
 
 /// How near the straight way through the points comes to a place, and how long it is from there on.
