@@ -59,7 +59,7 @@ fn row(dice: Dice, id: u64, width: f32) -> (Kind, Vec<Vec3>, bool) {
             Kind::Straight => 0.0,
             // Not once round: it would come back to itself.
             Kind::Bent => step / radius.max(length / 5.0),
-            // No more sharply than at twice the width.
+            // No more sharply than at four widths.
             Kind::Winding => step / (2.0 * width) * sin_cos_turns(along / wave).1.min(0.8) * 0.6,
             _ => 0.6 * dice.signed(id, 100 + k as u64),
         };

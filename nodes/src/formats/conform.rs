@@ -223,6 +223,9 @@ fn joins(tuft: &Tuft, i: usize) -> Option<usize> {
 /// The last point of a hair before it passes the middle of its tie, where it is held by one and passes in its ring or a band's
 /// thickness (2 mm) beside it: behind that it hangs, over partings too.
 fn passes_its_tie(tuft: &Tuft, i: usize) -> Option<usize> {
+    if tuft.curve(i).len() < 2 {
+        return None;
+    }
     let first = tuft.range(i).start;
     let radius: f32 = tuft.view(a::TIE_RADIUS).at(i, first);
     if !(radius > 0.0 && radius < 1e6) {

@@ -66,11 +66,13 @@ impl<'p> Held<'p> {
     }
     /// Middle and radius of the tie of a hair.
     fn tie(&self, prim: &Prim, i: usize) -> Option<(Vec3, f32)> {
+        if prim.curve(i).is_empty() {
+            return None;
+        }
         let first = prim.range(i).start;
         let radius = self.1.at(i, first);
         // A radius that is no number, or boundless, is none: every hair would pass.
-        (!prim.curve(i).is_empty() && radius > 0.0 && radius < 1e6)
-            .then(|| (self.0.at(i, first), radius))
+        (radius > 0.0 && radius < 1e6).then(|| (self.0.at(i, first), radius))
     }
     /// How long a hair is up to the tie that it passes.
     pub(super) fn until(&self, prim: &Prim, i: usize) -> Option<f32> {
