@@ -132,4 +132,21 @@ mod tests {
             assert!(told(vec![none], Vec3::ZERO).is_none(), "{none}");
         }
     }
+
+    #[test]
+    fn a_curve_without_points_passes_no_tie() {
+        // Told point by point, so that the last curve has no value of its own.
+        let hair = [Vec3::X * -9.0, Vec3::ZERO, Vec3::Y * -20.0];
+        let read = prim_of(
+            &[&hair, &[]],
+            &[
+                ("tie", ReadValues::Float3(vec![Vec3::Y * -8.0; 3])),
+                ("tie_radius", ReadValues::Float(vec![1.0; 3])),
+            ],
+        );
+        let prim = Prim::new(&read);
+        assert_eq!(measure(&prim).map(|ties| ties.hairs), Some(1));
+        let held = Held::of(&prim).unwrap();
+        assert!(held.until(&prim, 0).is_some() && held.until(&prim, 1).is_none());
+    }
 }
