@@ -17,6 +17,8 @@ const WRAP: vec3f = vec3f(0.16, 0.07, 0.04);
 const SKIN_F0: f32 = 0.028;
 // Albedo of skin that is full of black hair.
 const DARKEST: f32 = 0.06;
+// Density of roots that the texture has as 1, in full heads: `MOST` of `surface/roots.rs`.
+const MOST_ROOTS: f32 = 3.0;
 // Squared roughness (alpha) of the dull and the sharp lobe, and the dull one's share.
 const DULL: f32 = 0.34;
 const SHARP: f32 = 0.12;
@@ -64,13 +66,38 @@ fn skin_sky(albedo: vec3f, N: vec3f, V: vec3f, open: f32) -> vec3f {
   return diffuse * open + sky(reflect(-V, N), vec2f(0.8, 0.5)) * (mirror * seen);
 }
 
+fn roots_at(uvw: vec3f) -> f32 {
+  return textureSampleLevel(root_grid, root_sampler, uvw, 0.0).r;
+}
+
+// How dense roots are at a place in cells from the grid's corner, of 0..1 as the texture has it: by the quadratic B-spline, whose
+// 27 cells eight linear reads take. Linear alone, cells along the axes would show as scallops along a parting.
+fn root_density(at: vec3f) -> f32 {
+  let own = floor(at);
+  let t = at - own - 0.5;
+  // A read between a cell and the one before (or behind) it has the outer one's weight and half of the middle one's.
+  let half_middle = 0.375 - 0.5 * t * t;
+  let before = 0.5 * (0.5 - t) * (0.5 - t);
+  let behind = 0.5 * (0.5 + t) * (0.5 + t);
+  let low = before + half_middle;
+  let high = behind + half_middle;
+  let size = vec3f(F.roots_size.xyz);
+  let near = (own - 0.5 + half_middle / low) / size;
+  let far = (own + 0.5 + behind / high) / size;
+  let below = low.x * roots_at(near) + high.x * roots_at(vec3f(far.x, near.yz));
+  let above = low.x * roots_at(vec3f(near.x, far.y, near.z)) + high.x * roots_at(vec3f(far.xy, near.z));
+  let below_far = low.x * roots_at(vec3f(near.xy, far.z)) + high.x * roots_at(vec3f(far.x, near.y, far.z));
+  let above_far = low.x * roots_at(vec3f(near.x, far.yz)) + high.x * roots_at(far);
+  return low.z * (low.y * below + high.y * above) + high.z * (low.y * below_far + high.y * above_far);
+}
+
 // Skin between dense roots: its own colour, darker by the hair in it, as a shaved head's is.
 fn scalp_tint(p: vec3f, albedo: vec3f) -> vec3f {
   if F.roots_size.w == 0u { return albedo; }
-  let uvw = (p - F.roots.xyz) / (F.roots.w * vec3f(F.roots_size.xyz));
-  if any(uvw < vec3f(0.0)) || any(uvw > vec3f(1.0)) { return albedo; }
+  let at = (p - F.roots.xyz) / F.roots.w;
+  if any(at < vec3f(0.0)) || any(at > vec3f(F.roots_size.xyz)) { return albedo; }
   // Below a quarter of a full head's density skin is skin: partings and the blur at the hairline.
-  let dense = smoothstep(0.25, 0.9, textureSampleLevel(root_grid, root_sampler, uvw, 0.0).r);
+  let dense = smoothstep(0.25, 0.9, MOST_ROOTS * root_density(at));
   // Less of red than of blue comes through, but what is left of dark hair under skin looks cool. Skin that is as dark as hair
   // under it hardly changes.
   let under = max(albedo * vec3f(0.3, 0.31, 0.34), min(albedo, vec3f(DARKEST)));

@@ -1,21 +1,24 @@
 //! How densely hair is rooted, in a grid around all roots: the skin between dense roots looks darker, partings do not.
 //!
-//! Guarantees: where roots are even, what is read on the skin is their density, whatever way it faces, within a fifth (how
-//! the skin lies between the middles of cells shows that much; from some 145 roots on a square centimetre not at all);
-//! two cells beside the last root there is nothing. The same bits for the same roots in the same order.
+//! Guarantees: where roots are even, what is read on the skin is their density, whatever way it faces and wherever it lies
+//! between the middles of cells, within a tenth; three cells beside the last root there is nothing. The same bits for
+//! the same roots in the same order.
 
 use coif_nodes::data::attributes::COLOUR;
 use coif_nodes::data::curves::Curves;
 use glam::Vec3;
 
-/// Roots on a square centimetre that are as dense as can be seen: a full head of hair. Cells of 255 have these or more.
+/// Roots on a square centimetre that are as dense as can be seen: a full head of hair.
 const FULL: f32 = 120.0;
+/// What cells of 255 have, in full heads: more than hair grows, for a cell that is cut off would show in its neighbours.
+/// A twin of `MOST_ROOTS` in `skin.wgsl`.
+const MOST: f32 = 3.0;
 /// How far roots are blurred by default, cm: less than half a parting's width.
 pub const SPREAD: f32 = 0.12;
 /// The most cells of a grid; larger heads get larger cells.
-const MOST_CELLS: f32 = 4.0e6;
+const MOST_CELLS: f32 = 6.0e6;
 /// A cell's size over the distance that roots are blurred over.
-const CELL_OVER_SPREAD: f32 = 1.25;
+const CELL_OVER_SPREAD: f32 = 1.1;
 
 /// Density of roots in cells, x fastest.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +29,7 @@ pub struct RootGrid {
     pub cell: f32,
     /// Cells along x, y and z.
     pub size: [u32; 3],
-    /// 0 without roots, 255 where they are as dense as on a full head.
+    /// 0 without roots, 255 where they are three times as dense as on a full head.
     pub values: Vec<u8>,
     /// How dark the hair is at its roots: 0 white, 1 black. Scales the tint: the roots of fair hair hardly show.
     pub darkness: f32,
@@ -44,21 +47,26 @@ impl RootGrid {
         let (least, most) = roots.iter().fold((one, one), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
         let extent = most - least;
         let mut cell = spread * CELL_OVER_SPREAD;
-        // Two cells around, so that what is blurred fades before the grid ends.
-        let count = |cell: f32| (extent / cell).floor() + 5.0;
+        // Three cells around, so that what is blurred and read fades before the grid ends.
+        let count = |cell: f32| (extent / cell).floor() + 7.0;
         while count(cell).element_product() > MOST_CELLS {
             cell *= 1.1;
         }
         // Odd, never a power of two: software adapters compile shaders anew for those.
         let size = count(cell).to_array().map(|n| n as u32 | 1);
-        let lower = least - cell * 2.0;
+        let lower = least - cell * 3.0;
         let counts = spread_out(&roots, lower, cell, size);
-        // A root on a flat skin gives its weight to layers of cells across it; what trilinear reading finds on the skin is
-        // on average the middle value of the quartic B-spline, 115 / 192.
-        let scale = 255.0 / (FULL * cell * cell * (115.0 / 192.0));
+        // A root on a flat skin gives its weight to layers of cells across it; what the quadratic B-spline reads of them on
+        // the skin is on average the middle value of the quintic one, 11 / 20.
+        let scale = 255.0 / (MOST * FULL * cell * cell * (11.0 / 20.0));
         let values = counts.into_iter().map(|n| (n * scale + 0.5).min(255.0) as u8).collect();
         Some(Self { lower, cell, size, values, darkness: darkness(curves) })
     }
+}
+
+/// Weights of a cell's neighbour before it, itself and the one behind, `t` from its middle (-0.5 to 0.5).
+fn quadratic(t: f32) -> [f32; 3] {
+    [0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)]
 }
 
 /// Every root spread over 27 cells by the quadratic B-spline, which adds up to 1 wherever the root lies in its cell.
@@ -66,13 +74,12 @@ fn spread_out(roots: &[Vec3], lower: Vec3, cell: f32, size: [u32; 3]) -> Vec<f32
     let [row, rows, layers] = size.map(|n| n as usize);
     let layer = row * rows;
     let mut counts = vec![0.0; layer * layers];
-    let weights = |t: f32| [0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)];
     let inverse = 1.0 / cell;
     for p in roots {
         let at = (*p - lower) * inverse;
         let own = at.floor();
         let off = at - own - 0.5;
-        let [x, y, z] = [weights(off.x), weights(off.y), weights(off.z)];
+        let [x, y, z] = off.to_array().map(quadratic);
         // The margin keeps all neighbours within the grid.
         let [i, j, k] = own.to_array().map(|n| n as usize - 1);
         let first = i + j * row + k * layer;
@@ -118,20 +125,20 @@ mod tests {
         Curves::new(b.build().split())
     }
 
-    /// What a trilinear read of the grid at `p` gives, 0 to 1, as `skin.wgsl` does it.
+    /// What the quadratic B-spline reads of the grid at `p`, in full heads, as `skin.wgsl` does it.
     fn read(grid: &RootGrid, p: Vec3) -> f32 {
-        let at = (p - grid.lower) / grid.cell - 0.5;
-        let (first, part) = (at.floor(), at - at.floor());
+        let at = (p - grid.lower) / grid.cell;
+        let off = at - at.floor() - 0.5;
+        let weights = off.to_array().map(quadratic);
         let mut sum = 0.0;
-        for corner in 0..8u8 {
-            let step = [0, 1, 2].map(|axis| f32::from(corner >> axis & 1));
+        for cell in 0..27 {
+            let step = [cell % 3, cell / 3 % 3, cell / 9];
             let most = Vec3::from(grid.size.map(|n| n as f32 - 1.0));
-            let cell = (first + Vec3::from(step)).clamp(Vec3::ZERO, most);
-            let [i, j, k] = cell.to_array().map(|n| n as usize);
-            let share = |axis: usize| if step[axis] > 0.0 { part[axis] } else { 1.0 - part[axis] };
+            let of = at.floor() + Vec3::from(step.map(|n| n as f32 - 1.0));
+            let [i, j, k] = of.clamp(Vec3::ZERO, most).to_array().map(|n| n as usize);
+            let share: f32 = (0..3).map(|axis| weights[axis][step[axis]]).product();
             let [row, rows, _] = grid.size.map(|n| n as usize);
-            let value = f32::from(grid.values[(k * rows + j) * row + i]) / 255.0;
-            sum += share(0) * share(1) * share(2) * value;
+            sum += share * f32::from(grid.values[(k * rows + j) * row + i]) / 255.0 * MOST;
         }
         sum
     }
@@ -159,7 +166,7 @@ mod tests {
                 sum += read(&grid, x * (u * 2.0 - 1.0) + y * (v * 2.0 - 1.0));
             }
             let want = 96.0 / FULL;
-            assert!((sum / 100.0 / want - 1.0).abs() < 0.2, "{x} {y}: {} {want}", sum / 100.0);
+            assert!((sum / 100.0 / want - 1.0).abs() < 0.1, "{x} {y}: {} {want}", sum / 100.0);
             assert!(read(&grid, x * 2.4) < 0.02);
         }
     }
@@ -183,7 +190,7 @@ mod tests {
         assert_eq!(RootGrid::of(&rooted([Vec3::ONE]), 0.0), None);
         assert_eq!(RootGrid::of(&rooted([Vec3::ONE]), f32::NAN), None);
         let one = RootGrid::of(&rooted([Vec3::ONE, Vec3::splat(f32::INFINITY)]), SPREAD).unwrap();
-        assert_eq!(one.size, [5, 5, 5]);
+        assert_eq!(one.size, [7, 7, 7]);
         // Far apart: larger cells, not more memory.
         let far = RootGrid::of(&rooted([Vec3::ZERO, Vec3::splat(900.0)]), SPREAD).unwrap();
         assert!(far.values.len() <= MOST_CELLS as usize && far.cell > 5.0);
