@@ -59,8 +59,9 @@ node! {
         /// How hairs turn into the braid: 0 straight from root to braid, 100% they leave the parting square and end along
         /// the braid.
         sweep: f32 = 0.45, hard(0.0, 1.0), unit(Ratio), words("curve bend comb");
-        /// Hair that would join within this distance of the row's root is in the braid from its first stitch: the section
-        /// that the first strands are made of.
+        /// How far behind the front of its row each braid begins: hair before that is combed back to the first stitch, the
+        /// section that the first strands are made of. A braid begins no farther than half as far as its row leads over the
+        /// scalp; one that stands up from the head begins at its root.
         start: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 5.0), unit(Length), words("first section base");
         /// Where on the scalp the last hair joins, as a fraction of the row's length there.
         until: f32 = 0.97, hard(0.05, 1.0), unit(Ratio), handle(Handle::Along), words("last end");
@@ -94,8 +95,8 @@ node! {
     outputs {
         /// The hairs from their roots to where they join the braid, with row, side and the place along the row.
         curves: Curves;
-        /// The rows, with the attributes girth (how thick the braid is there, 0 to 1) and joined (the share of all hair
-        /// that has joined up to there).
+        /// The rows from where their braids begin, with the attributes girth (how thick the braid is there, 0 to 1) and
+        /// joined (the share of all hair that has joined up to there).
         source: Curves;
     }
 }
@@ -190,10 +191,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
         counted.push(row);
     }
-    let source = rows
-        .iter()
-        .zip(&counted)
-        .map(|((tuft, curve, source), row)| Arc::new(thickened(tuft, *curve, source, row)));
+    let source =
+        rows.iter().zip(&counted).zip(&ground.lanes).map(|(((tuft, curve, source), row), lane)| {
+            Arc::new(thickened(tuft, *curve, maker.behind_start(lane, source), row))
+        });
     let source = Curves::new(source.collect());
 
     // Hair of one row in parts, so that one large row keeps all threads busy.
@@ -215,6 +216,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let key = |n: usize| {
         let (i, from, to, fed) = parts[n];
         let mut key = KeyBuilder::new("territory").key(tufts[i].key()).int(u64::from(fed));
+        // The row before its braid begins, too.
+        for p in ground.lanes[i].points() {
+            key = p.to_array().into_iter().fold(key, KeyBuilder::float);
+        }
         if fed {
             return key.int(from as u64).int(to as u64).finish();
         }
@@ -227,7 +232,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let [curves] = cx.each_item(parts.len(), key, |n, piece| {
         let (i, from, to, fed) = parts[n];
         if fed {
-            return Ok([maker.extension(i, &rows[i].2, &counted[i], from..to)]);
+            return Ok([maker.extension(
+                i,
+                maker.behind_start(&ground.lanes[i], &rows[i].2),
+                &counted[i],
+                from..to,
+            )]);
         }
         // Of the probes, so that more hair changes no way.
         let far = places[i][..probes[i]].iter().map(|place| place.owner.distance);
@@ -247,13 +257,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 /// Hairs in a piece of work.
 const PART: usize = 2048;
 
-/// How the hair of a row comes and goes along it.
+/// How the hair of a row comes and goes along its braid.
 struct Row {
     /// Share of all hair that has joined up to each of the [`BINS`]' borders.
     joined: Vec<f32>,
     /// Thickness at the borders.
     girth: Vec<f32>,
-    /// Where extension hairs join, fractions of the whole row, in the order of their ids.
+    /// Where extension hairs join, fractions of the braid, in the order of their ids.
     feed: Vec<f32>,
     /// What joins at the root, as a share of all.
     first: f32,
@@ -337,7 +347,15 @@ impl Maker<'_> {
         }
         Ok((rows, few))
     }
-    /// Where along the whole row a root joins, and its length (0: to the end).
+    /// How far behind the front of its row a braid begins, cm.
+    fn start(&self, lane: &Lane) -> f32 {
+        (self.inputs.start * self.unit).min(0.5 * lane.leads)
+    }
+    /// The part of a row's source that is braided.
+    fn behind_start<'s>(&self, lane: &Lane, source: &'s Spline) -> Behind<'s> {
+        Behind { source, from: self.start(lane) / lane.length }
+    }
+    /// Where along its braid (0 to 1) a root joins, and its length (0: to the end).
     fn joins(&self, lane: &Lane, wishes: &Wishes, place: &Place, id: u64) -> (f32, f32) {
         let on_scalp = lane.row.length();
         let foot = lane.foot(place.root.point, &place.owner, self.far());
@@ -352,12 +370,14 @@ impl Maker<'_> {
             shift if shift > 0.0 => last,
             shift => (here + shift).clamp(0.0, last),
         };
-        // What comes after the first section catches up, so that neighbours stay neighbours.
-        let start = self.inputs.start * self.unit;
-        let x = (2.0 * (x - start)).min(x).min(last).max(0.0);
+        // The first section is combed to the first stitch. Where that is nearer, what comes after catches up, so that neighbours
+        // stay neighbours.
+        let start = self.start(lane);
+        let behind = 2.0 * (x - self.inputs.start * self.unit);
+        let x = behind.min(x - start).min(last - start).max(0.0);
         let length = wishes.length.along(wishes.tuft, wishes.curve, place.owner.u) * self.unit;
         let cut = 1.0 - self.inputs.length_variation * self.dice.unit(id, 1);
-        (x / lane.length, length * cut)
+        (x / (lane.length - start), length * cut)
     }
     /// Counts the hair of a row along it, in probes; an extension hair counts as `share` of one.
     fn count(
@@ -368,6 +388,7 @@ impl Maker<'_> {
         share: f32,
     ) -> Result<Row, NodeError> {
         let lane = &self.ground.lanes[i];
+        let braided = lane.length - self.start(lane);
         let (mut joins, mut ends) = (vec![0.0f32; BINS + 1], vec![0.0f32; BINS + 1]);
         let bin = |u: f32| ((u * BINS as f32).ceil() as usize).min(BINS);
         for place in probes {
@@ -375,7 +396,7 @@ impl Maker<'_> {
             let (u, length) = self.joins(lane, wishes, place, id);
             joins[bin(u)] += 1.0;
             if length > 0.0 {
-                let end = u + (length - place.owner.distance).max(0.0) / (CRIMP * lane.length);
+                let end = u + (length - place.owner.distance).max(0.0) / (CRIMP * braided);
                 if end < 1.0 {
                     ends[bin(end)] += 1.0;
                 }
@@ -384,7 +405,7 @@ impl Maker<'_> {
         let feed = self.feed(lane, (wishes.tuft, wishes.curve))?;
         for u in &feed {
             joins[bin(*u)] += share;
-            let end = u + self.inputs.feed_length * self.unit / (CRIMP * lane.length);
+            let end = u + self.inputs.feed_length * self.unit / (CRIMP * braided);
             if self.inputs.feed_length > 0.0 && end < 1.0 {
                 ends[bin(end)] += share;
             }
@@ -416,7 +437,8 @@ impl Maker<'_> {
         if count == 0 {
             return Ok(vec![]);
         }
-        let from = (self.inputs.feed_from * self.unit / lane.length).min(1.0);
+        let braided = lane.length - self.start(lane);
+        let from = (self.inputs.feed_from * self.unit / braided).min(1.0);
         const STEPS: usize = 128;
         let mut sums = vec![0.0f32];
         for k in 0..STEPS {
@@ -464,7 +486,7 @@ impl Maker<'_> {
             (vec![], vec![], vec![], vec![], vec![]);
         let mut found = vec![];
         let wishes = self.wishes(row.0, row.1)?;
-        let on_scalp = lane.row.length() / lane.length;
+        let start = self.start(lane);
         for place in places {
             piece.tick()?;
             let id = self.id(lane, place);
@@ -474,9 +496,9 @@ impl Maker<'_> {
             // Roots under the braid are combed along under it.
             let edge = 0.5 * self.inputs.braid_width * self.unit * girth_at(counted, u);
             let beside = edge.min(0.8 * map.beside(from));
-            let to = (map.column(u / on_scalp), beside);
+            let end = (start + u * (lane.length - start)) / lane.row.length();
+            let to = (map.column(end), beside);
             let high = (CLEAR.0 + CLEAR.1 * self.dice.unit(id, 2)) * self.unit;
-            let end = u / on_scalp;
             let foot = lane.foot(place.root.point, &place.owner, self.far());
             let first = points.len();
             // What meets an edge, such as that of an ear, is led over it.
@@ -593,7 +615,7 @@ impl Maker<'_> {
     fn extension(
         &self,
         i: usize,
-        source: &Spline,
+        source: Behind,
         counted: &Row,
         which: std::ops::Range<usize>,
     ) -> Tuft {
@@ -602,7 +624,7 @@ impl Maker<'_> {
         let (mut ids, mut along, mut order) = (vec![], vec![], vec![]);
         for k in which {
             let u = counted.feed[k];
-            let step = (0.3 * self.unit / lane.length).min(0.5);
+            let step = (0.3 * self.unit / source.length()).min(0.5);
             out.push_curve(&[source.at((u - step).max(0.0)), source.at(u.max(step))]);
             let id = curve_id(lane.id, self.inputs.seed as u64, EXTENSION + k as u64);
             ids.push(id);
@@ -648,11 +670,27 @@ fn girth_at(row: &Row, u: f32) -> f32 {
     at(&row.girth, u)
 }
 
+/// A row's source from where its braid begins.
+#[derive(Clone, Copy)]
+struct Behind<'a> {
+    source: &'a Spline,
+    /// As a fraction of the source.
+    from: f32,
+}
+
+impl Behind<'_> {
+    fn length(self) -> f32 {
+        self.source.length() * (1.0 - self.from)
+    }
+    fn at(self, u: f32) -> Vec3 {
+        self.source.at(self.from + (1.0 - self.from) * u)
+    }
+}
+
 /// The row with its thickness, at as many even points as that takes.
-fn thickened(tuft: &Tuft, curve: usize, source: &Spline, row: &Row) -> Tuft {
+fn thickened(tuft: &Tuft, curve: usize, source: Behind, row: &Row) -> Tuft {
     let n = ((source.length() / 0.15).ceil() as usize).clamp(24, 240) + 1;
-    let mut points = Vec::with_capacity(n);
-    source.resample(n, |p| points.push(p));
+    let points = (0..n).map(|k| source.at(k as f32 / (n - 1) as f32)).collect();
     let mut out = TuftBuilder::even(points, n);
     for attribute in tuft.attributes() {
         if attribute.domain == Domain::Curve {

@@ -29,6 +29,8 @@ pub(crate) struct Lane {
     pub(crate) length: f32,
     /// The section that it is the middle of; none: whatever is nearest to it.
     pub(crate) section: Option<u64>,
+    /// How far over the scalp it leads from its root, cm: 0 for one that stands up from the head.
+    pub(crate) leads: f32,
     /// Along and scalp normal at even places of the row.
     ways: Vec<(Vec3, Vec3)>,
     /// The same places.
@@ -73,17 +75,25 @@ impl Lane {
             points.truncate(last.map_or(points.len(), |last| (last + 1).max(3)));
         }
         let row = Row::new(id, &points).ok()?;
-        let way = |k: usize| {
+        let (mut root, mut leads) = (None, 0.0f32);
+        let mut way = |k: usize| {
             let place = row.spline.locate(k as f32 / (WAYS - 1) as f32);
             let (p, along) = (row.spline.point(place), row.spline.tangent(place));
-            let normal = scalp.closest_root(p).map_or(Vec3::Y, |root| root.normal);
+            let foot = scalp.closest_root(p);
+            let normal = foot.map_or(Vec3::Y, |foot| foot.normal);
+            let foot = foot.map_or(p, |foot| foot.point);
+            leads = leads.max(foot.distance(*root.get_or_insert(foot)));
             // A row that leaves the scalp straight up has no direction on it; any will do.
             let along = across(along, normal).unwrap_or_else(|| any_normal(normal));
             (along, normal)
         };
-        let ways = (0..WAYS).map(way).collect();
+        let ways = (0..WAYS).map(&mut way).collect();
         let points = (0..WAYS).map(|k| row.spline.at(k as f32 / (WAYS - 1) as f32)).collect();
-        Some(Self { id, row, length, section, ways, points })
+        Some(Self { id, row, length, section, leads, ways, points })
+    }
+    /// Even places of the row.
+    pub(crate) fn points(&self) -> &[Vec3] {
+        &self.points
     }
     /// Along and the scalp's normal at a fraction of the row.
     fn way(&self, u: f32) -> (Vec3, Vec3) {

@@ -335,6 +335,38 @@ fn a_root_knot_is_as_much_wider_than_the_braid_as_was_asked() {
 }
 
 #[test]
+fn a_braid_begins_behind_the_front_of_its_row_and_hair_before_it_is_combed_back() {
+    let scalp = shared_ball();
+    let rows = rows(&scalp, 2);
+    let front = |start: f32| {
+        let m =
+            made(&scalp, &rows, vec![("density", 20.0f32.into()), ("start", start.into())], vec![]);
+        let mut combed = vec![];
+        for (tuft, i) in m.roots.each() {
+            if tuft.view(attr::ALONG).at(i, tuft.range(i).start) == 0.0 {
+                let row =
+                    m.source.each().find(|(t, r)| t.id(*r) == tuft.view(attr::PARENT).at(i, 0));
+                let (row, r) = row.unwrap();
+                let along = row.curve(r)[1] - row.curve(r)[0];
+                let way = tuft.curve(i);
+                combed.push((way[way.len() - 1] - way[0]).dot(along.normalize()));
+            }
+        }
+        let length = |(tuft, i): (&Tuft, usize)| Spline::new(tuft.curve(i)).unwrap().length();
+        let begins: Vec<f32> =
+            m.source.each().zip(rows.each()).map(|(b, row)| length(row) - length(b)).collect();
+        (begins, combed)
+    };
+    let (begins, combed) = front(2.0);
+    assert!(begins.iter().all(|x| (x - 2.0).abs() < 0.02), "{begins:?}");
+    assert!(combed.len() > 20 && combed.iter().all(|back| *back > 0.0), "{combed:?}");
+    // However much is asked for: half as far as the row leads.
+    let (begins, _) = front(50.0);
+    assert!(begins.iter().all(|x| *x > 4.0 && *x < 10.0), "{begins:?}");
+    assert!(front(0.0).0.iter().all(|x| *x < 1e-3));
+}
+
+#[test]
 fn more_density_only_adds_hairs() {
     let scalp = shared_ball();
     let rows = rows(&scalp, 3);
