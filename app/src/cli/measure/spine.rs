@@ -27,18 +27,19 @@ pub(super) struct View {
 impl View {
     /// Whichever way shows one weave all along, the braid is that weave; else the way with the fewest faults.
     pub(super) fn of(spine: &Spine, told: &[Vec3], braid: &Braid) -> Self {
-        let mut seen = Self::along(spine, told, BROAD[0], braid);
-        for broad in &BROAD[1..] {
+        let mut seen = Self::along(spine, told, BROAD[0], braid, Cut::Across);
+        let across = BROAD[1..].iter().map(|broad| (*broad, Cut::Across));
+        for (broad, cut) in across.chain(BROAD.iter().map(|broad| (*broad, Cut::AsFarAlong))) {
             if seen.faults() > 0 {
-                let other = Self::along(spine, told, *broad, braid);
+                let other = Self::along(spine, told, broad, braid, cut);
                 seen = if other.faults() < seen.faults() { other } else { seen };
             }
         }
         seen
     }
 
-    fn along(spine: &Spine, told: &[Vec3], broad: f32, braid: &Braid) -> Self {
-        let sections = spine.turned(told, broad, braid).sections(braid);
+    fn along(spine: &Spine, told: &[Vec3], broad: f32, braid: &Braid, cut: Cut) -> Self {
+        let sections = spine.turned(told, broad, braid).sections(braid, cut);
         let halves: Vec<f32> = sections.iter().map(|s| half(s)).collect();
         let mut sorted = halves.clone();
         sorted.sort_by(f32::total_cmp);
@@ -52,6 +53,15 @@ impl View {
     fn faults(&self) -> usize {
         self.word.as_ref().map_or(usize::MAX, |word| word.faults)
     }
+}
+
+/// Which places of the strands are a section.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Cut {
+    /// Where they go through the plane across the braid.
+    Across,
+    /// As far along. Where a thin braid climbs, a plane across it may meet a strand a stitch away.
+    AsFarAlong,
 }
 
 /// How much the breadth of a braid says of its front, against turning: braids that turn much are followed by much, those
@@ -153,7 +163,7 @@ impl Spine {
         // Places are so many half widths apart: closer, the ways would be too far apart for a slow turn.
         const APART: f32 = 0.5;
         let n = self.at.len();
-        let sections = self.sections(braid);
+        let sections = self.sections(braid, Cut::Across);
         let mut sorted: Vec<f32> =
             sections.iter().map(|s| s.iter().map(|p| p.length()).fold(0.0, f32::max)).collect();
         sorted.sort_by(f32::total_cmp);
@@ -215,9 +225,9 @@ impl Spine {
     }
 
     /// Each strand seen along the braid: to the right (tangent x front) and to the front.
-    fn sections(&self, braid: &Braid) -> Vec<Vec<Vec2>> {
+    fn sections(&self, braid: &Braid, cut: Cut) -> Vec<Vec<Vec2>> {
         let n = self.at.len();
-        let reach = (n / 30).max(3);
+        let reach = if cut == Cut::Across { (n / 30).max(3) } else { 0 };
         (0..n)
             .map(|k| {
                 let (at, tangent, front) = (self.at[k], self.tangents[k], self.fronts[k]);
@@ -324,6 +334,19 @@ mod tests {
         check(braid(straight, |_| 0.0, 2.0, as_it_is), "as high as broad");
         check(braid(straight, |_| 0.0, 2.6, as_it_is), "higher than broad");
         check(braid(kinked, |_| 0.0, 1.3, squeezed), "squeezed at its kink");
+    }
+
+    #[test]
+    fn where_planes_meet_a_strand_a_stitch_away_it_is_read_as_far_along() {
+        let (mut braid, told) = braid(straight, |_| 0.0, 1.0, |_, p| p);
+        let n = braid.strands[0].len() as f32;
+        for (k, section) in braid.strands[0].iter_mut().enumerate() {
+            let far = (k as f32 / n - 0.4) * 20.0;
+            section.middle.y += 2.2 * (-far * far).exp();
+        }
+        let across = View::along(&Spine::of(&braid), &told, BROAD[0], &braid, Cut::Across);
+        assert!(across.faults() > 0);
+        check((braid, told), "one strand back by a stitch");
     }
 
     #[test]
