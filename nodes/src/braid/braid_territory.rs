@@ -349,7 +349,7 @@ impl Maker<'_> {
     }
     /// How far behind the front of its row a braid begins, cm.
     fn start(&self, lane: &Lane) -> f32 {
-        (self.inputs.start * self.unit).min(0.5 * lane.leads)
+        (self.inputs.start * self.unit).min(0.5 * lane.leads.min(lane.row.length()))
     }
     /// The part of a row's source that is braided.
     fn behind_start<'s>(&self, lane: &Lane, source: &'s Spline) -> Behind<'s> {
