@@ -8,7 +8,7 @@
 //! density only adds hairs; how much hair a row has along its way does not depend on the density. Not promised: ways
 //! free of the skin by more than the distance field errs (`braid_hair` sees to it).
 
-use super::ground::{Ground, Lane, Map, Owner, far_off};
+use super::ground::{Behind, Ground, Lane, Map, Owner, far_off};
 use super::tail::lengthened;
 use crate::data::attributes::{
     ALONG, Attribute, Domain, FED, FIBRE, ID, PARENT, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
@@ -668,23 +668,6 @@ fn at(values: &[f32], u: f32) -> f32 {
 
 fn girth_at(row: &Row, u: f32) -> f32 {
     at(&row.girth, u)
-}
-
-/// A row's source from where its braid begins.
-#[derive(Clone, Copy)]
-struct Behind<'a> {
-    source: &'a Spline,
-    /// As a fraction of the source.
-    from: f32,
-}
-
-impl Behind<'_> {
-    fn length(self) -> f32 {
-        self.source.length() * (1.0 - self.from)
-    }
-    fn at(self, u: f32) -> Vec3 {
-        self.source.at(self.from + (1.0 - self.from) * u)
-    }
 }
 
 /// The row with its thickness, at as many even points as that takes.

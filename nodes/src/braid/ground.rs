@@ -127,6 +127,23 @@ impl Lane {
     }
 }
 
+/// A row's source from where its braid begins.
+#[derive(Clone, Copy)]
+pub(crate) struct Behind<'a> {
+    pub(crate) source: &'a Spline,
+    /// As a fraction of the source.
+    pub(crate) from: f32,
+}
+
+impl Behind<'_> {
+    pub(crate) fn length(self) -> f32 {
+        self.source.length() * (1.0 - self.from)
+    }
+    pub(crate) fn at(self, u: f32) -> Vec3 {
+        self.source.at(self.from + (1.0 - self.from) * u)
+    }
+}
+
 /// Whose a place is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Owner {

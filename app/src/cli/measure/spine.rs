@@ -269,6 +269,7 @@ fn half(section: &[Vec2]) -> f32 {
 mod tests {
     use super::super::word::Crossing;
     use super::*;
+    use coif_nodes::maths::transcendental::exp;
     use std::f32::consts::PI;
 
     /// Ten stitches of a braid under a front that turns by `turn` (radians) at a share of its length, 2 wide and `high` deep,
@@ -342,7 +343,7 @@ mod tests {
         let n = braid.strands[0].len() as f32;
         for (k, section) in braid.strands[0].iter_mut().enumerate() {
             let far = (k as f32 / n - 0.4) * 20.0;
-            section.middle.y += 2.2 * (-far * far).exp();
+            section.middle.y += 2.2 * exp(-far * far);
         }
         let across = View::along(&Spine::of(&braid), &told, BROAD[0], &braid, Cut::Across);
         assert!(across.faults() > 0);
