@@ -153,7 +153,7 @@ impl<'a> Leader<'a> {
         let long =
             on_way > 0 && on_way < self.beads.len() && far(on_way - 1, on_way) > 1.5 * spacing;
         let on_way = &self.beads[..on_way + usize::from(long)];
-        on_way.windows(2).any(|w| sections.passed(w[0].p, w[1].p, 0.0))
+        sections.last_passed(on_way.len(), |k| on_way[k].p).is_some()
     }
 
     /// Whether a hair on a parted scalp goes through a thin part of the skin on its way. Where all else fails export leads such

@@ -525,7 +525,7 @@ fn curl(
 
 /// The point of a curl up to which it lies over a parting last; none where it lies over none.
 fn last_over(sections: &Sections, points: &[Vec3]) -> Option<usize> {
-    (1..points.len()).rev().find(|k| sections.passed(points[k - 1], points[*k], 0.0))
+    sections.last_passed(points.len(), |k| points[k])
 }
 
 /// The normal that a curl's section starts from: the curve's own where it has one, else a direction that changes

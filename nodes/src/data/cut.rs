@@ -9,7 +9,7 @@
 //! from the middle width of all. Not promised: sections narrower than a cell (1.1 mm).
 
 use super::chart::{CELL, CELLS, around, cell_of, cross, middle};
-use super::footprint::{Digests, block_of, read_cell, read_place};
+use super::footprint::{Digests, block_of, read_cell, read_place, read_places};
 use super::scalp::Scalp;
 use super::sections::{FAR, NONE, Parting};
 use crate::maths::hash::{Key, KeyBuilder, curve_id};
@@ -127,11 +127,29 @@ impl Places {
         })
     }
 
-    /// The pieces near a point.
-    fn near(&self, p: Vec3) -> &[u32] {
-        let place = place_of(p, self.side);
+    /// The pieces near a place.
+    fn near(&self, place: [i32; 3]) -> &[u32] {
         read_place(place);
         self.slot(place).map_or(&[], |at| self.listed(at))
+    }
+
+    /// Whether a glance tells that no piece is near any point of a box.
+    fn are_empty(&self, low: Vec3, high: Vec3) -> bool {
+        /// Larger boxes (places) are not looked at.
+        const LARGE: u32 = 8;
+        let (low, high) = (place_of(low, self.side), place_of(high, self.side));
+        if (0..3).any(|k| high[k].abs_diff(low[k]) > LARGE) {
+            return false;
+        }
+        read_places(low, high);
+        let [xs, ys, zs] = [0, 1, 2].map(|k| {
+            let slot = |x: i32| x.saturating_sub(self.low[k]).max(0) as usize;
+            slot(low[k])..(slot(high[k].saturating_add(1))).min(self.size[k])
+        });
+        let [_, ny, nz] = self.size;
+        // A row of places has its pieces one after the other.
+        let is_empty = |row: usize| self.starts[row + zs.start] == self.starts[row + zs.end];
+        zs.is_empty() || xs.into_iter().all(|x| ys.clone().all(|y| is_empty((x * ny + y) * nz)))
     }
 
     fn listed(&self, at: usize) -> &[u32] {
@@ -155,8 +173,10 @@ impl Places {
 }
 
 /// The number of a point's place along each axis.
+#[inline]
 fn place_of(p: Vec3, side: f32) -> [i32; 3] {
-    (p / side).to_array().map(|x| x.floor() as i32)
+    // The floor, without the call that it is on processors of any age.
+    (p / side).to_array().map(|x| (x as i32).saturating_sub(i32::from(x < x as i32 as f32)))
 }
 
 /// Side of a place, cm: partings up to twice as wide are seen from either side.
@@ -245,19 +265,49 @@ impl Lines {
 
     /// The pieces near a point of space: all that are within half a place of it, and a little more.
     pub(super) fn near_place(&self, p: Vec3) -> &[u32] {
-        self.places.near(p)
+        self.places.near(place_of(p, self.places.side))
     }
 
-    /// Whether the straight way between two points of space leads over a parting or as near to it as the share `aside` of half
-    /// its width, at most half a place off it.
-    pub(super) fn passed(&self, from: Vec3, to: Vec3, aside: f32) -> bool {
-        let parts = (from.distance(to) / (0.2 * PLACE)).ceil().clamp(1.0, 200.0);
-        (0..parts as u32).any(|k| {
-            let at = |k: u32| from.lerp(to, k as f32 / parts);
-            let (a, b) = (at(k), at(k + 1));
-            let near = self.near_place((a + b) * 0.5).iter();
-            near.clone().any(|i| self.pieces[*i as usize].is_passed(a, b, aside))
-        })
+    /// The last of the straight ways between `n` points of space that leads over a parting or as near to it as the share `aside` of
+    /// half its width, at most half a place off it; as the number of the point that it leads to.
+    pub(super) fn last_passed(
+        &self,
+        n: usize,
+        at: impl Fn(usize) -> Vec3,
+        aside: f32,
+    ) -> Option<usize> {
+        /// Ways that are looked at together: mostly no piece is near any of them. And how wide their box may be, places.
+        const TOGETHER: (usize, f32) = (12, 5.0);
+        let passes = |from: Vec3, to: Vec3| {
+            let parts = (from.distance(to) / (0.2 * PLACE)).ceil().clamp(1.0, 200.0);
+            (0..parts as u32).any(|k| {
+                let at = |k: u32| from.lerp(to, k as f32 / parts);
+                let (a, b) = (at(k), at(k + 1));
+                let near = self.near_place((a + b) * 0.5);
+                near.iter().any(|i| self.pieces[*i as usize].is_passed(a, b, aside))
+            })
+        };
+        let mut last = n.saturating_sub(1);
+        while last > 0 {
+            let mut first = last - 1;
+            let (a, b) = (at(first), at(last));
+            let (mut low, mut high) = (a.min(b), a.max(b));
+            while first > 0 && last - first < TOGETHER.0 {
+                let p = at(first - 1);
+                let wider = (low.min(p), high.max(p));
+                if (wider.1 - wider.0).max_element() > TOGETHER.1 * self.places.side {
+                    break;
+                }
+                ((low, high), first) = (wider, first - 1);
+            }
+            if !self.places.are_empty(low, high)
+                && let Some(k) = (first..last).rev().find(|k| passes(at(*k), at(k + 1)))
+            {
+                return Some(k + 1);
+            }
+            last = first;
+        }
+        None
     }
 
     /// The pieces in a cell and in those around it.

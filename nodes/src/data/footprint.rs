@@ -46,7 +46,7 @@ pub(super) struct Digests {
 struct Reads {
     tiles: Vec<u64>,
     blocks: BTreeSet<Block>,
-    last: (usize, Block),
+    last: (usize, Option<(Block, Block)>),
     all: bool,
 }
 
@@ -132,12 +132,24 @@ pub(super) fn read_cell(cell: usize) {
 /// Notes that what is near a place of space is read.
 #[inline]
 pub(super) fn read_place(place: [i32; 3]) {
+    read_places(place, place);
+}
+
+/// Notes that what is near the places of space from `low` to `high` is read; they should be few.
+#[inline]
+pub(super) fn read_places(low: [i32; 3], high: [i32; 3]) {
     if TRACING.get() {
+        let (low, high) = (block_of(low), block_of(high));
         READS.with_borrow_mut(|reads| {
-            let block = block_of(place);
-            if reads.blocks.is_empty() || reads.last.1 != block {
-                reads.last.1 = block;
-                reads.blocks.insert(block);
+            if reads.last.1 != Some((low, high)) {
+                reads.last.1 = Some((low, high));
+                let [xs, ys, zs] = [0, 1, 2].map(|k| low[k]..=high[k]);
+                for block in xs.flat_map(|x| {
+                    let zs = zs.clone();
+                    ys.clone().flat_map(move |y| zs.clone().map(move |z| [x, y, z]))
+                }) {
+                    reads.blocks.insert(block);
+                }
             }
         });
     }

@@ -90,7 +90,7 @@ impl Home<'_> {
 
     /// Whether a hair leads over a parting on the skin.
     pub fn passes(&self, hair: &[Vec3]) -> bool {
-        hair.windows(2).any(|w| self.sections.passed(w[0], w[1], 0.0))
+        self.sections.is_over_line(hair)
     }
 
     /// Whether a glance tells that a point needs no keeping.

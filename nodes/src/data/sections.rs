@@ -240,7 +240,15 @@ impl Sections {
     /// Whether the straight way between two points of space leads over a parting or as near to it as `aside`, a share of half its
     /// width, at most a quarter of a centimetre off it.
     pub(crate) fn passed(&self, from: Vec3, to: Vec3, aside: f32) -> bool {
-        self.lines.passed(from, to, aside)
+        self.lines.last_passed(2, |k| [from, to][k], aside).is_some()
+    }
+    /// The last point of a hair up to which it leads over a parting, at most a quarter of a centimetre off it.
+    pub(crate) fn last_passed(&self, n: usize, hair: impl Fn(usize) -> Vec3) -> Option<usize> {
+        self.lines.last_passed(n, hair, 0.0)
+    }
+    /// Whether a hair leads over a parting, at most a quarter of a centimetre off it.
+    pub(crate) fn is_over_line(&self, hair: &[Vec3]) -> bool {
+        self.last_passed(hair.len(), |k| hair[k]).is_some()
     }
     /// The straight piece of a parting whose bare skin is nearest to a point of the scalp, and half its width.
     pub(super) fn nearest_piece(&self, p: Vec3) -> Option<([Vec3; 2], f32)> {

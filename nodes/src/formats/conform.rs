@@ -156,9 +156,7 @@ struct Land<'a> {
 impl Land<'_> {
     /// Whether a curve leads over a parting.
     fn is_over_a_parting(&self, points: &[Vec3]) -> bool {
-        let passes =
-            |sections: &&Sections| points.windows(2).any(|w| sections.passed(w[0], w[1], 0.0));
-        self.sections.iter().any(passes)
+        self.sections.iter().any(|sections| sections.is_over_line(points))
     }
 }
 

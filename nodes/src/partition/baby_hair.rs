@@ -376,7 +376,7 @@ impl Maker<'_> {
         }
         // In folds a way over the scalp that keeps to its section may yet lead through the air over a parting.
         let cut = self.scalp.sections();
-        if cut.is_some_and(|cut| points[from..].windows(2).any(|w| cut.passed(w[0], w[1], 0.0))) {
+        if cut.is_some_and(|cut| cut.is_over_line(&points[from..])) {
             points.truncate(from);
             return false;
         }

@@ -655,7 +655,7 @@ mod tests {
             let home = sections.id_at(points[0]);
             // Where no hair grows, as behind an ear, is no other section.
             let elsewhere = |p: &Vec3| sections.id_at(*p).is_some_and(|id| Some(id) != home);
-            let passes = points.windows(2).any(|w| sections.passed(w[0], w[1], 0.0));
+            let passes = sections.is_over_line(points);
             let strays = passes || way[1..].iter().any(elsewhere);
             (hairs, crossing) = (hairs + 1, crossing + usize::from(strays));
         }
@@ -697,8 +697,7 @@ mod tests {
         });
         let guides = Curves::new(swept.collect());
         let over = |curves: &Curves| {
-            let leads =
-                |points: &[Vec3]| points.windows(2).any(|w| sections.passed(w[0], w[1], 0.0));
+            let leads = |points: &[Vec3]| sections.is_over_line(points);
             curves.each().filter(|(tuft, i)| leads(tuft.curve(*i))).count()
         };
         let grow = |scalp: &Arc<Scalp>| {
@@ -746,8 +745,7 @@ mod tests {
             let set = [("roots", out[3].clone()), ("scalp", scalp.clone().into())];
             let set = [&set[..], &[("length", Value::Float(12.0))]].concat();
             let (hung, _) = run(crate::by_id("hang").unwrap(), &set);
-            let over =
-                |points: &[Vec3]| points.windows(2).any(|w| sections.passed(w[0], w[1], 0.0));
+            let over = |points: &[Vec3]| sections.is_over_line(points);
             // A guide that itself lies over a parting leads its hair there.
             let low: Vec<u64> = curves_of(&hung[0])
                 .each()

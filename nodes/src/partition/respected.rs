@@ -44,7 +44,7 @@ fn check(what: &str, scalp: &Scalp, hair: &Curves, least: usize) {
         under += points[1..].iter().filter(|p| skin.distance(**p) < -1e-3).count();
         // What has left the skin may pass over.
         let near = points.len().min(8);
-        over += usize::from(points[..near].windows(2).any(|w| sections.passed(w[0], w[1], 0.0)));
+        over += usize::from(sections.is_over_line(&points[..near]));
     }
     assert!(hair.curve_count() > least, "{what}: {} hairs", hair.curve_count());
     let found = (rooted, over, under);
@@ -102,8 +102,7 @@ fn hair_combed_to_a_tie_on_a_parting_stays_on_its_side_and_what_comes_from_farth
         ];
         let (out, said) = run(crate::by_id("gather").unwrap(), &set);
         let (hair, sections) = (curves_of(&out[0]), scalp.sections().unwrap());
-        let passes =
-            |points: &[glam::Vec3]| points.windows(2).any(|w| sections.passed(w[0], w[1], 0.0));
+        let passes = |points: &[glam::Vec3]| sections.is_over_line(points);
         let over = hair.each().filter(|(tuft, i)| passes(tuft.curve(*i))).count();
         assert!(hair.curve_count() > 5_000, "{}", hair.curve_count());
         let told = said.iter().any(|text| {

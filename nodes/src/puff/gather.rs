@@ -473,7 +473,7 @@ impl Gatherer<'_> {
             }
             if self.sections.is_none()
                 && let Some(sections) = self.scalp.sections()
-                && points[first..].windows(2).any(|w| sections.passed(w[0], w[1], 0.0))
+                && sections.is_over_line(&points[first..])
             {
                 piece.trouble(rooted.id, OVER);
             }
