@@ -12,13 +12,6 @@ fn hair_logistic(x: f32, s: f32) -> f32 {
   return e * (1.0 + q) / (s * (1.0 + e) * (1.0 + e) * (1.0 - q));
 }
 
-// The longitudinal lobe for a viewer's cone that is turned by the angle of this sine and cosine.
-fn hair_turned(a: HairAngles, sine: f32, cosine: f32, v: f32) -> f32 {
-  let sin_o = a.sin_o * cosine + a.cos_o * sine;
-  let cos_o = abs(a.cos_o * cosine - a.sin_o * sine);
-  return hair_longitudinal(a.sin_i, a.cos_i, sin_o, cos_o, v);
-}
-
 // f cos(theta_i) for a ray that meets the hair at offset h in -1..1 of its radius.
 fn hair_chiang(m: Hair, a: HairAngles, h: f32) -> vec3f {
   let cos_gamma_o = hair_cosine(h);

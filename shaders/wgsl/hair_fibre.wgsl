@@ -71,6 +71,13 @@ fn hair_longitudinal(sin_i: f32, cos_i: f32, sin_o: f32, cos_o: f32, v: f32) -> 
   return exp(-distance / v) * hair_scaled_bessel(cos_i * cos_o / v) / (v * (1.0 - exp(-2.0 / v)));
 }
 
+// The longitudinal lobe for a viewer's cone that is turned by the angle of this sine and cosine.
+fn hair_turned(a: HairAngles, sine: f32, cosine: f32, v: f32) -> f32 {
+  let sin_o = a.sin_o * cosine + a.cos_o * sine;
+  let cos_o = abs(a.cos_o * cosine - a.sin_o * sine);
+  return hair_longitudinal(a.sin_i, a.cos_i, sin_o, cos_o, v);
+}
+
 // Variances of the lobes R, TT and TRT (Chiang et al. 2016, equation 7).
 fn hair_variances(beta_m: f32) -> vec3f {
   let b = clamp(beta_m, 0.02, 1.0);

@@ -1,6 +1,6 @@
 // The far-field model of Karis 2016, "Physically based hair shading in Unreal" (SIGGRAPH course), from
 // his fits of R, TT and TRT. No bindings. The Rust twin is `hair/karis.rs`, where it is said what is
-// ours: the base colour is exp(-4 sigma), and each lobe is scaled to the energy of Chiang's.
+// ours: the base colour is exp(-4 sigma), TRT is as wide as Chiang's, and each lobe is scaled to the energy of Chiang's.
 //#include "common.wgsl"
 //#include "hair_fibre.wgsl"
 
@@ -35,7 +35,7 @@ fn hair_karis(m: Hair, a: HairAngles, gains: vec3f) -> vec3f {
 
   let f = hair_schlick(0.5 * cos_d);
   let trt = gains.z * exp(17.0 * a.cos_phi - 16.78) * (1.0 - f) * (1.0 - f) * f
-    * hair_gaussian(2.0 * b2, across - 4.0 * m.tilt);
+    * hair_turned(a, -sin(4.0 * m.tilt), cos(4.0 * m.tilt), hair_variances(m.beta_m).z);
 
   return vec3f(r) + tt * exp(m.sigma * -length) + trt * exp(m.sigma * (-3.2 / cos_d));
 }

@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::f32::consts::PI;
 
 use super::fibre::{
-    Angles, ETA, Hair, cosine, exp, fresnel, logistic_scale, longitudinal, variances, wrapped,
+    Angles, ETA, Hair, cosine, exp, fresnel, logistic_scale, turned, variances, wrapped,
 };
 
 /// The trimmed logistic lobe of scale `s` at `x` in -pi..pi; its integral there is 1.
@@ -41,11 +41,7 @@ pub(crate) fn chiang(m: &Hair, a: &Angles, h: f32) -> Vec3 {
     let (s1, c1) = m.tilt.sin_cos();
     let (s2, c2) = (2.0 * s1 * c1, c1 * c1 - s1 * s1);
     let (s4, c4) = (2.0 * s2 * c2, c2 * c2 - s2 * s2);
-    let along = |sine: f32, cos: f32, v: f32| {
-        let sin_o = a.sin_o * cos + a.cos_o * sine;
-        let cos_o = (a.cos_o * cos - a.sin_o * sine).abs();
-        longitudinal(a.sin_i, a.cos_i, sin_o, cos_o, v)
-    };
+    let along = |sine: f32, cos: f32, v: f32| turned(a, (sine, cos), v);
     let v = variances(m.beta_m);
     Vec3::splat(m.specular * f * along(-s2, c2, v[0]) * around(0.0))
         + tt * (along(s1, c1, v[1]) * around(1.0))

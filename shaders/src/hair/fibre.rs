@@ -96,6 +96,13 @@ pub(crate) fn longitudinal(sin_i: f32, cos_i: f32, sin_o: f32, cos_o: f32, v: f3
     (-distance / v).exp() * scaled_bessel(cos_i * cos_o / v) / (v * (1.0 - (-2.0 / v).exp()))
 }
 
+/// [`longitudinal`] for a viewer's cone that is turned by the angle of this sine and cosine.
+pub(crate) fn turned(a: &Angles, (sine, cos): (f32, f32), v: f32) -> f32 {
+    let sin_o = a.sin_o * cos + a.cos_o * sine;
+    let cos_o = (a.cos_o * cos - a.sin_o * sine).abs();
+    longitudinal(a.sin_i, a.cos_i, sin_o, cos_o, v)
+}
+
 /// Variances of the lobes R, TT and TRT (Chiang et al. 2016, equation 7).
 pub(crate) fn variances(beta_m: f32) -> [f32; 3] {
     let b = beta_m.clamp(0.02, 1.0);

@@ -203,10 +203,9 @@ fn karis_energies(m: &Hair, sin_o: f32, cos_o: f32) -> [f32; 3] {
             for k in 0..ALONG {
                 a.sin_i = (from + (k as f32 + 0.5) * width).clamp(-1.0, 1.0);
                 a.cos_i = cosine(a.sin_i);
-                let z = (a.sin_i - middle) / deviation;
-                let gaussian = (-0.5 * z * z).exp() / (deviation * (2.0 * PI).sqrt());
                 // Both halves of the circle.
-                *sum += karis::around(&a, lobe).0 * gaussian * width * 2.0 * PI / AROUND as f32;
+                let ring = width * 2.0 * PI / AROUND as f32;
+                *sum += karis::around(&a, lobe).0 * karis::along(m, &a, lobe) * ring;
             }
         }
     }

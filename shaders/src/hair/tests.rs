@@ -156,6 +156,37 @@ fn a_white_hair_returns_all_light_and_never_more() {
     }
 }
 
+/// The second highlight is coloured; one much narrower than that of real hair, and so much brighter, is a patch with an edge.
+/// Of Karis' own it is seven times as bright as of Chiang's.
+#[test]
+fn the_second_highlight_of_brown_hair_is_no_glint() {
+    #[track_caller]
+    fn check(beta: f32, theta_degrees: f32) {
+        let sigma = Vec3::new(0.9, 1.6, 3.0);
+        let table = ScatterTable::bake(beta, beta, hair(Model::Karis, sigma).tilt);
+        let viewer = towards(theta_degrees.to_radians().sin(), 0.0);
+        let most = |model| {
+            let m = Hair { beta_m: beta, beta_n: beta, ..hair(model, sigma) };
+            let of = table.at(sigma, theta_degrees.to_radians().sin());
+            let colour = |k: i32| {
+                let theta = (k as f32).to_radians();
+                let a = Angles::of(towards(theta.sin(), 0.0), viewer, Vec3::Z);
+                let all: Vec3 = (0..64).map(|h| single(&m, &of, &a, (h as f32 + 0.5) / 64.0)).sum();
+                // What reflects off the surface has no colour.
+                (all.x - all.z) / 64.0
+            };
+            (-80..80).map(colour).fold(0.0, f32::max)
+        };
+        let (karis, chiang) = (most(Model::Karis), most(Model::Chiang));
+        println!("{beta} {theta_degrees}: {karis} {chiang}");
+        assert!((0.5 * chiang..3.0 * chiang).contains(&karis), "{beta} {theta_degrees}");
+    }
+    check(0.3, 0.0);
+    check(0.3, 30.0);
+    check(0.2, -30.0);
+    check(0.45, 15.0);
+}
+
 /// The balance that the scattering closes: a deep flat layer of parallel hairs under an even white sky.
 /// Hairs are seen at depths as they come (one hair on average lies before), across their direction;
 /// light from the open side crosses the hairs between, light from within crosses all.
