@@ -545,11 +545,9 @@ impl Maker<'_> {
             deep(0.33) || deep(0.67)
         })
     }
-    /// From where to where roots are far from their row; nowhere where rows share the scalp.
+    /// From where to where roots are far from their row.
     fn far(&self) -> [f32; 2] {
-        let alone = self.ground.lanes.len() == 1 && self.scalp.sections().is_none();
-        let unit = if alone { self.unit } else { f32::MAX.sqrt() };
-        FAR.map(|d| d * unit)
+        FAR.map(|d| d * self.unit)
     }
     /// Lays a way on the skin, rising to `high` over it within its first fifth.
     fn lay(&self, way: &mut [Vec3], high: f32) {
@@ -569,7 +567,8 @@ impl Maker<'_> {
         }
     }
     /// Ways from afar are bent over the ball of the head instead, towards the `corner` on the row: there the columns of the
-    /// map, which are square to the row, run together beside the ears as meridians do at a pole. Only where one row has all, so that no parting is in the way.
+    /// map, which are square to the row, run together beside the ears as meridians do at a pole. Not where that leads over
+    /// ground of another row.
     fn across_the_head(&self, way: &mut [Vec3], corner: Vec3, owner: &Owner) {
         let frame = self.scalp.frame();
         let share = far_off(owner.distance, self.far());
@@ -579,13 +578,20 @@ impl Maker<'_> {
         let (a, b) = (way[0] - frame.origin, way[way.len() - 1] - frame.origin);
         let corner = corner - frame.origin;
         let (low, high, last) = (a.length(), b.length(), (way.len() - 1) as f32);
-        for (k, p) in way.iter_mut().enumerate().skip(1) {
+        let bent = |p: Vec3, k: usize| {
             let s = k as f32 / last;
             let r = 1.0 - s;
             let out = a * (r * r) + corner * (2.0 * r * s) + b * (s * s);
-            if let Some(out) = out.try_normalize() {
-                *p = p.lerp(frame.origin + out * (low + (high - low) * s), share);
-            }
+            let over = |out: Vec3| frame.origin + out * (low + (high - low) * s);
+            out.try_normalize().map_or(p, |out| p.lerp(over(out), share))
+        };
+        let is_own = |p: Vec3| self.whose(p).is_none_or(|o| o.lane == owner.lane);
+        let looked_at = (2..way.len() - 1).step_by(2);
+        if self.ground.lanes.len() > 1 && !looked_at.into_iter().all(|k| is_own(bent(way[k], k))) {
+            return;
+        }
+        for (k, p) in way.iter_mut().enumerate().skip(1) {
+            *p = bent(*p, k);
         }
     }
     /// What own hair and extension hair say of themselves alike.
