@@ -367,6 +367,31 @@ fn a_braid_begins_behind_the_front_of_its_row_and_hair_before_it_is_combed_back(
 }
 
 #[test]
+fn hair_far_from_its_row_is_combed_as_its_neighbours_are() {
+    // At the temple a row from forehead to nape is about as near all along: the nearest place of it leaps.
+    let scalp = heads().remove(0);
+    let set: Set = vec![
+        ("source", rows(&scalp, 2).into()),
+        ("scalp", scalp.clone().into()),
+        ("density", 16.0f32.into()),
+        ("pull_angle", 40.0f32.into()),
+    ];
+    let (out, _) = run(&braid_territory::NODE, &set);
+    let far = |way: &[Vec3]| way[0].distance(way[way.len() - 1]) > 4.0;
+    let ways: Vec<Vec<Vec3>> = by_id(curves_of(&out[0])).into_values().filter(|w| far(w)).collect();
+    let towards = |way: &[Vec3]| (way[2] - way[0]).normalize();
+    let (mut pairs, mut apart) = (0, 0);
+    for (k, a) in ways.iter().enumerate() {
+        for b in ways[k + 1..].iter().filter(|b| b[0].distance_squared(a[0]) < 0.4 * 0.4) {
+            pairs += 1;
+            apart += usize::from(towards(a).dot(towards(b)) < 0.87);
+        }
+    }
+    println!("{apart} of {pairs} pairs of {} hairs", ways.len());
+    assert!(pairs > 1000 && apart * 200 < pairs, "{apart} of {pairs}");
+}
+
+#[test]
 fn more_density_only_adds_hairs() {
     let scalp = shared_ball();
     let rows = rows(&scalp, 3);
