@@ -9,6 +9,7 @@ pub mod footprint;
 pub mod home;
 pub mod lead;
 pub mod mesh;
+mod places;
 pub mod ramp;
 pub mod scalp;
 pub mod sections;

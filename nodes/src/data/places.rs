@@ -1,0 +1,135 @@
+//! Pieces of partings by where they lie in space.
+//!
+//! Guarantees: every piece within half a place of a point is listed at its place; what is asked is noted (`footprint.rs`). Not
+//! promised: that all that is listed is so near.
+
+use super::cut::Piece;
+use super::footprint::{read_place, read_places};
+use glam::Vec3;
+
+/// A grid over the pieces in space.
+pub(super) struct Places {
+    /// Number of the lowest place along each axis: places are counted from the origin, so that the same place has the same
+    /// pieces wherever other partings lie.
+    low: [i32; 3],
+    pub(super) side: f32,
+    size: [usize; 3],
+    /// Where each place's pieces start in `listed`.
+    starts: Vec<u32>,
+    listed: Vec<u32>,
+}
+
+impl Places {
+    /// The most places along an axis; what is larger has larger places.
+    const MOST: f32 = 128.0;
+
+    pub(super) fn new(pieces: &[Piece]) -> Self {
+        let ends = || pieces.iter().flat_map(|piece| piece.ends);
+        let low = ends().fold(Vec3::INFINITY, Vec3::min) - PLACE;
+        let high = ends().fold(Vec3::NEG_INFINITY, Vec3::max) + PLACE;
+        let longest = (high - low).max_element();
+        if !longest.is_finite() {
+            let (size, starts) = ([0; 3], vec![0]);
+            return Self { low: [0; 3], side: PLACE, size, starts, listed: vec![] };
+        }
+        let side = PLACE.max(longest / Self::MOST);
+        let (low, high) = (place_of(low, side), place_of(high, side));
+        let size = [0, 1, 2].map(|k| (high[k] - low[k]) as usize + 1);
+        let mut places = Self { low, side, size, starts: vec![], listed: vec![] };
+        let mut starts = vec![0u32; size.iter().product::<usize>() + 1];
+        for piece in pieces {
+            places.about(piece).for_each(|at| starts[at + 1] += 1);
+        }
+        for at in 1..starts.len() {
+            starts[at] += starts[at - 1];
+        }
+        let mut next = starts.clone();
+        let mut listed = vec![0; starts[starts.len() - 1] as usize];
+        for (i, piece) in (0..).zip(pieces) {
+            for at in places.about(piece) {
+                listed[next[at] as usize] = i;
+                next[at] += 1;
+            }
+        }
+        (places.starts, places.listed) = (starts, listed);
+        places
+    }
+
+    /// Where the list of a place begins, where the grid has it.
+    fn slot(&self, place: [i32; 3]) -> Option<usize> {
+        let at = [0, 1, 2].map(|k| usize::try_from(place[k].saturating_sub(self.low[k])).ok());
+        let [Some(x), Some(y), Some(z)] = at else { return None };
+        let [nx, ny, nz] = self.size;
+        (x < nx && y < ny && z < nz).then(|| (x * ny + y) * nz + z)
+    }
+
+    /// The places that lie within half a place of a piece, and a little more.
+    fn about(&self, piece: &Piece) -> impl Iterator<Item = usize> + use<> {
+        let [a, b] = piece.ends;
+        let low = place_of(a.min(b) - 0.6 * PLACE, self.side);
+        let high = place_of(a.max(b) + 0.6 * PLACE, self.side);
+        let [xs, ys, zs] = [0, 1, 2].map(|k| {
+            let slot = |x: i32| (x.max(self.low[k]) - self.low[k]) as usize;
+            slot(low[k])..=slot(high[k]).min(self.size[k] - 1)
+        });
+        let [_, ny, nz] = self.size;
+        xs.flat_map(move |x| {
+            let zs = zs.clone();
+            ys.clone().flat_map(move |y| zs.clone().map(move |z| (x * ny + y) * nz + z))
+        })
+    }
+
+    /// The pieces near a place.
+    pub(super) fn near(&self, place: [i32; 3]) -> &[u32] {
+        read_place(place);
+        self.slot(place).map_or(&[], |at| self.listed(at))
+    }
+
+    /// Whether a glance tells that no piece is near any point of a box.
+    pub(super) fn are_empty(&self, low: Vec3, high: Vec3) -> bool {
+        /// Larger boxes (places) are not looked at.
+        const LARGE: u32 = 8;
+        let (low, high) = (place_of(low, self.side), place_of(high, self.side));
+        if (0..3).any(|k| high[k].abs_diff(low[k]) > LARGE) {
+            return false;
+        }
+        read_places(low, high);
+        let [xs, ys, zs] = [0, 1, 2].map(|k| {
+            let slot = |x: i32| x.saturating_sub(self.low[k]).max(0) as usize;
+            slot(low[k])..(slot(high[k].saturating_add(1))).min(self.size[k])
+        });
+        let [_, ny, nz] = self.size;
+        // A row of places has its pieces one after the other.
+        let is_empty = |row: usize| self.starts[row + zs.start] == self.starts[row + zs.end];
+        zs.is_empty() || xs.into_iter().all(|x| ys.clone().all(|y| is_empty((x * ny + y) * nz)))
+    }
+
+    fn listed(&self, at: usize) -> &[u32] {
+        &self.listed[self.starts[at] as usize..self.starts[at + 1] as usize]
+    }
+
+    /// All places that have pieces near them.
+    pub(super) fn each(&self) -> impl Iterator<Item = ([i32; 3], &[u32])> {
+        let [_, ny, nz] = self.size;
+        let place = move |at: usize| {
+            let at = [at / nz / ny, at / nz % ny, at % nz];
+            [0, 1, 2].map(|k| self.low[k] + at[k] as i32)
+        };
+        let all = (0..self.starts.len() - 1).map(move |at| (at, self.listed(at)));
+        all.filter(|(_, listed)| !listed.is_empty()).map(move |(at, listed)| (place(at), listed))
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        4 * (self.starts.len() + self.listed.len())
+    }
+}
+
+/// The number of a point's place along each axis.
+#[inline]
+pub(super) fn place_of(p: Vec3, side: f32) -> [i32; 3] {
+    // The floor, without the call that it is on processors of any age.
+    (p / side).to_array().map(|x| (x as i32).saturating_sub(i32::from(x < x as i32 as f32)))
+}
+
+/// Side of a place, cm: partings up to twice as wide are seen from either side.
+pub(super) const PLACE: f32 = 0.5;
