@@ -571,6 +571,32 @@ mod tests {
     }
 
     #[test]
+    fn a_hair_looked_at_by_boxes_passes_where_its_ways_one_by_one_do() {
+        let (sections, _) = cut(vec![across(1, -3.0, false), across(3, 4.0, true)], &[]);
+        let dice = Dice::new(2, 0, "hairs");
+        let mut over = 0;
+        for id in 0..4000 {
+            // From short steps to such as no box is looked at for.
+            let step = 0.02 * (1u32 << (id % 10)) as f32;
+            let some = |k: u64| Vec3::from([0, 1, 2].map(|axis| dice.signed(id, 10 * k + axis)));
+            let mut hair = vec![some(0).normalize_or(Vec3::Y) * 9.0];
+            for k in 1..3 + id % 40 {
+                hair.push(hair[k as usize - 1] + some(k) * step);
+            }
+            let one = |k: &usize| sections.passed(hair[*k - 1], hair[*k], 0.0);
+            let last = (1..hair.len()).rev().find(one);
+            assert_eq!(sections.last_passed(hair.len(), |k| hair[k]), last, "{id}");
+            over += usize::from(last.is_some());
+        }
+        assert!(over > 100, "{over}");
+        // No number, no end, no points.
+        for p in [Vec3::NAN, Vec3::INFINITY, Vec3::splat(-1e30), Vec3::splat(3e38)] {
+            sections.is_over_line(&[Vec3::Y, p, Vec3::Y, -p]);
+        }
+        assert!(!sections.is_over_line(&[]) && !sections.is_over_line(&[Vec3::Y]));
+    }
+
+    #[test]
     fn a_line_that_ends_in_hair_cuts_nothing() {
         let mut line = across(1, 0.0, false);
         line.points.truncate(60);
