@@ -20,19 +20,11 @@ pub(super) struct Bead {
 #[derive(Default)]
 pub(super) struct Even {
     beads: Vec<Bead>,
-    spans: Vec<Span>,
     points: Vec<Vec3>,
-}
-
-/// The hair from a bead to the next.
-#[derive(Clone, Copy)]
-struct Span {
-    /// Its chord, and the sum of those before it, cm.
-    chord: f32,
-    before: f32,
-    /// Speed at its start, and speed at its end less that, both over the mean of the two.
-    speed: f32,
-    faster: f32,
+    /// From each bead to the next, cm.
+    chords: Vec<f32>,
+    /// How fast the spline through the beads goes at each, cm a span.
+    speeds: Vec<f32>,
 }
 
 /// Chords that differ by less than this are even where both readings of the hair agree.
@@ -49,22 +41,31 @@ impl Even {
         }
         let joins = beads[0].along;
         for _ in 0..ROUNDS {
+            self.chords.clear();
+            self.chords.extend(chords(beads));
             if self.is_even(beads) {
                 return;
             }
-            let total = self.measure(beads);
+            self.speeds.clear();
+            self.speeds.push(self.chords[0]);
+            self.speeds.extend(beads.windows(3).map(|w| 0.5 * w[0].p.distance(w[2].p)));
+            self.speeds.push(self.chords[n - 2]);
+            let total: f32 = self.chords.iter().fold(0.0, |sum, chord| sum + chord);
             self.beads.clear();
-            let mut k = 0;
+            let (mut k, mut before) = (0, 0.0);
             for i in 0..n {
                 let s = total * i as f32 / (n - 1) as f32;
-                while k + 2 < n && self.spans[k + 1].before < s {
+                while k + 2 < n && before + self.chords[k] < s {
+                    before += self.chords[k];
                     k += 1;
                 }
-                let span = self.spans[k];
                 // Speed taken as linear along the span, as in `maths/rail.rs`.
-                let x = ((s - span.before) / span.chord.max(1e-9)).clamp(0.0, 1.0);
-                let root = (span.speed * span.speed + 2.0 * span.faster * x).max(0.0).sqrt();
-                let t = (2.0 * x / (span.speed + root).max(1e-6)).min(1.0);
+                let (from, to) = (self.speeds[k], self.speeds[k + 1]);
+                let per_mean = 2.0 / (from + to).max(1e-9);
+                let (speed, faster) = (from * per_mean, (to - from) * per_mean);
+                let x = ((s - before) / self.chords[k].max(1e-9)).clamp(0.0, 1.0);
+                let root = (speed * speed + 2.0 * faster * x).max(0.0).sqrt();
+                let t = (2.0 * x / (speed + root).max(1e-6)).min(1.0);
                 let (a, b) = (beads[k], beads[k + 1]);
                 self.beads.push(Bead {
                     p: spline_point(|k| beads[k].p, n, k, t),
@@ -79,8 +80,9 @@ impl Even {
         }
     }
 
+    /// Whether the beads are, whose chords are known.
     fn is_even(&mut self, beads: &[Bead]) -> bool {
-        let chords = chords(beads);
+        let chords = Chords::of(self.chords.iter().copied());
         if chords.ratio >= EVEN || chords.readings_differ_at_most() <= AGREE {
             return chords.ratio < EVEN;
         }
@@ -88,27 +90,11 @@ impl Even {
         self.points.extend(beads.iter().map(|bead| bead.p));
         readings_differ(&self.points) <= AGREE
     }
-
-    /// Finds how long the chords are, and how fast the spline through the beads goes at their ends; gives the sum of chords.
-    fn measure(&mut self, beads: &[Bead]) -> f32 {
-        let n = beads.len();
-        self.spans.clear();
-        let (mut before, mut speed) = (0.0, beads[0].p.distance(beads[1].p));
-        for k in 0..n - 1 {
-            let chord = beads[k].p.distance(beads[k + 1].p);
-            let next = if k + 2 < n { 0.5 * beads[k].p.distance(beads[k + 2].p) } else { chord };
-            let per_mean = 2.0 / (speed + next).max(1e-9);
-            let (of_mean, faster) = (speed * per_mean, (next - speed) * per_mean);
-            self.spans.push(Span { chord, before, speed: of_mean, faster });
-            (before, speed) = (before + chord, next);
-        }
-        before
-    }
 }
 
-/// How even the beads of a hair are.
-pub(super) fn chords(beads: &[Bead]) -> Chords {
-    Chords::of(beads.len(), |k| beads[k].p)
+/// From each bead of a hair to the next, cm.
+pub(super) fn chords(beads: &[Bead]) -> impl Iterator<Item = f32> {
+    beads.windows(2).map(|w| w[0].p.distance(w[1].p))
 }
 
 /// Straightens a hair a little where the skin may be near.

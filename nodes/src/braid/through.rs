@@ -16,6 +16,7 @@ use super::wander::{Parted, Wander};
 use crate::data::home::Home;
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::hash::Dice;
+use crate::maths::readings::Chords;
 use glam::{Vec2, Vec3};
 
 /// The most points of a hair.
@@ -204,7 +205,7 @@ impl<'a> Leader<'a> {
             }
             self.lift(CLEAR);
             self.even.out(&mut self.beads);
-            if !self.lift(LEAST) || chords(&self.beads).ratio < 1.2 {
+            if !self.lift(LEAST) || Chords::of(chords(&self.beads)).ratio < 1.2 {
                 return;
             }
         }

@@ -14,40 +14,39 @@ pub const AGREE: f32 = 1e-3;
 pub struct Chords {
     /// The largest ratio of neighbouring chords, 1 or more.
     pub ratio: f32,
-    /// The longest chord, cm.
-    pub longest: f32,
+    /// The largest difference of neighbouring chords, cm.
+    pub step: f32,
 }
 
 impl Chords {
-    /// Of the curve whose `n` points `at` gives.
+    /// Of a curve whose chords (cm) these are, in turn.
     #[inline]
-    pub fn of(n: usize, at: impl Fn(usize) -> Vec3) -> Self {
-        let square = |k: usize| at(k).distance_squared(at(k + 1));
-        let mut before = if n > 1 { square(0) } else { 0.0 };
-        let (mut ratio, mut longest) = (1.0f32, before);
-        for k in 1..n.max(2) - 1 {
-            let here = square(k);
-            ratio = ratio.max(here.max(before) / here.min(before).max(1e-12));
-            longest = longest.max(here);
-            before = here;
+    pub fn of(chords: impl Iterator<Item = f32>) -> Self {
+        let (mut ratio, mut step) = (1.0f32, 0.0f32);
+        let mut before = None;
+        for here in chords {
+            let last = before.replace(here).unwrap_or(here);
+            ratio = ratio.max(here.max(last) / here.min(last).max(1e-6));
+            step = step.max((here - last).abs());
         }
-        Self { ratio: ratio.sqrt(), longest: longest.sqrt() }
+        Self { ratio, step }
     }
 
-    /// What the two readings differ by at most, cm, however the curve bends: with `r` the ratio of knots, roots of chords, their
-    /// tangents at a point differ by at most `r` - 1 of the longer chord there, and 4/27 of that is the most it counts.
+    /// What the two readings differ by at most, cm, however the curve bends.
     pub fn readings_differ_at_most(&self) -> f32 {
-        2.0 * (4.0 / 27.0) * self.longest * (self.ratio.sqrt() - 1.0)
+        (self.step + self.step) * OF_STEP
     }
 }
+
+/// How much of the difference of the two chords at a point the readings of a span there differ by at most. With knots a and b,
+/// roots of the chords v and w, the span's own being b, its centripetal tangent less its uniform one is
+/// v (b² / (a (a + b)) - 1/2) + w (a / (a + b) - 1/2), which is no longer than half of the difference of a² and b²; and 4/27 is the
+/// largest value of a Hermite basis.
+const OF_STEP: f32 = 0.5 * (4.0 / 27.0);
 
 /// The largest distance, cm, between the uniform and the centripetal Catmull-Rom spline through the points: the two have the
 /// same ends in each span and differ in their tangents there. Sliding along the curve counts nothing.
 pub fn readings_differ(points: &[Vec3]) -> f32 {
-    let at_most = Chords::of(points.len(), |k| points[k]).readings_differ_at_most();
-    if at_most <= AGREE {
-        return at_most;
-    }
     let mut worst = 0.0f32;
     each_span(points, |_, difference| worst = worst.max(difference));
     worst
@@ -56,45 +55,58 @@ pub fn readings_differ(points: &[Vec3]) -> f32 {
 /// [`readings_differ`] of each span; where it is no more than [`AGREE`], not less than it is.
 pub fn each_span(points: &[Vec3], mut found: impl FnMut(usize, f32)) {
     let n = points.len();
-    let knot = |i: usize| points[i].distance(points[i + 1]).sqrt();
-    // Tangents at the inner point `i`, whose segments have the knots `a` and `b`: per unit of the centripetal
-    // parameter, and of the uniform one.
-    let tangents = |i: usize, a: f32, b: f32| -> (Vec3, Vec3) {
-        let (p0, p1, p2) = (points[i - 1], points[i], points[i + 1]);
+    let chord = |i: usize| points[i].distance(points[i + 1]);
+    let mut here = if n > 1 { chord(0) } else { 0.0 };
+    let mut before = None;
+    for i in 0..n.saturating_sub(1) {
+        let after = (i + 2 < n).then(|| chord(i + 1));
+        let step = |other: Option<f32>| other.map_or(0.0, |other: f32| (other - here).abs());
+        let bound = (step(before) + step(after)) * OF_STEP;
+        // Most spans of most curves.
+        if bound <= AGREE || here == 0.0 {
+            found(i, bound.min(AGREE));
+        } else {
+            found(i, span_differs(points, i, (before, here, after)));
+        }
+        (before, here) = (Some(here), after.unwrap_or(0.0));
+    }
+}
+
+/// [`readings_differ`] of the span from the point `i` on, whose chord is `here`, those beside it `before` and `after`.
+fn span_differs(
+    points: &[Vec3],
+    i: usize,
+    (before, here, after): (Option<f32>, f32, Option<f32>),
+) -> f32 {
+    let knot = here.sqrt();
+    // At the inner point `j`, between the knots `a` and `b`: the uniform tangent, and how much the centripetal one differs.
+    let tangents = |j: usize, a: f32, b: f32| {
+        let (p0, p1, p2) = (points[j - 1], points[j], points[j + 1]);
         let centripetal = if a > 0.0 && b > 0.0 {
             (p1 - p0) / a - (p2 - p0) / (a + b) + (p2 - p1) / b
         } else {
             Vec3::ZERO
         };
-        (centripetal, (p2 - p0) * 0.5)
+        let uniform = (p2 - p0) * 0.5;
+        (uniform, centripetal * knot - uniform)
     };
-    let mut before = None;
-    let mut d = if n > 1 { knot(0) } else { 0.0 };
-    for i in 0..n.saturating_sub(1) {
-        let next = if i + 2 < n { knot(i + 1) } else { 0.0 };
-        let after = (i + 2 < n).then(|| tangents(i + 1, d, next));
-        let delta = |t: Option<(Vec3, Vec3)>| t.map_or(Vec3::ZERO, |(c, u)| c * d - u);
-        let (d1, d2) = (delta(before), delta(after));
-        // 4/27 is the largest value of either Hermite basis.
-        let bound = (d1.length() + d2.length()) * (4.0 / 27.0);
-        if bound > AGREE && d > 0.0 {
-            let chord = points[i + 1] - points[i];
-            let (m1, m2) = (before.map_or(chord, |(_, u)| u), after.map_or(chord, |(_, u)| u));
-            let mut worst = 0.0f32;
-            for t in [0.2f32, 0.4, 0.6, 0.8] {
-                let gap = d1 * (t * (1.0 - t) * (1.0 - t)) - d2 * (t * t * (1.0 - t));
-                let along = chord * (6.0 * t * (1.0 - t))
-                    + m1 * (1.0 - 4.0 * t + 3.0 * t * t)
-                    + m2 * (3.0 * t * t - 2.0 * t);
-                let slide = along * (gap.dot(along) / along.length_squared().max(1e-20));
-                worst = worst.max((gap - slide).length());
-            }
-            found(i, worst);
-        } else {
-            found(i, bound.min(AGREE));
-        }
-        (before, d) = (after, next);
+    let chord = points[i + 1] - points[i];
+    let (m1, d1) = before.map_or((chord, Vec3::ZERO), |a| tangents(i, a.sqrt(), knot));
+    let (m2, d2) = after.map_or((chord, Vec3::ZERO), |b| tangents(i + 1, knot, b.sqrt()));
+    let bound = (d1.length() + d2.length()) * (4.0 / 27.0);
+    if bound <= AGREE {
+        return bound;
     }
+    let mut worst = 0.0f32;
+    for t in [0.2f32, 0.4, 0.6, 0.8] {
+        let gap = d1 * (t * (1.0 - t) * (1.0 - t)) - d2 * (t * t * (1.0 - t));
+        let along = chord * (6.0 * t * (1.0 - t))
+            + m1 * (1.0 - 4.0 * t + 3.0 * t * t)
+            + m2 * (3.0 * t * t - 2.0 * t);
+        let slide = along * (gap.dot(along) / along.length_squared().max(1e-20));
+        worst = worst.max((gap - slide).length());
+    }
+    worst
 }
 
 #[cfg(test)]
@@ -115,18 +127,26 @@ mod tests {
                 let chord = 0.3 * (1.0 + uneven * dice.signed(id, 10 * k + 3));
                 points.push(points[k as usize - 1] + Vec3::from(v).normalize_or(Vec3::X) * chord);
             }
-            let most = Chords::of(points.len(), |k| points[k]).readings_differ_at_most();
-            let mut worst = 0.0f32;
-            each_span(&points, |_, difference| worst = worst.max(difference));
-            assert!(worst <= most.max(AGREE), "{id}: {worst} {most}");
-            if most > AGREE {
-                near = near.max(worst / most);
-                assert_eq!(readings_differ(&points), worst);
-            } else {
-                sure += 1;
-                assert!(worst <= most * 1.001 + 1e-6, "{id}: {worst} {most}");
-                assert_eq!(readings_differ(&points), most);
-            }
+            let chords = points.windows(2).map(|w| w[0].distance(w[1]));
+            let most = Chords::of(chords).readings_differ_at_most();
+            let whole = |i: usize| {
+                let chord = |i: usize| points[i].distance(points[i + 1]);
+                let before = (i > 0).then(|| chord(i - 1));
+                span_differs(&points, i, (before, chord(i), (i + 2 < 8).then(|| chord(i + 1))))
+            };
+            each_span(&points, |i, difference| {
+                let exact = whole(i);
+                assert!(difference >= exact * 0.999 - 1e-6, "{id}: {difference} {exact}");
+                if exact > AGREE {
+                    assert_eq!(difference, exact);
+                    near = near.max(exact / most);
+                } else {
+                    assert!(difference <= AGREE, "{id}: {difference} {exact}");
+                    sure += usize::from(difference > exact);
+                }
+            });
+            let worst = readings_differ(&points);
+            assert!(worst <= most.max(AGREE) * 1.001, "{id}: {worst} {most}");
         }
         assert!(near > 0.5 && sure > 200, "{near} {sure}");
     }
