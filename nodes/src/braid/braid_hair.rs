@@ -9,18 +9,19 @@
 //! Guarantees: every hair is led by itself, so more of them change none; each tells its braid, strand and stitch, where it
 //! joins and which way the braid's front is there. Not promised: hairs clear of each other.
 
+use super::band::Band;
 use super::braid_territory::ORDER;
 use super::through::{Entry, Leader, Manner, Wish};
 use super::tube::{Asked, Braid, Stitch};
 use crate::data::attributes::{
-    ALONG, Attribute, BRAID, BRAID_FRONT, Domain, FED, FIBRE, ID, PARENT, SIDE, STITCH, STRAND,
-    TIED, WIDTH,
+    ALONG, Attribute, BRAID, BRAID_FRONT, Domain, FED, FIBRE, ID, NORMAL, PARENT, RADIUS, SIDE,
+    STITCH, STRAND, TIED, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece};
-use crate::maths::hash::curve_id;
+use crate::maths::hash::{KeyBuilder, curve_id};
 use crate::maths::transcendental::sin_cos_turns;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -70,6 +71,14 @@ node! {
         tip_taper: f32 = 0.8, hard(0.0, 1.0), unit(Ratio), words("point brush");
         /// How much hairs differ in direction in the tuft.
         tip_frizz: f32 = 0.15, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("noise messy");
+        /// Turns of a band round each braid at its tie, where a tuft hangs on behind it; 0 ties it with nothing to be seen.
+        band_turns: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 6.0), words("elastic tie wrap bobble bead");
+        /// Length of the braid that the band covers.
+        band_height: f32 = 0.7, hard(0.01, 10.0), soft(0.2, 2.0), unit(Length), words("elastic tie wrap bobble bead"),
+            idle(|of| matches!(of("band_turns"), Some(Value::Float(0.0))).then_some("there is no band"));
+        /// How much narrower the braid is in its band: 0 as it comes, 0.5 half as wide.
+        band_tightness: f32 = 0.3, hard(0.0, 0.9), unit(Ratio), words("elastic tie squeeze pinch"),
+            idle(|of| matches!(of("band_turns"), Some(Value::Float(0.0))).then_some("there is no band"));
         /// Share of hairs that leave the braid somewhere and stand off.
         flyaways: f32 = 0.01, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("stray frizz fuzz halo");
         /// How far the longest flyaways stand off by their length.
@@ -91,6 +100,8 @@ node! {
         curves: Curves;
         /// The extension hair that was fed in.
         extension: Curves;
+        /// The bands that tie the braids: fill them with Cluster to strands.
+        bands: Curves;
     }
 }
 
@@ -145,6 +156,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         RootStart::Knotted => Some((inputs.knot_size, inputs.knot_length * unit)),
         RootStart::Knotless => None,
     };
+    let band = Band { turns: inputs.band_turns, height: inputs.band_height * unit };
+    let squeeze = (band.turns > 0.0).then_some((inputs.band_tightness, band.height));
     let of_row = |row: u64| -> Option<&Braid> {
         let tufts = by_row.get(&row)?;
         let n = *tufts.iter().find(|n| (**n as usize) < of_strands)? as usize;
@@ -159,6 +172,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 broad: inputs.broad,
                 twist: inputs.twist.to_radians(),
                 knot,
+                band: squeeze,
                 skin,
             };
             Braid::new(strands, stitches, &asked)
@@ -183,8 +197,30 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             let filler = Filler { inputs: &inputs, leader: Leader::new(&manner, scalp, skin) };
             filler.fill(tuft, &of_row, piece)
         })?;
-    Ok(Outputs { curves, extension })
+    let of_band = |n: usize| {
+        let key = KeyBuilder::new("band").key(all.tufts()[n].key());
+        let needed = needs(n, &all.tufts()[n]);
+        needed.iter().fold(key, |key, n| key.key(all.tufts()[*n as usize].key())).finish()
+    };
+    let [bands] = placed.each_item(of_strands, of_band, |n, _| {
+        let tuft = &all.tufts()[n];
+        let braid = if tuft.is_empty() { None } else { of_row(row_of(tuft, 0)) };
+        let made = braid.and_then(|braid| Some((braid, band.round(braid, skin)?)));
+        let mut out = TuftBuilder::new();
+        if let Some((braid, (points, front))) = made {
+            out.push_curve(&points);
+            out.set(ID, Domain::Curve, vec![curve_id(braid.id, inputs.seed as u64, BANDS)]);
+            out.set(PARENT, Domain::Curve, vec![braid.id]);
+            out.set(RADIUS, Domain::Curve, vec![band.radius()]);
+            out.set(NORMAL, Domain::Curve, vec![front]);
+        }
+        Ok([out.build()])
+    })?;
+    Ok(Outputs { curves, extension, bands })
 }
+
+/// Index under which a band's id is made from its braid.
+const BANDS: u64 = 1 << 41;
 
 fn row_of(tuft: &Tuft, i: usize) -> u64 {
     tuft.view(PARENT).at(i, tuft.range(i).start)

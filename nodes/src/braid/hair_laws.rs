@@ -43,6 +43,7 @@ struct Made {
     stitches: Curves,
     hair: Curves,
     extension: Curves,
+    bands: Curves,
 }
 
 fn made(scalp: &Arc<Scalp>, rows: &Curves, territory: Set, hair: Set) -> Made {
@@ -71,8 +72,8 @@ fn made(scalp: &Arc<Scalp>, rows: &Curves, territory: Set, hair: Set) -> Made {
     ];
     set.extend(hair);
     let (out, _) = run(&braid_hair::NODE, &set);
-    let (hair, extension) = (curves_of(&out[0]).clone(), curves_of(&out[1]).clone());
-    Made { roots, source, strands, stitches, hair, extension }
+    let [hair, extension, bands] = [0, 1, 2].map(|k| curves_of(&out[k]).clone());
+    Made { roots, source, strands, stitches, hair, extension, bands }
 }
 
 fn ground(scalp: &Scalp, rows: &Curves) -> Ground {
@@ -332,6 +333,60 @@ fn a_root_knot_is_as_much_wider_than_the_braid_as_was_asked() {
         assert!((outline(&knotted, 1.2, 2.4) / behind - 1.0).abs() < 0.02, "{size}");
         assert_eq!(knotted.keys().collect::<Vec<_>>(), none.keys().collect::<Vec<_>>());
     }
+}
+
+#[test]
+fn a_band_lies_round_its_braid_and_draws_it_together() {
+    let scalp = shared_ball();
+    let rows = rows(&scalp, 3);
+    let tied = |turns: f32, tightness: f32| {
+        let hair = vec![
+            ("band_turns", turns.into()),
+            ("band_height", 0.6f32.into()),
+            ("band_tightness", tightness.into()),
+        ];
+        made(&scalp, &rows, vec![("density", 12.0f32.into()), ("tail", 8.0f32.into())], hair)
+    };
+    let untied = tied(0.0, 0.3);
+    assert_eq!(untied.bands.curve_count(), 0);
+    let mut wide = vec![];
+    for tightness in [0.0, 0.4] {
+        let m = tied(3.0, tightness);
+        assert_eq!(m.bands.curve_count(), 3);
+        let (free, held) = (by_id(&untied.hair), by_id(&m.hair));
+        assert!(free.keys().eq(held.keys()));
+        assert!(free.iter().all(|(id, hair)| hair[0] == held[id][0]), "roots stay");
+        let (mut inside, mut outside, mut sum) = (0, 0, 0.0);
+        for (band, i) in m.bands.each() {
+            let points = band.curve(i);
+            let (start, end) = (points[0], points[points.len() - 1]);
+            let axis = (end - start).normalize();
+            let out = |p: Vec3| (p - start).reject_from(axis);
+            let turns = &points[1..points.len() - 1];
+            assert!(turns.iter().all(|p| scalp.skin().distance(*p) > 0.0));
+            assert!((end.distance(start) - 0.4).abs() < 0.05, "three turns beside each other");
+            let braid = band.view(attr::PARENT).at(i, 0);
+            let of_braid = |(t, h): &(&Tuft, usize)| t.view(attr::BRAID).at(*h, 0) == braid;
+            for (hair, h) in m.hair.each().filter(of_braid) {
+                for p in hair.curve(h) {
+                    let (along, far) = ((*p - start).dot(axis), out(*p).length());
+                    let beside = |a: &&Vec3| out(**a).normalize().dot(out(*p) / far) > 0.95;
+                    let held = turns.iter().filter(beside).map(|a| out(*a).length());
+                    let held = held.fold(f32::MAX, f32::min);
+                    // What is farther off is on its way to the braid.
+                    if (0.0..=0.4).contains(&along) && far < 2.0 * held {
+                        inside += usize::from(far <= held + 0.1);
+                        outside += usize::from(far > held + 0.1);
+                        sum += far;
+                    }
+                }
+            }
+        }
+        assert!(inside > 5000 && outside == 0, "{outside} of {inside}");
+        wide.push(sum / (inside + outside) as f32);
+    }
+    let ratio = wide[1] / wide[0];
+    assert!((ratio - 0.6).abs() < 0.04, "{ratio}");
 }
 
 #[test]

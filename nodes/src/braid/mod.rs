@@ -6,6 +6,7 @@ use crate::define::NodeDef;
 mod any_row;
 #[cfg(test)]
 mod any_source;
+mod band;
 mod braid_hair;
 mod braid_territory;
 mod even;

@@ -22,6 +22,8 @@ pub(super) struct Asked<'a> {
     pub(super) twist: f32,
     /// How much thicker the braid is in a root knot than behind it, and how long the knot is; none without one.
     pub(super) knot: Option<(f32, f32)>,
+    /// How much narrower the braid is in the band that ties it, and how high the band; none without one.
+    pub(super) band: Option<(f32, f32)>,
     pub(super) skin: Option<&'a Skin<'a>>,
 }
 
@@ -196,8 +198,33 @@ impl Braid {
             step,
             per_stitch: braided / (count * step),
         };
+        if let Some((narrower, height)) = asked.band {
+            braid.tie_up(narrower, height);
+        }
         braid.brush = braid.bristles();
         Some(braid)
+    }
+
+    /// Draws the strands together in a band about the tie: all of them, and what lies beside it less and less.
+    fn tie_up(&mut self, narrower: f32, height: f32) {
+        let drawn = |tube: &Tube| -> Vec<(usize, Vec3, f32)> {
+            let beyond = |k: usize| (k as f32 - tube.tie) * self.step;
+            let within = (0..tube.at.len()).filter(|k| beyond(*k).abs() < 1.5 * height);
+            let drawn = within.map(|k| {
+                let left = ((1.5 * height - beyond(k).abs()) / height).clamp(0.0, 1.0);
+                let share = 1.0 - narrower * (left * left * (3.0 - 2.0 * left));
+                (k, self.middle(beyond(k)), share)
+            });
+            drawn.collect()
+        };
+        let drawn: Vec<_> = self.tubes.iter().map(drawn).collect();
+        for (tube, drawn) in self.tubes.iter_mut().zip(drawn) {
+            for (k, middle, share) in drawn {
+                let s = &mut tube.at[k];
+                s.centre = middle + (s.centre - middle) * share;
+                (s.x, s.y, s.bend) = (s.x * share, s.y * share, s.bend * share);
+            }
+        }
     }
 
     fn tube(strands: &Tuft, i: usize, cut: &Cut, asked: &Asked) -> Tube {
@@ -283,6 +310,21 @@ impl Braid {
                 Bristles { centre: centre(k), x: tangent.cross(y), y, size: spread(k) / whole }
             })
             .collect()
+    }
+    /// The braid's middle so far (cm) beyond the tie, or before it.
+    pub(super) fn middle(&self, beyond: f32) -> Vec3 {
+        let at = |tube: &Tube| tube.section(tube.tie + beyond / self.step).centre;
+        self.tubes.iter().map(at).sum::<Vec3>() / self.tubes.len() as f32
+    }
+    /// How far (cm) the hair of the strands reaches from there in a direction (unit).
+    pub(super) fn reach(&self, beyond: f32, out: Vec3) -> f32 {
+        let middle = self.middle(beyond);
+        let reach = |tube: &Tube| {
+            let section = tube.section(tube.tie + beyond / self.step);
+            let thick = Vec2::new(section.x.dot(out), section.y.dot(out)).length();
+            (section.centre - middle).dot(out) + thick
+        };
+        self.tubes.iter().map(reach).fold(0.0, f32::max)
     }
     /// The bristles so many steps beyond the tie; straight on past their end.
     #[inline]
