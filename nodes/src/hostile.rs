@@ -24,6 +24,7 @@ use std::time::{Duration, Instant};
 const NODES: &[(&str, &[(&str, f32)])] = &[
     ("lissajous_braid", &[]),
     ("braid_territory", &[("density", 2.0)]),
+    ("braid_hair", &[]),
     ("edge_partition", &[("per_cm", 1.0)]),
     ("partings", &[]),
     ("interpolate", &[("count", 60.0)]),
@@ -220,19 +221,35 @@ fn hostile(input: &InputDef) -> Vec<Value> {
 /// What a node runs with where nothing else is said.
 fn usual(node: &NodeDef, few: &[(&str, f32)]) -> Vec<(&'static str, Value)> {
     let mut set = vec![];
-    let gathered = matches!(node.id, "tail" | "bun").then(|| {
-        let gather = crate::by_id("gather").unwrap();
-        let set = [("scalp", scalp().into()), ("density", 2.0f32.into())];
-        run_on(gather, &set, &PlainHost, &Log::default(), Quality::Final).unwrap()
-    });
+    let make = |id: &str, set: &[(&'static str, Value)]| {
+        let set: Vec<_> = [("scalp", scalp().into())].iter().chain(set).cloned().collect();
+        let node = crate::by_id(id).unwrap();
+        let made = run_on(node, &set, &PlainHost, &Log::default(), Quality::Final).unwrap();
+        node.outputs.iter().map(|out| out.name).zip(made).collect::<Vec<_>>()
+    };
+    // What others make for it.
+    let mut wired: Vec<(&str, Value)> = vec![];
+    match node.id {
+        "tail" | "bun" => wired = make("gather", &[("density", 2.0f32.into())]),
+        "braid_hair" => {
+            let rows = [("source", hairs(3).into()), ("density", 2.0f32.into())];
+            let ground = make("braid_territory", &rows);
+            let braids = make("lissajous_braid", &[("source", ground[1].1.clone())]);
+            wired = vec![
+                ("roots", ground[0].1.clone()),
+                ("strands", braids[0].1.clone()),
+                ("stitches", braids[1].1.clone()),
+            ];
+            set.push(("band_turns", 3.0f32.into()));
+        }
+        _ => {}
+    }
     for input in node.inputs {
         let few = few.iter().find(|(name, _)| *name == input.name);
         let value = match (input.name, input.ty) {
             ("scalp", _) => scalp().into(),
-            ("curves" | "ties", _) if gathered.is_some() => {
-                let gather = crate::by_id("gather").unwrap();
-                let at = gather.outputs.iter().position(|out| out.name == input.name).unwrap();
-                gathered.as_ref().unwrap()[at].clone()
+            (name, Type::Curves) if wired.iter().any(|(of, _)| *of == name) => {
+                wired.iter().find(|(of, _)| *of == name).unwrap().1.clone()
             }
             ("curves" | "source", _) => hairs(3).into(),
             (_, Type::Int) if few.is_some() => Value::Int(few.unwrap().1 as i64),

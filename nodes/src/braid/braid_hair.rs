@@ -71,7 +71,8 @@ node! {
         tip_taper: f32 = 0.8, hard(0.0, 1.0), unit(Ratio), words("point brush");
         /// How much hairs differ in direction in the tuft.
         tip_frizz: f32 = 0.15, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("noise messy");
-        /// Turns of a band round each braid at its tie, where a tuft hangs on behind it; 0 ties it with nothing to be seen.
+        /// Turns of a band round each braid at its tie, where a tuft hangs on behind it; less than one is one, and 0 ties
+        /// it with nothing to be seen.
         band_turns: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 6.0), words("elastic tie wrap bobble bead");
         /// Length of the braid that the band covers.
         band_height: f32 = 0.7, hard(0.01, 10.0), soft(0.2, 2.0), unit(Length), words("elastic tie wrap bobble bead"),
@@ -100,7 +101,7 @@ node! {
         curves: Curves;
         /// The extension hair that was fed in.
         extension: Curves;
-        /// The bands that tie the braids: fill them with Cluster to strands.
+        /// The bands that tie the braids: fill them with Cluster to strands, without its scalp, on which it would root them.
         bands: Curves;
     }
 }
@@ -156,11 +157,15 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         RootStart::Knotted => Some((inputs.knot_size, inputs.knot_length * unit)),
         RootStart::Knotless => None,
     };
-    let band = Band { turns: inputs.band_turns, height: inputs.band_height * unit };
-    let squeeze = (band.turns > 0.0).then_some((inputs.band_tightness, band.height));
-    let of_row = |row: u64| -> Option<&Braid> {
+    let (turns, height) = (inputs.band_turns, inputs.band_height * unit);
+    let band = Band::asked(turns, height, inputs.band_tightness);
+    let strands_of = |row: u64| -> Option<usize> {
         let tufts = by_row.get(&row)?;
-        let n = *tufts.iter().find(|n| (**n as usize) < of_strands)? as usize;
+        tufts.iter().map(|n| *n as usize).find(|n| *n < of_strands)
+    };
+    let of_row = |row: u64| -> Option<&Braid> {
+        let n = strands_of(row)?;
+        let tufts = &by_row[&row];
         let made = braids[n].get_or_init(|| {
             let strands = &all.tufts()[n];
             let stitches = tufts.iter().filter(|n| **n as usize >= of_strands);
@@ -172,7 +177,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 broad: inputs.broad,
                 twist: inputs.twist.to_radians(),
                 knot,
-                band: squeeze,
+                band,
                 skin,
             };
             Braid::new(strands, stitches, &asked)
@@ -202,16 +207,27 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let needed = needs(n, &all.tufts()[n]);
         needed.iter().fold(key, |key, n| key.key(all.tufts()[*n as usize].key())).finish()
     };
-    let [bands] = placed.each_item(of_strands, of_band, |n, _| {
-        let tuft = &all.tufts()[n];
-        let braid = if tuft.is_empty() { None } else { of_row(row_of(tuft, 0)) };
-        let made = braid.and_then(|braid| Some((braid, band.round(braid, skin)?)));
-        let mut out = TuftBuilder::new();
-        if let Some((braid, (points, front))) = made {
+    let [bands] = placed.each_item(of_strands, of_band, |n, piece| {
+        let (tuft, mut out) = (&all.tufts()[n], TuftBuilder::new());
+        // A braid in several tufts is tied once.
+        let row = if tuft.is_empty() { None } else { Some(row_of(tuft, 0)) };
+        let row = row.filter(|row| strands_of(*row) == Some(n));
+        let (Some(band), Some(braid)) = (band, row.and_then(&of_row)) else {
+            return Ok([out.build()]);
+        };
+        match &braid.waist {
+            None => piece.trouble(braid.id, "a braid without a tuft behind its tie has no band"),
+            Some(waist) if waist.limited => piece.trouble(
+                braid.id,
+                "a band is lower than band_height: the braid or its tuft is too short for it",
+            ),
+            Some(_) => {}
+        }
+        if let Some((points, radius, front)) = band.round(braid, skin) {
             out.push_curve(&points);
             out.set(ID, Domain::Curve, vec![curve_id(braid.id, inputs.seed as u64, BANDS)]);
             out.set(PARENT, Domain::Curve, vec![braid.id]);
-            out.set(RADIUS, Domain::Curve, vec![band.radius()]);
+            out.set(RADIUS, Domain::Curve, vec![radius]);
             out.set(NORMAL, Domain::Curve, vec![front]);
         }
         Ok([out.build()])

@@ -364,7 +364,10 @@ fn a_band_lies_round_its_braid_and_draws_it_together() {
             let out = |p: Vec3| (p - start).reject_from(axis);
             let turns = &points[1..points.len() - 1];
             assert!(turns.iter().all(|p| scalp.skin().distance(*p) > 0.0));
-            assert!((end.distance(start) - 0.4).abs() < 0.05, "three turns beside each other");
+            // Three turns of 0.15 cm beside each other, from middle to middle of the outer ones.
+            let radius = band.view(attr::RADIUS).at(i, 0);
+            assert!((radius - 0.075).abs() < 1e-5);
+            assert!((end.distance(start) - 0.45).abs() < 0.02, "{}", end.distance(start));
             let braid = band.view(attr::PARENT).at(i, 0);
             let of_braid = |(t, h): &(&Tuft, usize)| t.view(attr::BRAID).at(*h, 0) == braid;
             for (hair, h) in m.hair.each().filter(of_braid) {
@@ -374,19 +377,37 @@ fn a_band_lies_round_its_braid_and_draws_it_together() {
                     let held = turns.iter().filter(beside).map(|a| out(*a).length());
                     let held = held.fold(f32::MAX, f32::min);
                     // What is farther off is on its way to the braid.
-                    if (0.0..=0.4).contains(&along) && far < 2.0 * held {
-                        inside += usize::from(far <= held + 0.1);
-                        outside += usize::from(far > held + 0.1);
+                    if (0.0..=0.45).contains(&along) && far < 2.0 * held {
+                        inside += usize::from(far <= held + radius);
+                        outside += usize::from(far > held + radius);
                         sum += far;
                     }
                 }
             }
         }
-        assert!(inside > 5000 && outside == 0, "{outside} of {inside}");
+        // At its borders a turn is beside a part of the hair alone.
+        assert!(inside > 5000 && outside * 200 <= inside, "{outside} of {inside}");
         wide.push(sum / (inside + outside) as f32);
     }
     let ratio = wide[1] / wide[0];
     assert!((ratio - 0.6).abs() < 0.04, "{ratio}");
+    // A band that braid or tuft cannot hold is as high as they can, or there is none, and the node says so.
+    let m = tied(3.0, 0.3);
+    let strands: Set = vec![("roots", m.roots.into()), ("strands", m.strands.into())];
+    let said = |stitches: Option<&Curves>, height: f32| {
+        let mut set = strands.clone();
+        set.extend(stitches.map(|stitches| ("stitches", stitches.clone().into())));
+        set.extend([("band_turns", 0.5f32.into()), ("band_height", height.into())]);
+        let (out, mut said) = run(&braid_hair::NODE, &set);
+        said.retain(|text| text.contains("band"));
+        (curves_of(&out[2]).clone(), said)
+    };
+    let (bands, told) = said(Some(&m.stitches), 8.0);
+    assert!(bands.curve_count() == 3 && told[0].contains("a band is lower"), "{told:?}");
+    let radius = bands.tufts()[0].view(attr::RADIUS).at(0, 0);
+    assert!((0.05..1.0).contains(&radius), "{radius}");
+    let (bands, told) = said(None, 0.6);
+    assert!(bands.curve_count() == 0 && told[0].contains("a braid without a tuft"), "{told:?}");
 }
 
 #[test]

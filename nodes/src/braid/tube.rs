@@ -1,6 +1,7 @@
 //! A braid as its hair sees it: for each strand the cross-sections at fine even steps, the stitches, and the brush beyond
 //! the tie. Worked out once for each braid, so that a hair's point is one look-up and a few multiplications.
 
+use super::band::{Band, Waist};
 use super::braid_territory::JOINED;
 use crate::data::attributes as attr;
 use crate::data::curves::{Tuft, View};
@@ -22,8 +23,8 @@ pub(super) struct Asked<'a> {
     pub(super) twist: f32,
     /// How much thicker the braid is in a root knot than behind it, and how long the knot is; none without one.
     pub(super) knot: Option<(f32, f32)>,
-    /// How much narrower the braid is in the band that ties it, and how high the band; none without one.
-    pub(super) band: Option<(f32, f32)>,
+    /// What ties the braid.
+    pub(super) band: Option<Band>,
     pub(super) skin: Option<&'a Skin<'a>>,
 }
 
@@ -37,6 +38,8 @@ const NEAR: f32 = 0.05;
 const OF_STITCHES: usize = 4;
 /// The least share of the usual spacing.
 const FINEST: f32 = 0.35;
+/// Steps of the shortest tuft.
+const LEAST_TUFT: f32 = 6.0;
 /// The most steps of one strand's table.
 const MOST: f32 = 8192.0;
 
@@ -150,6 +153,8 @@ pub(super) struct Braid {
     pub(super) stitches: Vec<Stitch>,
     /// One a step from the tie on; empty where the braid has no tuft.
     pub(super) brush: Vec<Bristles>,
+    /// Its middle in the band that ties it; none without one.
+    pub(super) waist: Option<Waist>,
     /// cm.
     pub(super) step: f32,
     /// Steps of a strand for one stitch.
@@ -195,36 +200,37 @@ impl Braid {
             tubes,
             stitches,
             brush: vec![],
+            waist: None,
             step,
             per_stitch: braided / (count * step),
         };
-        if let Some((narrower, height)) = asked.band {
-            braid.tie_up(narrower, height);
+        if let Some(band) = asked.band.filter(|_| braid.tuft() >= LEAST_TUFT) {
+            braid.tie_up(&band, asked.skin);
         }
         braid.brush = braid.bristles();
         Some(braid)
     }
 
+    /// Steps of the tuft.
+    fn tuft(&self) -> f32 {
+        self.tubes.iter().map(|t| t.last() - t.tie).fold(f32::MAX, f32::min)
+    }
+
     /// Draws the strands together in a band about the tie: all of them, and what lies beside it less and less.
-    fn tie_up(&mut self, narrower: f32, height: f32) {
-        let drawn = |tube: &Tube| -> Vec<(usize, Vec3, f32)> {
-            let beyond = |k: usize| (k as f32 - tube.tie) * self.step;
-            let within = (0..tube.at.len()).filter(|k| beyond(*k).abs() < 1.5 * height);
-            let drawn = within.map(|k| {
-                let left = ((1.5 * height - beyond(k).abs()) / height).clamp(0.0, 1.0);
-                let share = 1.0 - narrower * (left * left * (3.0 - 2.0 * left));
-                (k, self.middle(beyond(k)), share)
-            });
-            drawn.collect()
-        };
-        let drawn: Vec<_> = self.tubes.iter().map(drawn).collect();
-        for (tube, drawn) in self.tubes.iter_mut().zip(drawn) {
-            for (k, middle, share) in drawn {
-                let s = &mut tube.at[k];
-                s.centre = middle + (s.centre - middle) * share;
-                (s.x, s.y, s.bend) = (s.x * share, s.y * share, s.bend * share);
+    fn tie_up(&mut self, band: &Band, skin: Option<&Skin>) {
+        let waist = band.waist(&self.tubes, self.step);
+        for tube in &mut self.tubes {
+            for k in 0..tube.at.len() {
+                let Some((middle, along)) = waist.at_step(k as f32 - tube.tie) else { continue };
+                let (s, keeps) = (&mut tube.at[k], band.keeps(&waist, along));
+                s.centre = middle + (s.centre - middle) * keeps;
+                (s.x, s.y) = (s.x * keeps, s.y * keeps);
+                let reach = (s.x.length_squared() + s.y.length_squared()).sqrt() + NEAR;
+                tube.beside[k].1 |= skin.is_some_and(|skin| !skin.is_clear(s.centre, reach));
             }
+            bend(&mut tube.at, self.step);
         }
+        self.waist = Some(waist);
     }
 
     fn tube(strands: &Tuft, i: usize, cut: &Cut, asked: &Asked) -> Tube {
@@ -270,13 +276,7 @@ impl Braid {
                 joined: mix(&joined).clamp(0.0, 1.0),
             });
         }
-        // Over the distance of two points of a hair.
-        let h = FINE as usize;
-        for k in h..at.len().saturating_sub(h) {
-            let turn = at[k - h].centre + at[k + h].centre - at[k].centre * 2.0;
-            let bent = turn / (h as f32 * step * (h as f32 * step));
-            at[k].bend = Vec2::new(bent.dot(at[k].x), bent.dot(at[k].y));
-        }
+        bend(&mut at, step);
         let tube = Tube {
             id: strands.id(i),
             strand: strands.view(attr::STRAND).at(i, range.start),
@@ -289,8 +289,8 @@ impl Braid {
     }
 
     fn bristles(&self) -> Vec<Bristles> {
-        let left = self.tubes.iter().map(|t| t.last() - t.tie).fold(f32::MAX, f32::min);
-        if left < 6.0 {
+        let left = self.tuft();
+        if left < LEAST_TUFT {
             return vec![];
         }
         let n = self.tubes.len() as f32;
@@ -311,16 +311,10 @@ impl Braid {
             })
             .collect()
     }
-    /// The braid's middle so far (cm) beyond the tie, or before it.
-    pub(super) fn middle(&self, beyond: f32) -> Vec3 {
-        let at = |tube: &Tube| tube.section(tube.tie + beyond / self.step).centre;
-        self.tubes.iter().map(at).sum::<Vec3>() / self.tubes.len() as f32
-    }
-    /// How far (cm) the hair of the strands reaches from there in a direction (unit).
-    pub(super) fn reach(&self, beyond: f32, out: Vec3) -> f32 {
-        let middle = self.middle(beyond);
+    /// How far (cm) the hair of the strands reaches from the braid's middle so many steps beyond the tie, in a direction (unit).
+    pub(super) fn reach(&self, middle: Vec3, beyond: f32, out: Vec3) -> f32 {
         let reach = |tube: &Tube| {
-            let section = tube.section(tube.tie + beyond / self.step);
+            let section = tube.section(tube.tie + beyond);
             let thick = Vec2::new(section.x.dot(out), section.y.dot(out)).length();
             (section.centre - middle).dot(out) + thick
         };
@@ -387,6 +381,16 @@ impl Braid {
         };
         order.sort_by(|a, b| x(a).total_cmp(&x(b)).then(a.cmp(b)));
         order[rank]
+    }
+}
+
+/// Works out how much a strand bends at each section, over the distance of two points of a hair.
+fn bend(at: &mut [Section], step: f32) {
+    let h = FINE as usize;
+    for k in h..at.len().saturating_sub(h) {
+        let turn = at[k - h].centre + at[k + h].centre - at[k].centre * 2.0;
+        let bent = turn / (h as f32 * step * (h as f32 * step));
+        at[k].bend = Vec2::new(bent.dot(at[k].x), bent.dot(at[k].y));
     }
 }
 

@@ -73,13 +73,13 @@ impl Wander {
         let knot = x as u64;
         if knot != self.knot {
             let at = |k: u64| {
-                let bits = self.dice.bits(self.id, 100 + k);
+                let bits = self.dice.bits(self.id, k.wrapping_add(100));
                 let unit =
                     |bits: u64| (bits & 0xFF_FFFF) as f32 * (2.0 / (1u32 << 24) as f32) - 1.0;
                 Vec2::new(unit(bits), unit(bits >> 32)) * self.amount
             };
             self.from = if self.knot.wrapping_add(1) == knot { self.to } else { at(knot) };
-            self.to = at(knot + 1);
+            self.to = at(knot.wrapping_add(1));
             self.knot = knot;
         }
         self.from + (self.to - self.from) * smooth(x - knot as f32)

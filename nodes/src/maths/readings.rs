@@ -2,7 +2,7 @@
 //! even, or the curve is straight, both are the same hair.
 //!
 //! Guarantees: a difference of more than [`AGREE`] is found as it is to a tenth; less than that is not found less than it is.
-//! Where points are so even that there can be none, none is looked for.
+//! Where points are so even that there can be none, none is looked for. Not promised: anything of points that repeat or are not finite.
 
 use glam::Vec3;
 
