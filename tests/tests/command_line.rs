@@ -105,6 +105,13 @@ fn what_is_wrong_with_a_graph_is_said_with_its_node_before_anything_runs() {
 fn an_output_without_curves_is_a_failure_and_says_so() {
     let text = graph(&[HEAD, GUIDES, OUT].concat(), WIRES).replace("\"count\": 50", "\"count\": 0");
     check("empty", &text, &[], 1, &["out.curves", "no curves"]);
+    // Beside hair it is told.
+    let none = GUIDES.replace("\"hair\"", "\"none\"").replace("\"count\": 50", "\"count\": 0");
+    let beside = OUT.replace("\"out\"", "\"none_out\"");
+    let wires =
+        "        \"none.scalp\": \"head.scalp\",\n        \"none_out.curves\": \"none.curves\",\n";
+    let text = graph(&[HEAD, GUIDES, &none, &beside, OUT].concat(), &[WIRES, wires].concat());
+    check("empty-beside", &text, &[], 0, &["none_out.curves gives no curves", "no group"]);
 }
 
 #[test]

@@ -262,13 +262,28 @@ impl Opened {
         let more = outcome.targets.split_off(outputs.len()).into_iter().flatten().collect();
         report.head =
             heads.first().zip(scalps.first()).map(|(socket, scalp)| head_of(socket, scalp));
-        let mut groups = vec![];
+        let (mut groups, mut empty) = (vec![], vec![]);
         for (output, value) in outputs.iter().zip(outcome.targets) {
             let Some(Value::Curves(curves)) = value else { continue };
-            groups.push(output.group(curves, (&scalps, &parted), &evaluator, graph, report)?);
+            let group = output.group(curves, (&scalps, &parted), &evaluator, report);
+            match group.curves.curve_count() {
+                0 => empty.push(output),
+                _ => groups.push(group),
+            }
         }
-        if groups.is_empty() {
-            return Err(Stop::refused(format!("{graph}: no output gives curves")));
+        let gives_none = |output: &&Wanted| format!("{graph}: {} gives no curves", output.socket);
+        match (groups.is_empty(), empty.is_empty()) {
+            (true, true) => {
+                return Err(Stop::refused(format!("{graph}: no output gives curves")));
+            }
+            (true, false) => {
+                return Err(Stop(Exit::Failed, empty.iter().map(gives_none).collect()));
+            }
+            // Such as bands that are not wound.
+            (false, _) => report.warnings.extend(empty.iter().map(|output| {
+                let Wanted { socket, group, .. } = output;
+                format!("{socket} gives no curves: files have no group {group:?}")
+            })),
         }
         let hair = groups.iter().filter(|group| !group.guides);
         report.warnings.extend(too_many(hair.map(|group| group.curves.point_count()).sum()));
@@ -283,9 +298,8 @@ impl Wanted {
         curves: Curves,
         (scalps, parted): (&[Arc<Scalp>], &[Arc<Scalp>]),
         evaluator: &Evaluator,
-        graph: &str,
         report: &mut Report,
-    ) -> Result<export::Group, Stop> {
+    ) -> export::Group {
         // The skin that keeps points added by export outside: of the only head, if there is one.
         let skin = match scalps {
             [only] => Some(only.skin()),
@@ -335,10 +349,7 @@ impl Wanted {
             reading_difference: changes.difference,
             root_drift_cm: root_drift(&curves),
         });
-        if curves.curve_count() == 0 {
-            return Err(Stop::failed(format!("{graph}: {socket} gives no curves")));
-        }
-        Ok(export::Group { name: self.group.clone(), guides: self.guides, curves })
+        export::Group { name: self.group.clone(), guides: self.guides, curves }
     }
 }
 

@@ -55,7 +55,7 @@ enum Command {
 pub(crate) enum Exit {
     /// All done; warnings are allowed.
     Done = 0,
-    /// A node on the way to an output failed, an output has no curves, or writing failed.
+    /// A node on the way to an output failed, none of them has curves, or writing failed.
     Failed = 1,
     /// Wrong before anything ran.
     Refused = 2,
