@@ -152,6 +152,7 @@ fn read_scalp(path: &PathBuf) -> Result<Arc<Scalp>, String> {
 }
 
 const DEEPER: &str = "nothing is deeper under the skin than allowed";
+const ROOTED: &str = "roots lie on the scalp to 0.001 cm";
 
 fn measure(prims: &[Prim], scalp: Option<&Scalp>) -> Vec<Measured> {
     let partings = Partings::of(prims);
@@ -248,6 +249,10 @@ fn of_prim(
         // Partings are lines that hair is judged by, and run straight on through ears and folds: no hair lies there.
         out.laws.remove(DEEPER);
     }
+    if prim.whole("clumpId").is_some() && prim.whole("skinprim").is_none() {
+        // What grows from other curves and tells no place on the skin, such as the band of a braid, has no root there.
+        out.laws.remove(ROOTED);
+    }
     out
 }
 
@@ -287,7 +292,7 @@ impl Measured {
             laws.insert("hair passes its tie", ties.beside == 0);
         }
         if let Some(on) = &self.scalp {
-            laws.insert("roots lie on the scalp to 0.001 cm", on.root_distance_cm[1] <= 1e-3);
+            laws.insert(ROOTED, on.root_distance_cm[1] <= 1e-3);
             laws.insert(DEEPER, on.too_deep == 0);
         }
         self.laws = laws;
@@ -488,8 +493,19 @@ pub(super) mod tests {
         let hair: &[Vec3] = &[root.point, root.point + root.normal];
         let read = prim_of(&[hair, &[root.point, root.point - root.normal]], &[]);
         let found = measure(&[Prim::new(&read)], Some(&scalp)).remove(0);
-        assert!(found.laws["roots lie on the scalp to 0.001 cm"]);
+        assert!(found.laws[ROOTED]);
         assert!(!found.laws[DEEPER]);
         assert_eq!(found.scalp.unwrap().too_deep, 1);
+        // A band grows from its braid; hair that tells its place on the skin is judged by it.
+        let off: &[Vec3] = &[root.point + root.normal, root.point + root.normal * 2.0];
+        let law = |tells: &[&str]| {
+            let tells: Vec<_> =
+                tells.iter().map(|name| (*name, ReadValues::Int(vec![7]))).collect();
+            let read = prim_of(&[off], &tells);
+            measure(&[Prim::new(&read)], Some(&scalp)).remove(0).laws.get(ROOTED).copied()
+        };
+        assert_eq!(law(&["clumpId"]), None);
+        assert_eq!(law(&["clumpId", "skinprim"]), Some(false));
+        assert_eq!(law(&[]), Some(false));
     }
 }
