@@ -207,7 +207,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let needed = needs(n, &all.tufts()[n]);
         needed.iter().fold(key, |key, n| key.key(all.tufts()[*n as usize].key())).finish()
     };
-    let [bands] = placed.each_item(of_strands, of_band, |n, piece| {
+    let tied = if band.is_some() { of_strands } else { 0 };
+    let [bands] = placed.each_item(tied, of_band, |n, piece| {
         let (tuft, mut out) = (&all.tufts()[n], TuftBuilder::new());
         // A braid in several tufts is tied once.
         let row = if tuft.is_empty() { None } else { Some(row_of(tuft, 0)) };
