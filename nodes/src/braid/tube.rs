@@ -216,7 +216,7 @@ impl Braid {
         self.tubes.iter().map(|t| t.last() - t.tie).fold(f32::MAX, f32::min)
     }
 
-    /// Draws the strands together in a band about the tie: all of them, and what lies beside it less and less.
+    /// Draws the strands together in a band behind the tie, and what lies beside it less and less.
     fn tie_up(&mut self, band: &Band, skin: Option<&Skin>) {
         let waist = band.waist(&self.tubes, self.step);
         for tube in &mut self.tubes {
