@@ -14,6 +14,14 @@ pub(super) struct Bead {
     pub(super) along: f32,
     /// Whether the skin may be near.
     pub(super) near: bool,
+    /// Whether it is known to be out of the skin.
+    pub(super) out: bool,
+}
+
+impl Bead {
+    pub(super) fn new(p: Vec3, along: f32, near: bool) -> Self {
+        Self { p, along, near, out: false }
+    }
 }
 
 /// Buffers of [`Even::out`].
@@ -67,12 +75,11 @@ impl Even {
                 let root = (speed * speed + 2.0 * faster * x).max(0.0).sqrt();
                 let t = (2.0 * x / (speed + root).max(1e-6)).min(1.0);
                 let (a, b) = (beads[k], beads[k + 1]);
-                self.beads.push(Bead {
-                    p: spline_point(|k| beads[k].p, n, k, t),
-                    // Not until it has joined.
-                    along: if a.along > joins { a.along + (b.along - a.along) * t } else { joins },
-                    near: a.near || b.near,
-                });
+                let p = spline_point(|k| beads[k].p, n, k, t);
+                // Not until it has joined.
+                let along =
+                    if a.along > joins { a.along + (b.along - a.along) * t } else { joins };
+                self.beads.push(Bead::new(p, along, a.near || b.near));
             }
             self.beads[0] = beads[0];
             self.beads[n - 1] = beads[n - 1];
@@ -144,7 +151,7 @@ mod tests {
                     x * x * x
                 },
             );
-            Bead { p: Vec3::new(x, y, 0.0), along: y, near: k == 3 }
+            Bead::new(Vec3::new(x, y, 0.0), y, k == 3)
         };
         let mut beads: Vec<Bead> = (0..30).map(at).collect();
         Even::default().out(&mut beads);

@@ -188,7 +188,7 @@ impl<'a> Leader<'a> {
     fn rest(&mut self, joined: f32) {
         self.settle(joined);
         let Some(skin) = self.skin else { return };
-        for bead in self.beads.iter_mut().skip(1).filter(|bead| bead.near) {
+        for bead in self.beads.iter_mut().skip(1).filter(|bead| bead.near && !bead.out) {
             bead.p = skin.push_out(bead.p, 0.0).0;
         }
     }
@@ -228,9 +228,9 @@ impl<'a> Leader<'a> {
         let Some(skin) = self.skin else { return false };
         let mut moved = false;
         for bead in self.beads.iter_mut().skip(1).filter(|bead| bead.near) {
-            let over = over(skin, bead.p, height);
+            let (over, out) = over(skin, bead.p, height);
             moved |= over != bead.p;
-            bead.p = over;
+            (bead.p, bead.out) = (over, out);
         }
         moved
     }
@@ -347,7 +347,7 @@ impl<'a> Leader<'a> {
                     let parted =
                         *parted.get_or_insert_with(|| Parted::new(tube, start, here * size, end));
                     let p = parted.at((t - start) * braid.step, manner, wish.id);
-                    beads.push(Bead { p, along: section.along, near: true });
+                    beads.push(Bead::new(p, section.along, true));
                     if t >= until {
                         break;
                     }
@@ -379,11 +379,11 @@ impl<'a> Leader<'a> {
             let far = p.distance(before);
             if wish.length > 0.0 && gone + LONGER * far > wish.length && beads.len() > 2 {
                 let part = ((wish.length - gone) / far.max(1e-6)).clamp(0.0, LONGER);
-                beads.push(Bead { p: before.lerp(p, part), along: section.along, near });
+                beads.push(Bead::new(before.lerp(p, part), section.along, near));
                 break;
             }
             gone += far;
-            beads.push(Bead { p, along: section.along, near });
+            beads.push(Bead::new(p, section.along, near));
             if t >= until {
                 break;
             }
@@ -436,7 +436,7 @@ impl<'a> Leader<'a> {
             }
             if k > 0 {
                 if let (Some(skin), true) = (self.skin, k < SAMPLES) {
-                    fine[k] = over(skin, fine[k], (6.0 * s).min(1.0) * CLEAR);
+                    fine[k] = over(skin, fine[k], (6.0 * s).min(1.0) * CLEAR).0;
                 }
                 lengths[k] = lengths[k - 1] + fine[k].distance(fine[k - 1]);
             }
@@ -444,7 +444,7 @@ impl<'a> Leader<'a> {
         let total = lengths[SAMPLES];
         let count = ((total / spacing).round() as usize).clamp(1, 200);
         let near = self.skin.is_some();
-        self.beads.push(Bead { p: root, along: 0.0, near });
+        self.beads.push(Bead::new(root, 0.0, near));
         let mut k = 0;
         for i in 1..count {
             let s = total * i as f32 / count as f32;
@@ -453,7 +453,7 @@ impl<'a> Leader<'a> {
             }
             let t = ((s - lengths[k]) / (lengths[k + 1] - lengths[k]).max(1e-9)).clamp(0.0, 1.0);
             let p = spline_point(|k| fine[k], SAMPLES + 1, k, t);
-            self.beads.push(Bead { p, along: 0.0, near });
+            self.beads.push(Bead::new(p, 0.0, near));
         }
         (total, total / count as f32)
     }
@@ -477,15 +477,16 @@ fn share(wish: &Wish, joined: f32) -> f32 {
     (wish.order / joined.max(1e-4)).sqrt().min(1.0)
 }
 
-/// `p` or the point above it that is at least `height` over the skin.
+/// `p` or the point above it that is at least `height` over the skin; and whether [`Skin::push_out`] is known to leave it there.
 #[inline]
-fn over(skin: &Skin, p: Vec3, height: f32) -> Vec3 {
+fn over(skin: &Skin, p: Vec3, height: f32) -> (Vec3, bool) {
     match skin.roughly(p) {
         // So deep, the field's way out is not good enough.
         Some((d, _, doubt)) if d < -0.05 || (doubt > 0.05 && d - doubt < height) => {
-            skin.lift(p, height).0
+            (skin.lift(p, height).0, false)
         }
-        Some((d, out, _)) if d < height => p + out.normalize_or_zero() * (height - d),
-        _ => p,
+        Some((d, out, _)) if d < height => (p + out.normalize_or_zero() * (height - d), false),
+        Some((d, _, doubt)) => (p, d > doubt),
+        None => (p, true),
     }
 }
