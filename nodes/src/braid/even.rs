@@ -77,8 +77,7 @@ impl Even {
                 let (a, b) = (beads[k], beads[k + 1]);
                 let p = spline_point(|k| beads[k].p, n, k, t);
                 // Not until it has joined.
-                let along =
-                    if a.along > joins { a.along + (b.along - a.along) * t } else { joins };
+                let along = if a.along > joins { a.along + (b.along - a.along) * t } else { joins };
                 self.beads.push(Bead::new(p, along, a.near || b.near));
             }
             self.beads[0] = beads[0];
