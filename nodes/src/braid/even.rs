@@ -14,13 +14,13 @@ pub(super) struct Bead {
     pub(super) along: f32,
     /// Whether the skin may be near.
     pub(super) near: bool,
-    /// Whether it is known to be out of the skin.
-    pub(super) out: bool,
+    /// Whether it was out of the skin without a doubt when it was last lifted. What moves it after that lifts it again.
+    pub(super) clear: bool,
 }
 
 impl Bead {
     pub(super) fn new(p: Vec3, along: f32, near: bool) -> Self {
-        Self { p, along, near, out: false }
+        Self { p, along, near, clear: false }
     }
 }
 

@@ -188,7 +188,7 @@ impl<'a> Leader<'a> {
     fn rest(&mut self, joined: f32) {
         self.settle(joined);
         let Some(skin) = self.skin else { return };
-        for bead in self.beads.iter_mut().skip(1).filter(|bead| bead.near && !bead.out) {
+        for bead in self.beads.iter_mut().skip(1).filter(|bead| bead.near && !bead.clear) {
             bead.p = skin.push_out(bead.p, 0.0).0;
         }
     }
@@ -228,9 +228,9 @@ impl<'a> Leader<'a> {
         let Some(skin) = self.skin else { return false };
         let mut moved = false;
         for bead in self.beads.iter_mut().skip(1).filter(|bead| bead.near) {
-            let (over, out) = over(skin, bead.p, height);
+            let (over, clear) = over(skin, bead.p, height);
             moved |= over != bead.p;
-            (bead.p, bead.out) = (over, out);
+            (bead.p, bead.clear) = (over, clear);
         }
         moved
     }
@@ -488,5 +488,41 @@ fn over(skin: &Skin, p: Vec3, height: f32) -> (Vec3, bool) {
         Some((d, out, _)) if d < height => (p + out.normalize_or_zero() * (height - d), false),
         Some((d, _, doubt)) => (p, d > doubt),
         None => (p, true),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::laws::heads;
+    use super::*;
+
+    #[test]
+    fn what_is_told_to_be_out_of_the_skin_is_left_there() {
+        let mut left = 0;
+        for head in heads() {
+            let skin = &head.skin();
+            let dice = Dice::new(7, 0, "points about a head");
+            let (low, high) = head.surface().bounds();
+            for i in 0..40_000 {
+                let x = Vec3::from_array([0, 1, 2].map(|k| dice.range(i, k, -0.05, 1.05)));
+                let p = low + (high - low) * x;
+                let near = skin.push_out(p, 0.0).0 + Vec3::Y * dice.range(i, 3, -0.1, 0.1);
+                for height in [CLEAR, LEAST] {
+                    let (p, clear) = over(skin, near, height);
+                    left += usize::from(clear);
+                    assert!(!clear || skin.push_out(p, 0.0) == (p, false), "{near} {height}");
+                }
+            }
+            for p in [f32::NAN, f32::INFINITY, -f32::MAX, 1e30].map(Vec3::splat) {
+                let (p, clear) = over(skin, p, LEAST);
+                let (kept, moved) = skin.push_out(p, 0.0);
+                assert!(
+                    !clear
+                        || (!moved
+                            && kept.to_array().map(f32::to_bits) == p.to_array().map(f32::to_bits))
+                );
+            }
+        }
+        assert!(left > 10_000, "{left}");
     }
 }
