@@ -7,7 +7,8 @@
 //! `hair_laws.rs`.
 
 use super::any_source::{MANY, each_of};
-use super::laws::{Set, Strand, braid_signs, counted, on_ball, path_signs, set};
+use super::laws::{Set, counted, set};
+use super::reading::{Strand, braid_signs, on_ball, path_signs};
 use super::weave::{Weave, default_frequency};
 use super::{braid_hair, braid_territory, lissajous_braid};
 use crate::data::attributes as attr;

@@ -5,10 +5,8 @@
 //! whose stitches are a length that can be braided.
 //! All sources that break a law are told.
 
-use super::laws::{
-    Set, Strand, bare, braid, braid_signs, carried, counted, helix, overlap, path_signs, set,
-    straight, unevenness,
-};
+use super::laws::{Set, bare, braid, counted, helix, set, straight};
+use super::reading::{Strand, braid_signs, carried, overlap, path_signs, unevenness};
 use super::weave::{Weave, default_frequency};
 use crate::data::attributes as attr;
 use crate::maths::hash::Dice;

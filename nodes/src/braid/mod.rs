@@ -17,6 +17,8 @@ mod hair_laws;
 mod laws;
 mod lay;
 mod lissajous_braid;
+#[cfg(test)]
+mod reading;
 mod stray;
 mod tail;
 mod through;

@@ -7,6 +7,8 @@ mod pattern;
 mod preset;
 mod section;
 mod shape_list_curl;
+#[cfg(test)]
+mod turn_laws;
 mod winding;
 
 use crate::define::NodeDef;

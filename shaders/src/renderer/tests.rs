@@ -9,6 +9,7 @@ use crate::surface::Material;
 use coif_nodes::data::attributes::{COLOUR, Domain, WIDTH};
 use coif_nodes::data::curves::TuftBuilder;
 use coif_nodes::maths::hash::Dice;
+use glam::{Mat4, Vec2};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 const SIZE: [u32; 2] = [96, 64];

@@ -1,0 +1,394 @@
+//! What `partings` promises: patterns, drawn lines, names, and that moving one line leaves the rest as it was.
+
+use super::*;
+use crate::data::attributes::{ID, PARENT, PARTING, RADIUS, SECTION};
+use crate::data::field::Field;
+use crate::define::Value;
+use crate::testing::{curves_of, run};
+use std::collections::BTreeMap;
+
+fn head() -> Arc<Scalp> {
+    static HEAD: std::sync::OnceLock<Arc<Scalp>> = std::sync::OnceLock::new();
+    let make = || match run(crate::by_id("head").unwrap(), &[]).0.remove(0) {
+        Value::Scalp(scalp) => scalp,
+        other => panic!("a {}", other.type_name()),
+    };
+    HEAD.get_or_init(make).clone()
+}
+fn scalp_of(value: &Value) -> Arc<Scalp> {
+    match value {
+        Value::Scalp(scalp) => scalp.clone(),
+        other => panic!("a {}", other.type_name()),
+    }
+}
+#[track_caller]
+fn part(scalp: &Arc<Scalp>, set: &[(&str, Value)]) -> (Vec<Value>, Vec<String>) {
+    let (out, mut said) = run(&NODE, &[&[("scalp", scalp.clone().into())], set].concat());
+    said.retain(|s| !["sections:", "lengths"].iter().any(|word| s.contains(word)));
+    (out, said)
+}
+
+#[test]
+fn every_pattern_cuts_the_head_into_the_sections_that_were_asked_for() {
+    let check = |pattern: &str, count: i64, cells: &str, want: std::ops::RangeInclusive<usize>| {
+        let set =
+            [("pattern", pattern.into()), ("count", Value::Int(count)), ("cells", cells.into())];
+        let (out, said) = part(&head(), &set);
+        let what = format!("{pattern} {cells}");
+        assert!(said.is_empty(), "{what}: {said:?}");
+        let scalp = scalp_of(&out[0]);
+        let list = scalp.sections().unwrap().list();
+        assert!(want.contains(&list.len()), "{what}: {}", list.len());
+        let ids: std::collections::BTreeSet<u64> = list.iter().map(|s| s.id).collect();
+        assert_eq!(ids.len(), list.len(), "{what}: ids are unique");
+        let mean = list.iter().map(|s| s.area).sum::<f32>() / list.len() as f32;
+        let least = list.iter().map(|s| s.area).fold(f32::MAX, f32::min);
+        // The middle of rings is small, and so are cells beside the ears.
+        let small = match (pattern, cells) {
+            ("halo", _) => 0.05,
+            (_, "whole") => 0.2,
+            _ => 0.05,
+        };
+        assert!(least > small * mean, "{what}: {least} where {mean} is the mean");
+        assert_eq!(curves_of(&out[3]).curve_count(), list.len(), "{what}");
+        assert!(curves_of(&out[2]).curve_count() + 1 >= list.len(), "{what}");
+        // But where they go on over an ear.
+        let lines: Vec<Vec3> =
+            curves_of(&out[1]).each().flat_map(|(t, i)| t.curve(i).to_vec()).collect();
+        let off = |p: &&Vec3| scalp.surface().closest(**p).unwrap().distance > 1e-3;
+        let off = lines.iter().filter(off).count();
+        assert!(off * 50 <= lines.len(), "{what}: {off} of {}", lines.len());
+    };
+    check("straight_back", 9, "whole", 9..=9);
+    check("straight_back", 6, "whole", 6..=6);
+    check("curved", 8, "whole", 8..=8);
+    check("across", 7, "whole", 7..=7);
+    check("gathered", 12, "whole", 13..=13);
+    check("halo", 4, "whole", 5..=5);
+    check("halo", 4, "boxes", 60..=110);
+    check("across", 9, "boxes", 60..=120);
+    check("across", 7, "triangles", 80..=180);
+}
+
+#[test]
+fn rows_run_in_their_section_as_wide_as_it_is() {
+    let (out, _) = part(&head(), &[("pattern", "straight_back".into())]);
+    let scalp = scalp_of(&out[0]);
+    let sections = scalp.sections().unwrap();
+    for (tuft, i) in curves_of(&out[2]).each() {
+        let points = tuft.curve(i);
+        for (k, p) in points.iter().enumerate().skip(2).take(points.len() - 4) {
+            assert_eq!(sections.id_at(*p), Some(tuft.view(SECTION).at(i, 0)));
+            let (half, to) = (tuft.view(RADIUS).at(i, k), sections.at(*p).unwrap().distance);
+            assert!(half < 4.0 && half > 0.5 * to.min(half), "{half} {to}");
+        }
+        // From the forehead to the nape.
+        assert!(points[0].z > points[points.len() - 1].z + 5.0);
+    }
+}
+
+#[test]
+fn rows_that_are_drawn_already_are_parted_half_way_between_them() {
+    let (out, _) = part(&head(), &[("pattern", "straight_back".into())]);
+    let rows = curves_of(&out[2]).clone();
+    let between = |rows: &Curves| {
+        let set = [("between", Value::from(rows.clone())), ("wobble", Value::Float(0.0))];
+        let (out, said) = part(&head(), &set);
+        assert!(said.is_empty(), "{said:?}");
+        (scalp_of(&out[0]), curves_of(&out[1]).clone())
+    };
+    let (scalp, lines) = between(&rows);
+    let sections = scalp.sections().unwrap();
+    assert_eq!(sections.list().len(), rows.curve_count());
+    let own: std::collections::BTreeSet<u64> = rows
+        .each()
+        .map(|(tuft, i)| {
+            let ids: Vec<Option<u64>> =
+                tuft.curve(i).iter().skip(1).map(|p| sections.id_at(*p)).collect();
+            assert!(ids.windows(2).all(|w| w[0] == w[1]), "a row leaves its section");
+            ids[0].unwrap()
+        })
+        .collect();
+    assert_eq!(own.len(), rows.curve_count(), "each row has a section of its own");
+    let known: Vec<Row> =
+        rows.each().map(|(tuft, i)| Row::new(tuft.id(i), tuft.curve(i)).unwrap()).collect();
+    // Half-way but where a line is led straight on to the hairline, beyond the rows' ends.
+    let mut off: Vec<f32> = vec![];
+    for p in lines.each().flat_map(|(tuft, i)| tuft.curve(i)) {
+        let mut far: Vec<f32> = known.iter().map(|row| row.nearest(*p).1).collect();
+        far.sort_by(f32::total_cmp);
+        off.push(far[1] - far[0]);
+    }
+    off.sort_by(f32::total_cmp);
+    let (most, last) = (off[off.len() * 95 / 100], off[off.len() - 1]);
+    assert!(most < 0.1 && last < 0.3, "{most} {last}");
+    // A row that has drifted still tells how far; and so does a parting that was drawn.
+    let mut b = rows.tufts()[0].edit();
+    b.set(DRIFT, Domain::Curve, vec![0.25]);
+    let drifted = Curves::new(vec![Arc::new(b.build()), rows.tufts()[1].clone()]);
+    let set = [("between", Value::from(drifted.clone())), ("lines", drifted.into())];
+    let (out, _) = part(&head(), &set);
+    let told = |curves: &Curves| -> Vec<f32> {
+        let each = curves.each().filter(|(tuft, _)| tuft.attribute(DRIFT.name).is_some());
+        each.map(|(tuft, i)| tuft.view(DRIFT).at(i, tuft.range(i).start)).collect()
+    };
+    assert_eq!(told(curves_of(&out[1])), [0.25]);
+    assert_eq!(told(curves_of(&out[2])), [0.25]);
+    assert!(curves_of(&out[1]).each().all(|(tuft, i)| tuft.view(PARTING).at(i, 0) != 0));
+    // What lies beside other rows stays what it is.
+    let ids = |lines: &Curves| -> std::collections::BTreeSet<u64> {
+        lines.each().map(|(tuft, i)| tuft.id(i)).collect()
+    };
+    let fewer = Curves::new(rows.tufts()[1..].to_vec());
+    let (_, fewer) = between(&fewer);
+    assert!(ids(&fewer).intersection(&ids(&lines)).count() + 2 >= ids(&fewer).len());
+}
+
+#[test]
+fn rows_that_lie_about_scattered_have_a_section_each() {
+    let check = |count: i64, apart: f32| {
+        let scatter = crate::by_id("scatter_guides").unwrap();
+        let set = [
+            ("scalp", head().into()),
+            ("count", Value::Int(count)),
+            ("min_distance", Value::Float(apart)),
+            ("length", Value::Float(0.4 * apart)),
+            ("lie", Value::Float(0.0)),
+        ];
+        let rows = curves_of(&run(scatter, &set).0[0]).clone();
+        assert_eq!(rows.curve_count(), count as usize);
+        let (out, said) = part(&head(), &[("between", rows.clone().into())]);
+        assert!(said.is_empty(), "{said:?}");
+        let scalp = scalp_of(&out[0]);
+        let sections = scalp.sections().unwrap();
+        let own: std::collections::BTreeSet<u64> =
+            rows.each().filter_map(|(tuft, i)| sections.id_at(tuft.curve(i)[0])).collect();
+        let (n, each) = (sections.list().len(), own.len());
+        // Narrow strips behind the ears are too small to cut.
+        assert!(n == each && each * 100 >= rows.curve_count() * 95, "{n} {each} of {count}");
+    };
+    check(20, 3.0);
+    check(60, 2.0);
+    check(120, 1.5);
+}
+
+#[test]
+fn hair_wired_where_rows_belong_is_refused() {
+    let mut b = TuftBuilder::new();
+    for k in 0..5000 {
+        let x = k as f32 * 1e-3;
+        b.push_curve(&[Vec3::new(x, 9.0, 0.0), Vec3::new(x, 9.0, 1.0)]);
+    }
+    b.set(crate::data::attributes::ID, Domain::Curve, (1..=5000).collect::<Vec<u64>>());
+    let hair = Curves::new(vec![Arc::new(b.build())]);
+    let set = [("scalp", head().into()), ("between", Value::from(hair))];
+    let fault = crate::testing::fails(&NODE, &set);
+    assert!(fault.contains("5000 rows") && fault.contains("4096"), "{fault}");
+}
+
+#[test]
+fn a_second_node_cuts_the_sections_of_the_first_where_a_mask_says() {
+    let half = [("pattern", "across".into()), ("count", Value::Int(2))];
+    let names = [("names", "front 0 7 6; back 0 3 -8".into()), ("seed", Value::Int(1))];
+    let (out, _) = part(&head(), &[&half[..], &names].concat());
+    let parted = scalp_of(&out[0]);
+    let set = [
+        ("pattern", "straight_back".into()),
+        ("count", Value::Int(6)),
+        ("area", Field::Mask("front".into()).into()),
+    ];
+    let (out, said) = part(&parted, &set);
+    assert_eq!(said, ["\"front\" is cut into 6; the one about the name's point keeps it"]);
+    let scalp = scalp_of(&out[0]);
+    assert_eq!(scalp.sections().unwrap().list().len(), 7);
+    assert_eq!(curves_of(&out[2]).curve_count(), 6);
+    assert!(std::ptr::eq(scalp.surface(), head().surface()), "the head itself is shared");
+    assert_ne!(scalp.key(), parted.key());
+}
+
+#[test]
+fn hair_keeps_to_its_section_and_off_the_partings() {
+    let set = [("pattern", "straight_back".into()), ("width", Value::Float(0.3))];
+    let (out, _) = part(&head(), &set);
+    let (scalp, number) = (scalp_of(&out[0]), Value::Int(400));
+    let guides = crate::by_id("scatter_guides").unwrap();
+    let (grown, _) = run(guides, &[("scalp", scalp.clone().into()), ("count", number)]);
+    // A guide says by its width which section it stands in.
+    let sections = scalp.sections().unwrap();
+    let hair = crate::by_id("interpolate").unwrap();
+    let set = [
+        ("guides", grown[0].clone()),
+        ("scalp", scalp.clone().into()),
+        ("density", Value::Float(20.0)),
+    ];
+    let (hair, _) = run(hair, &set);
+    let home: BTreeMap<u64, u64> = curves_of(&grown[0])
+        .each()
+        .map(|(t, i)| (t.id(i), sections.id_at(t.curve(i)[0]).unwrap()))
+        .collect();
+    let mut hairs = 0;
+    for (tuft, i) in curves_of(&hair[0]).each() {
+        let place = sections.at(tuft.curve(i)[0]).unwrap();
+        assert!(place.distance >= 0.15, "{place:?}");
+        let id = sections.list()[place.section as usize].id;
+        assert_eq!(tuft.view(SECTION).at(i, 0), id);
+        assert_eq!(home[&tuft.view(PARENT).at(i, 0)], id);
+        hairs += 1;
+    }
+    assert!(hairs > 5000, "{hairs}");
+}
+
+#[test]
+fn hair_drawn_to_the_middle_of_its_box_crosses_no_parting() {
+    let set = [
+        ("pattern", "across".into()),
+        ("cells", "boxes".into()),
+        ("cell_length", Value::Float(3.0)),
+        ("width", Value::Float(0.2)),
+        ("wobble", Value::Float(0.05)),
+    ];
+    let (out, said) = part(&head(), &set);
+    assert!(said.is_empty(), "{said:?}");
+    let scalp = scalp_of(&out[0]);
+    let sections = scalp.sections().unwrap();
+    let set = [
+        ("guides", out[3].clone()),
+        ("scalp", scalp.clone().into()),
+        ("density", Value::Float(30.0)),
+        ("guides_per_hair", Value::Int(1)),
+        ("clump", Value::Float(1.0)),
+        ("points", Value::Int(7)),
+    ];
+    let (hair, _) = run(crate::by_id("interpolate").unwrap(), &set);
+    let (mut hairs, mut crossing) = (0, 0);
+    for (tuft, i) in curves_of(&hair[0]).each() {
+        let points = tuft.curve(i);
+        let on_skin = |p: &Vec3| scalp.surface().closest(*p).unwrap().point;
+        let way: Vec<Vec3> = points.iter().map(on_skin).collect();
+        let home = sections.id_at(points[0]);
+        // Where no hair grows, as behind an ear, is no other section.
+        let elsewhere = |p: &Vec3| sections.id_at(*p).is_some_and(|id| Some(id) != home);
+        let passes = sections.is_over_line(points);
+        let strays = passes || way[1..].iter().any(elsewhere);
+        (hairs, crossing) = (hairs + 1, crossing + usize::from(strays));
+    }
+    assert!(hairs > 10_000 && crossing == 0, "{crossing} of {hairs}");
+}
+
+#[test]
+fn a_parting_that_ends_in_hair_parts_the_hair_beside_it_and_curls_keep_off_it() {
+    let whole = head();
+    let on_skin = |p: Vec3| whole.closest_root(p).unwrap();
+    // From the forehead over the top, where it ends.
+    let line: Vec<Vec3> =
+        (0..=24).map(|k| on_skin(Vec3::new(2.0, 11.0, 7.0 - 0.4 * k as f32)).point).collect();
+    let mut b = TuftBuilder::new();
+    b.push_curve(&line);
+    b.set(ID, Domain::Curve, vec![5]);
+    let drawn = Curves::new(vec![Arc::new(b.build())]);
+    let set = [("lines", drawn.into()), ("wobble", Value::Float(0.0))];
+    let (out, said) = part(&whole, &set);
+    assert!(said.len() == 1 && said[0].contains("cut no section"), "{said:?}");
+    let scalp = scalp_of(&out[0]);
+    let sections = scalp.sections().unwrap();
+    assert_eq!(sections.list().len(), 1);
+    // Hair swept aside, each from its own side of the line.
+    let set = [("scalp", scalp.clone().into()), ("count", Value::Int(900))];
+    let (grown, _) = run(crate::by_id("scatter_guides").unwrap(), &set);
+    let swept = curves_of(&grown[0]).each().map(|(tuft, i)| {
+        let root = tuft.curve(i)[0];
+        let aside = Vec3::X * (root.x - 2.0).signum() * 0.4;
+        let mut b = TuftBuilder::new();
+        let mut points = vec![root];
+        for k in 0..8 {
+            let next = on_skin(points[k] + aside);
+            points.push(next.point + next.normal * 0.06);
+        }
+        b.push_curve(&points);
+        b.set(ID, Domain::Curve, vec![tuft.id(i)]);
+        Arc::new(b.build())
+    });
+    let guides = Curves::new(swept.collect());
+    let over = |curves: &Curves| {
+        let leads = |points: &[Vec3]| sections.is_over_line(points);
+        curves.each().filter(|(tuft, i)| leads(tuft.curve(*i))).count()
+    };
+    let grow = |scalp: &Arc<Scalp>| {
+        let set = [
+            ("guides", guides.clone().into()),
+            ("scalp", scalp.clone().into()),
+            ("density", Value::Float(60.0)),
+            ("clump", Value::Float(0.7)),
+        ];
+        run(crate::by_id("interpolate").unwrap(), &set).0.remove(0)
+    };
+    let curl = |hair: &Value, scalp: &Arc<Scalp>| {
+        let set = [
+            ("curves", hair.clone()),
+            ("scalp", scalp.clone().into()),
+            ("preset", "2b".into()),
+            ("diameter", Value::Float(1.6)),
+            ("pitch", Value::Float(2.0)),
+        ];
+        run(crate::by_id("shape_list_curl").unwrap(), &set).0.remove(0)
+    };
+    let (hair, without) = (grow(&scalp), grow(&whole));
+    let n = curves_of(&hair).curve_count();
+    assert!(n > 10_000, "{n}");
+    let unparted = over(curves_of(&without));
+    assert!(over(curves_of(&hair)) == 0 && unparted > 50, "{unparted}");
+    let (curled, free) = (curl(&hair, &scalp), curl(&hair, &whole));
+    let (kept, crossing) = (over(curves_of(&curled)), over(curves_of(&free)));
+    assert!(kept == 0 && crossing > 10, "{kept} of {crossing}");
+    // What would lead over none is the same.
+    let (curled, free) = (curves_of(&curled), curves_of(&free));
+    assert_eq!(curled.curve_count(), n);
+    let changed = curled.each().zip(free.each());
+    let changed = changed.filter(|((a, i), (b, j))| a.curve(*i) != b.curve(*j)).count();
+    assert_eq!(changed, crossing);
+}
+
+#[test]
+fn hair_that_hangs_from_its_box_gathers_before_it_leaves_it() {
+    let check = |cells: &str, lost: f32| {
+        let set = [("count", Value::Int(9)), ("cells", cells.into())];
+        let (out, _) = part(&head(), &set);
+        let scalp = scalp_of(&out[0]);
+        let sections = scalp.sections().unwrap();
+        let set = [("roots", out[3].clone()), ("scalp", scalp.clone().into())];
+        let set = [&set[..], &[("length", Value::Float(12.0))]].concat();
+        let (hung, _) = run(crate::by_id("hang").unwrap(), &set);
+        let over = |points: &[Vec3]| sections.is_over_line(points);
+        // A guide that itself lies over a parting leads its hair there.
+        let low: Vec<u64> = curves_of(&hung[0])
+            .each()
+            .filter(|(tuft, i)| over(tuft.curve(*i)))
+            .map(|(tuft, i)| tuft.id(i))
+            .collect();
+        assert!(low.len() * 8 < curves_of(&hung[0]).curve_count(), "{cells}: {low:?}");
+        let set = [
+            ("guides", hung[0].clone()),
+            ("scalp", scalp.clone().into()),
+            ("density", Value::Float(20.0)),
+            ("clump", Value::Float(0.9)),
+            ("points", Value::Int(40)),
+        ];
+        let (hair, said) = run(crate::by_id("interpolate").unwrap(), &set);
+        let hair = curves_of(&hair[0]);
+        let crossing = hair
+            .each()
+            .filter(|(tuft, i)| !low.contains(&tuft.view(PARENT).at(*i, 0)))
+            .filter(|(tuft, i)| over(tuft.curve(*i)))
+            .count();
+        assert_eq!(crossing, 0, "{cells}");
+        // What is left out is told with its number.
+        let told = said.iter().find(|line| line.contains("left out")).map_or(0.0, |line| {
+            let number = line.split_once(" (").map(|(_, rest)| rest.split(' ').next());
+            number.flatten().and_then(|n| n.parse().ok()).unwrap_or(f32::NAN)
+        });
+        let share = told / hair.curve_count() as f32;
+        assert!(hair.curve_count() > 7_000 && share < lost, "{cells}: {share} {said:?}");
+    };
+    check("boxes", 0.02);
+    check("triangles", 0.06);
+}
