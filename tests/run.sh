@@ -1,13 +1,20 @@
 #!/usr/bin/env bash
-# Everything tested: format, lints, documentation, and all tests, in dev and (the golden hashes) in release.
+# Everything tested: format, lints, documentation, and all tests. What is built with them runs in dev; whole grooms are evaluated
+# by the release build for farms, and once more in dev on one thread, for their hashes.
+#
+# tests/run.sh --long   then also what takes too long for every change: random cases by the ten thousand, and all hair of the
+#                       heroes on real heads
 #
 # Installs what the tests need where it may: Debian packages as root (a software graphics adapter among them), and usd-core
 # in a Python environment under target/. Where it may not, it says what is missing; tests that need it are listed as
 # skipped at the end.
-# Ends with the sum of the tests' own summary lines: "N passed, N failed, N skipped".
+# Ends with the five slowest tests, the processor time of all that it started, and the sum of the tests' own summary lines:
+# "N passed, N failed, N skipped".
 set -uo pipefail
 cd "$(dirname "$0")/.."
 export CARGO_INCREMENTAL="${CARGO_INCREMENTAL:-0}" CARGO_TERM_COLOR=never RUST_BACKTRACE=0
+long=
+[ "${1:-}" = --long ] && long=1
 log=target/tests.log
 mkdir -p target
 : >"$log"
@@ -95,9 +102,12 @@ check cargo fmt --all --check
 check cargo clippy --quiet --workspace --all-targets -- -D warnings
 RUSTDOCFLAGS="-D warnings" check cargo doc --quiet --workspace --no-deps
 
+# The time that a test took is told to who may use what is not stable yet; the compiler is not, or it would build all anew.
+triple=$(rustc -vV | sed -n 's/^host: //p' | tr 'a-z-' 'A-Z_')
+export "CARGO_TARGET_${triple}_RUNNER=env RUSTC_BOOTSTRAP=1"
 tests() {
     say "$*"
-    "$@" -- --show-output >>"$log" 2>&1
+    "$@" -- --show-output -Z unstable-options --report-time $ignored >>"$log" 2>&1
     local code=$?
     if [ $code -ne 0 ]; then
         grep -E '^(error|test .* FAILED|thread .* panicked|---- .* stdout ----)' -A 12 "$log" | tail -n 200
@@ -105,10 +115,15 @@ tests() {
         tail -n 40 "$log" | grep -q '^test result' || failed=$((failed + 1))
     fi
 }
-tests cargo test --workspace --no-fail-fast
-# The same hair from the build for farms, in release: neither window nor pictures, which take most of the time to build.
+ignored=
 check cargo build --quiet --release -p coif --no-default-features
-COIF_PROGRAM="$PWD/target/release/coif" tests cargo test --no-fail-fast -p coif-tests --test golden
+export COIF_PROGRAM="$PWD/target/release/coif"
+tests cargo test --workspace --no-fail-fast --lib --bins --examples --tests
+if [ -n "$long" ]; then
+    tests cargo test --release --no-fail-fast -p coif-nodes --lib any_
+    ignored=--ignored
+    tests cargo test --no-fail-fast -p coif-tests --tests
+fi
 
 # --- sum ---------------------------------------------------------------------------------------
 grep -E '^(skipped|missing): ' "$log" | sort -u
@@ -116,5 +131,11 @@ sum() { grep -E '^test result:' "$log" | sed -E "s/.* ([0-9]+) $1.*/\1/" | awk '
 passed=$(sum passed)
 failed=$((failed + $(sum failed)))
 skipped=$(grep -E '^skipped: ' "$log" | awk '{ print $2 }' | sort -u | wc -l)
+say "the slowest tests"
+sed -nE 's/^test (.*) \.\.\. [a-zA-Z]+ <([0-9.]+)s>$/\2 s \1/p' "$log" | sort -rn | head -n 5
+# `times` gives two lines, user and system time each: of this shell, and of all that it started and waited for.
+times >target/times
+tail -n 1 target/times | tr 'ms' '  ' |
+    awk '{ printf "== processor time: %.0f s (%.0f user, %.0f system)\n", $1*60+$2+$3*60+$4, $1*60+$2, $3*60+$4 }'
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]

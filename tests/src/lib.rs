@@ -153,18 +153,17 @@ pub struct Groom {
     pub scalp: Arc<Scalp>,
 }
 
-/// The `coif` program of the profile that this test was built in, built anew if need be; or the one that `COIF_PROGRAM` names.
-pub fn coif() -> Command {
+/// The `coif` program with window and pictures, of the profile that this test was built in, built anew if need be.
+pub fn program() -> Command {
     static PATH: OnceLock<PathBuf> = OnceLock::new();
     let path = PATH.get_or_init(|| {
-        if let Some(program) = std::env::var_os("COIF_PROGRAM") {
-            return program.into();
-        }
         // target/<profile>/deps/<test> -> target/<profile>/coif
         let exe = std::env::current_exe().expect("a test knows its own path");
         let profile = exe.ancestors().nth(2).expect("tests lie in target/<profile>/deps");
         let mut build = Command::new(env!("CARGO"));
         build.args(["build", "-q", "-p", "coif"]).current_dir(repository());
+        // Set for the tests, to be told how long they take; for the compiler it would make all of it out of date.
+        build.env_remove("RUSTC_BOOTSTRAP");
         if profile.ends_with("release") {
             build.arg("--release");
         }
@@ -172,6 +171,12 @@ pub fn coif() -> Command {
         profile.join(format!("coif{}", std::env::consts::EXE_SUFFIX))
     });
     Command::new(path)
+}
+
+/// The program for what needs neither window nor pictures: the one that `COIF_PROGRAM` names (`tests/run.sh` names the release
+/// build for farms, which is quicker), or [`program`].
+pub fn coif() -> Command {
+    std::env::var_os("COIF_PROGRAM").map_or_else(program, Command::new)
 }
 
 /// A fresh folder for one test, removed when it ends.
@@ -215,9 +220,17 @@ pub struct Ran {
     pub err: String,
 }
 
-/// Runs `coif` with arguments.
+/// Runs [`coif`] with arguments.
 pub fn run<S: AsRef<std::ffi::OsStr>>(args: impl IntoIterator<Item = S>) -> Ran {
-    let Output { status, stdout, stderr } = coif().args(args).output().expect("coif starts");
+    run_with(coif(), args)
+}
+
+/// Runs a program with arguments.
+pub fn run_with<S: AsRef<std::ffi::OsStr>>(
+    mut program: Command,
+    args: impl IntoIterator<Item = S>,
+) -> Ran {
+    let Output { status, stdout, stderr } = program.args(args).output().expect("coif starts");
     Ran {
         code: status.code().unwrap_or(-1),
         out: String::from_utf8_lossy(&stdout).into_owned(),

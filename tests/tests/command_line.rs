@@ -184,7 +184,7 @@ fn without_arguments_the_start_up_groom_is_drawn_here() {
         return;
     }
     let folder = Folder::new("start");
-    let out = coif_tests::coif().current_dir(folder.path("")).output().unwrap();
+    let out = coif_tests::program().current_dir(folder.path("")).output().unwrap();
     let said = String::from_utf8_lossy(&out.stderr);
     assert!(out.status.success(), "{said}");
     assert_eq!(folder.names(), ["start.png"]);

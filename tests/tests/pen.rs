@@ -7,7 +7,7 @@ use coif_graphs::file;
 use coif_nodes::data::strokes::Strokes;
 use coif_nodes::define::Value;
 use coif_tests::tablet::Tablet;
-use coif_tests::{Folder, adapter, coif};
+use coif_tests::{Folder, adapter, program};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Stdio;
@@ -66,7 +66,7 @@ fn a_pen_at_an_x_server_draws_with_three_pressures() {
     // One sample a pixel: the picture is soon at rest, and the machine free for the window.
     std::fs::create_dir_all(folder.path("home")).expect("a folder");
     std::fs::write(folder.path("home/settings.ron"), "(samples: 1)").expect("settings are written");
-    let mut editor = coif()
+    let mut editor = program()
         .args(["edit", &path.display().to_string()])
         .env("DISPLAY", tablet.screen.display())
         .env_remove("WAYLAND_DISPLAY")

@@ -1,6 +1,6 @@
 //! `coif render` as a whole program: what it refuses, what it writes, and that nothing is touched when it cannot.
 
-use coif_tests::{Folder, Ran, adapter, coif, run};
+use coif_tests::{Folder, Ran, adapter, program, run_with};
 use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -24,7 +24,7 @@ fn render(folder: &Folder, more: &[&str]) -> Ran {
     let picture = folder.path("hair.png");
     std::fs::write(&picture, "what was there").unwrap();
     let picture = picture.display().to_string();
-    run(small(&[&["--out", &picture], more].concat()))
+    run_with(program(), small(&[&["--out", &picture], more].concat()))
 }
 
 #[track_caller]
@@ -97,7 +97,7 @@ fn wrong_words_are_refused_in_one_line_and_nothing_is_touched() {
         assert_eq!(ran.err.lines().count(), 1, "{more:?}: {}", ran.err);
         check_untouched(&folder);
     }
-    let ran = run(["render", "start"]);
+    let ran = run_with(program(), ["render", "start"]);
     assert!(ran.code == 2 && ran.err.contains("--out"), "{}", ran.err);
 }
 
@@ -109,7 +109,7 @@ fn without_an_adapter_one_line_names_what_to_install() {
     let none = Folder::new("render-none-driver");
     let driver = none.path("none.json");
     std::fs::write(&driver, "").unwrap();
-    let out = coif()
+    let out = program()
         .args(small(&[]))
         .arg("--out")
         .arg(&picture)
@@ -185,7 +185,7 @@ fn a_saved_view_is_a_camera_and_others_are_listed() {
     let seen = |camera: &[&str]| {
         let mut args = small(&["--out", &out]);
         args[1] = &graph;
-        run(args.iter().chain(camera).copied())
+        run_with(program(), args.iter().chain(camera).copied())
     };
     let ran = seen(&["--camera", "herp"]);
     assert_eq!(ran.code, 2);
@@ -230,7 +230,7 @@ fn pictures_are_the_same_bytes_with_one_and_two_driver_threads() {
     let folder = Folder::new("render-threads");
     let drawn = |threads: &str| {
         let path = folder.path(&format!("{threads}.png"));
-        let mut command = coif();
+        let mut command = program();
         command.args(small(&[])).arg("--out").arg(&path).env("LP_NUM_THREADS", threads);
         let out = command.args(["--threads", threads]).output().unwrap();
         assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
@@ -246,14 +246,14 @@ fn a_turntable_is_numbered_from_one_and_turns_all_the_way() {
     }
     let folder = Folder::new("render-turn");
     let out = folder.path("turn.%04d.png").display().to_string();
-    let ran = run(small(&["--camera", "front", "--turntable", "3", "--out", &out]));
+    let ran = run_with(program(), small(&["--camera", "front", "--turntable", "3", "--out", &out]));
     assert_eq!(ran.code, 0, "{}", ran.err);
     assert_eq!(folder.names(), ["turn.0001.png", "turn.0002.png", "turn.0003.png"]);
     let pictures: Vec<Vec<u8>> =
         folder.names().iter().map(|name| std::fs::read(folder.path(name)).unwrap()).collect();
     assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2], "the head does not turn");
     let still = folder.path("still.png").display().to_string();
-    let ran = run(small(&["--camera", "front", "--out", &still]));
+    let ran = run_with(program(), small(&["--camera", "front", "--out", &still]));
     assert_eq!(ran.code, 0, "{}", ran.err);
     let pixels = |name: &str| {
         let file = std::io::BufReader::new(std::fs::File::open(folder.path(name)).unwrap());
@@ -318,7 +318,7 @@ fn ctrl_c_ends_drawing_and_leaves_what_was_there() {
     let folder = Folder::new("render-interrupt");
     let picture = folder.path("hair.png");
     std::fs::write(&picture, "what was there").unwrap();
-    let mut child = coif()
+    let mut child = program()
         .args(["render", "start", "--samples", "4096", "--out"])
         .arg(&picture)
         .spawn()

@@ -6,7 +6,7 @@ use coif_graphs::document::{Document, Node, NodeId, Point, Setting};
 use coif_graphs::file;
 use coif_nodes::define::Value;
 use coif_tests::screen::{Running, Screen};
-use coif_tests::{Folder, adapter, coif, eval};
+use coif_tests::{Folder, adapter, eval, program};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ fn head() -> Document {
 }
 
 fn open(path: &Path, folder: &Folder, screen: &Screen) -> Running {
-    let child = coif()
+    let child = program()
         .arg("edit")
         .arg(path)
         .env("DISPLAY", screen.display())

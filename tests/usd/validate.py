@@ -2,10 +2,11 @@
 
     validate.py report FILE...     every file: 0 validation errors, extents as computed, all arrays
     validate.py equal A B          the two files hold the same prims, types, values and metadata
+    validate.py pairs A B A B...   `report` of all, and `equal` of each pair
     validate.py control            a stage that must NOT pass; fails if the validators let it
     validate.py write FOLDER       files as OpenUSD writes them, for our reader, with their report
 
-`report` and `write` print one JSON object; every other word goes to stderr. Exit code 0 means that
+`report`, `pairs` and `write` print one JSON object; every other word goes to stderr. Exit code 0 means that
 everything held. Arrays are reported by length and SHA-256 of their little-endian bytes.
 """
 
@@ -304,6 +305,9 @@ def main(arguments):
             return report(files)
         case ["equal", first, second]:
             return equal(first, second)
+        case ["pairs", *files] if files and len(files) % 2 == 0:
+            same = [equal(first, second) for first, second in zip(files[::2], files[1::2])]
+            return report(files) and all(same)
         case ["control"]:
             return control()
         case ["write", folder]:

@@ -14,12 +14,13 @@ fn on_every_head(test: &str, check: impl Fn(&str, &[&str])) {
     }
 }
 
-/// The curves of one output, as a reader of the written file finds them.
-fn written(graph: &str, output: &str, head: &[&str]) -> (Vec<ReadCurves>, PathBuf, Folder) {
-    let folder = Folder::new(&format!("laws-{graph}-{}", output.replace('.', "-")));
+/// The curves of some outputs, as a reader of the written file finds them.
+fn written(graph: &str, outputs: &[&str], head: &[&str]) -> (Vec<ReadCurves>, PathBuf, Folder) {
+    let folder = Folder::new(&format!("laws-{graph}-{}", outputs.join("-")));
     let file = folder.path("groom.usdc");
     let out = file.display().to_string();
-    eval(graph, &[&["--output", output, "--out", &out], head].concat());
+    let wanted = outputs.iter().flat_map(|output| ["--output", output]);
+    eval(graph, &wanted.chain(["--out", &out]).chain(head.iter().copied()).collect::<Vec<_>>());
     let curves = read_curves(&std::fs::read(&file).unwrap(), "usdc").unwrap();
     (curves, file, folder)
 }
@@ -27,23 +28,28 @@ fn written(graph: &str, output: &str, head: &[&str]) -> (Vec<ReadCurves>, PathBu
 #[test]
 fn strands_of_a_braid_touch_and_never_pass_through_each_other_on_any_head() {
     let test = "strands_of_a_braid_touch_and_never_pass_through_each_other_on_any_head";
-    let cases = [
-        ("cornrows", "braid.curves", 14, 3),
-        ("braids", "braid_3.curves", 4, 3),
-        ("braids", "braid_4.curves", 4, 4),
-        ("braids", "braid_5.curves", 4, 5),
-        ("braids", "braid_6.curves", 4, 6),
+    // Nodes of a groom, with their braids and the strands of each.
+    let grooms: [(&str, &[(&str, u64, u64)]); 2] = [
+        ("cornrows", &[("braid", 14, 3)]),
+        ("braids", &[("braid_3", 4, 3), ("braid_4", 4, 4), ("braid_5", 4, 5), ("braid_6", 4, 6)]),
     ];
     on_every_head(test, |head, scalp| {
-        for (graph, output, braids, strands) in cases {
-            let (_, file, _folder) = written(graph, output, scalp);
+        for (graph, nodes) in grooms {
+            let sockets: Vec<String> =
+                nodes.iter().map(|(node, ..)| format!("{node}.curves")).collect();
+            let outputs: Vec<&str> = sockets.iter().map(String::as_str).collect();
+            let (_, file, _folder) = written(graph, &outputs, scalp);
             let ran = run(["measure".as_ref(), file.as_os_str(), "--json".as_ref()]);
             let measured: Json = serde_json::from_str(&ran.out).unwrap();
-            let found = &measured[0]["braids"];
-            assert_eq!(found["braids"], braids, "{graph} {output} on {head}");
-            assert_eq!(found["strands"], braids * strands, "{graph} {output} on {head}");
-            let overlap = found["worst_overlap"].as_f64().unwrap();
-            assert!((0.9..=1.02).contains(&overlap), "{graph} {output} on {head}: {overlap}");
+            for (node, braids, strands) in nodes {
+                let mut prims = measured.as_array().unwrap().iter();
+                let of_node = |prim: &&Json| prim["path"].as_str().unwrap().ends_with(node);
+                let found = &prims.find(of_node).expect("a prim of its own")["braids"];
+                assert_eq!(found["braids"], *braids, "{graph} {node} on {head}");
+                assert_eq!(found["strands"], braids * strands, "{graph} {node} on {head}");
+                let overlap = found["worst_overlap"].as_f64().unwrap();
+                assert!((0.9..=1.02).contains(&overlap), "{graph} {node} on {head}: {overlap}");
+            }
         }
     });
 }
@@ -51,7 +57,7 @@ fn strands_of_a_braid_touch_and_never_pass_through_each_other_on_any_head() {
 #[test]
 fn guides_of_a_puff_end_on_one_sphere_on_any_head() {
     on_every_head("guides_of_a_puff_end_on_one_sphere_on_any_head", |head, scalp| {
-        let (curves, _, _folder) = written("puffs", "left.guides", scalp);
+        let (curves, _, _folder) = written("puffs", &["left.guides"], scalp);
         let mut first = 0;
         let tips: Vec<DVec3> = curves[0]
             .counts

@@ -2,10 +2,11 @@
 //!
 //! [`HEROES`] says what must be found in each. Every shipped hero is judged by what all of them promise, whether it has a line
 //! there or not; a line whose groom is not shipped is told. On the real heads a tenth of the hair stands for all; the ignored
-//! test judges all of it (`cargo test --release -p coif-tests --test hero -- --ignored`, minutes).
+//! test judges all of it (`tests/run.sh --long`, minutes).
 
+use super::shipped::{evaluate, shipped};
 use coif_graphs::grooms;
-use coif_tests::{Folder, RealHead, eval, real_heads, run};
+use coif_tests::{RealHead, real_heads};
 use serde_json::Value as Json;
 
 /// What a groom's file must show, beside what all must.
@@ -91,7 +92,7 @@ const HEROES: &[(&str, &[Ask])] = &[
 ];
 
 /// What every hero keeps. A law that no prim is judged by is not kept. That the strands of a braid do not overlap is judged of
-/// its tubes (`grooms.rs`), not of the hair that fills them.
+/// its tubes (`light.rs`), not of the hair that fills them.
 const LAWS: &[&str] = &[
     "every curve has two points and a length",
     READINGS,
@@ -125,19 +126,6 @@ const OF_ANY_HAIR: &[&str] = &[
 ];
 /// Strands of a hero.
 const STRANDS: std::ops::RangeInclusive<u64> = 60_000..=150_000;
-
-/// Evaluates a hero and gives the report and what was measured on each prim that renderers draw.
-fn measured(name: &str, head: Option<&RealHead>, more: &[&str]) -> (Json, Vec<Json>) {
-    let folder = Folder::new(&format!("hero-{name}-{}-{}", head.is_some(), more.len()));
-    let out = folder.path("groom.usdc").display().to_string();
-    let on = head.map_or(vec![], RealHead::eval_args);
-    let report = eval(name, &[&["--out", &out], &on[..], more].concat());
-    let mesh = head.map_or("builtin", |head| head.mesh.as_str());
-    let ran = run(["measure", &out, "--json", "--scalp", mesh]);
-    assert_eq!(ran.code, 0, "{name}: {}", ran.err);
-    let all: Vec<Json> = serde_json::from_str(&ran.out).unwrap();
-    (report, all.into_iter().filter(|prim| prim["purpose"] != "guide").collect())
-}
 
 /// What a list says that a groom does not keep yet.
 fn not_yet(list: &[(&str, &'static [&'static str])], name: &str) -> &'static [&'static str] {
@@ -252,7 +240,7 @@ fn heroes_show_what_their_style_shows() {
     }
     let mut wrong = vec![];
     for name in grooms::HEROES {
-        let (_, prims) = measured(name, None, &[]);
+        let prims = shipped(name).hair();
         let strands = |prim: &Json| prim["curves"].as_u64().unwrap();
         let all: u64 = prims.iter().map(strands).sum();
         if !STRANDS.contains(&all) {
@@ -268,7 +256,7 @@ fn heroes_show_what_their_style_shows() {
 fn grooms_that_show_curls_have_them_as_asked() {
     let mut wrong = vec![];
     for name in ["curls", "curls_3b", "coils_4a", "zigzag_4b"] {
-        let (_, prims) = measured(name, None, &[]);
+        let prims = shipped(name).hair();
         check_ask(name, &prims, &Ask::Curls, &mut wrong);
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -296,9 +284,10 @@ fn heroes_sit_on_real_heads_with_all_their_hair() {
 /// Evaluates all heroes on a head and judges them by these laws.
 fn check_on(head: &RealHead, more: &[&str], laws: &[&str], wrong: &mut Vec<String>) {
     for name in grooms::HEROES {
-        let (report, prims) = measured(name, Some(head), more);
+        let shipped = evaluate(name, Some(head), more);
+        let prims = shipped.hair();
         let what = format!("{name} on {}", head.name);
-        println!("{what}: {}", report["warnings"]);
+        println!("{what}: {}", shipped.report["warnings"]);
         check_laws(&what, &prims, laws, not_yet(NOT_YET, &what), wrong);
         let all = more.is_empty();
         for ask in asks_of(name) {

@@ -1,0 +1,72 @@
+//! Every shipped document as it stands; and the grooms that are no heroes, on the built-in head and on real ones: each evaluates,
+//! and sits where it should.
+
+use super::shipped::{Shipped, evaluate, shipped};
+use coif_graphs::document::graph::check;
+use coif_graphs::{file, grooms};
+use coif_tests::smooth_heads;
+use expect_test::expect_file;
+use serde_json::Value as Json;
+
+/// Where a document is not as coif writes it, `UPDATE_EXPECT=1` writes it so.
+#[test]
+fn every_shipped_document_reads_checks_and_writes_back_unchanged() {
+    for (name, text) in grooms::ALL {
+        let loaded = file::read(text).unwrap_or_else(|err| panic!("{name}.ron:{err}"));
+        assert_eq!(loaded.warnings, [], "{name}");
+        assert_eq!(check(&loaded.document), [], "{name}");
+        let on_disk = coif_tests::repository().join(format!("graphs/grooms/{name}.ron"));
+        expect_file![on_disk].assert_eq(&file::write(&loaded.document));
+    }
+}
+
+/// What every groom keeps, beside what heroes do.
+#[track_caller]
+fn check_on(name: &str, on: &str, shipped: &Shipped) {
+    let report = &shipped.report;
+    assert!(
+        report["outputs"].as_array().unwrap().iter().all(|o| o["curves"].as_u64().unwrap() > 0)
+    );
+    let failed: Vec<&str> = report["warnings"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(Json::as_str)
+        .filter(|w| w.contains("left out"))
+        .collect();
+    assert!(failed.is_empty(), "{name} on {on}: {failed:?}");
+    for prim in &shipped.prims {
+        for law in [
+            "every curve has two points and a length",
+            "ids do not repeat",
+            "strands of a braid do not overlap",
+            "roots lie on the scalp to 0.001 cm",
+            "nothing is deeper under the skin than allowed",
+        ] {
+            let holds = &prim["laws"][law];
+            // Free braids and sample rows hang in the air by design; they have no roots on the scalp.
+            let in_the_air = prim["path"].as_str().unwrap().contains("free");
+            assert!(
+                *holds != Json::Bool(false) || (in_the_air && law.starts_with("roots")),
+                "{name} on {on}: {law} is broken\n{prim:#}"
+            );
+        }
+    }
+}
+
+/// All grooms but heroes, which `hero.rs` judges.
+fn light() -> impl Iterator<Item = &'static str> {
+    grooms::ALL.iter().map(|(name, _)| *name).filter(|name| !grooms::HEROES.contains(name))
+}
+
+#[test]
+fn every_groom_evaluates_on_the_built_in_head() {
+    light().for_each(|name| check_on(name, "the built-in head", &shipped(name)));
+}
+
+#[test]
+fn every_groom_sits_on_real_heads() {
+    for head in smooth_heads("every_groom_sits_on_real_heads") {
+        light().for_each(|name| check_on(name, head.name, &evaluate(name, Some(&head), &[])));
+    }
+}

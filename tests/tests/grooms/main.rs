@@ -1,0 +1,11 @@
+//! The shipped grooms as whole programs: their hashes, their laws, their styles, on the built-in head and on real ones.
+//!
+//! A groom is evaluated once a head, written, measured, and judged by every test that asks about it ([`shipped`]).
+//! `COIF_PROGRAM` names the build that evaluates; `tests/run.sh` names the release build for farms.
+
+mod golden;
+mod hero;
+mod laws;
+mod light;
+mod openusd;
+mod shipped;

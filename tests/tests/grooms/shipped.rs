@@ -1,0 +1,59 @@
+//! Each shipped groom, evaluated once a head: its report, and what `coif measure` finds in the written file alone.
+
+use coif_graphs::grooms;
+use coif_tests::{Folder, RealHead, eval, run};
+use serde_json::Value as Json;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, OnceLock};
+
+/// A groom that was evaluated and measured.
+pub(crate) struct Shipped {
+    /// What `coif eval` reported.
+    pub(crate) report: Json,
+    /// What was measured, a prim each.
+    pub(crate) prims: Vec<Json>,
+}
+
+impl Shipped {
+    /// The prims that renderers draw.
+    pub(crate) fn hair(&self) -> Vec<Json> {
+        self.prims.iter().filter(|prim| prim["purpose"] != "guide").cloned().collect()
+    }
+}
+
+type Once = Arc<OnceLock<Shipped>>;
+
+/// A groom with all its hair on the built-in head, evaluated by whoever asks first.
+pub(crate) fn shipped(name: &'static str) -> impl std::ops::Deref<Target = Shipped> {
+    static ALL: OnceLock<BTreeMap<&str, Once>> = OnceLock::new();
+    struct Of(Once);
+    impl std::ops::Deref for Of {
+        type Target = Shipped;
+        fn deref(&self) -> &Shipped {
+            self.0.get().expect("it was evaluated")
+        }
+    }
+    let all =
+        ALL.get_or_init(|| grooms::ALL.iter().map(|(name, _)| (*name, Once::default())).collect());
+    let once = all[name].clone();
+    once.get_or_init(|| evaluate(name, None, &["--threads", "2"]));
+    Of(once)
+}
+
+/// Evaluates a groom to a file and measures that.
+#[track_caller]
+pub(crate) fn evaluate(name: &str, head: Option<&RealHead>, more: &[&str]) -> Shipped {
+    // Evaluations use both cores and, on a real head, a quarter of a gigabyte: one at a time.
+    static TURN: Mutex<u32> = Mutex::new(0);
+    let mut turn = TURN.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    *turn += 1;
+    let folder = Folder::new(&format!("groom-{name}-{turn}"));
+    let out = folder.path("groom.usdc").display().to_string();
+    let on = head.map_or(vec![], RealHead::eval_args);
+    let report = eval(name, &[&["--out", &out], &on[..], more].concat());
+    let mesh = head.map_or("builtin", |head| head.mesh.as_str());
+    let ran = run(["measure", &out, "--json", "--scalp", mesh]);
+    assert_eq!(ran.code, 0, "{name}: {}", ran.err);
+    let prims = serde_json::from_str(&ran.out).unwrap_or_else(|err| panic!("{name}: {err}"));
+    Shipped { report, prims }
+}
