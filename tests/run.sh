@@ -120,7 +120,10 @@ check cargo build --quiet --release -p coif --no-default-features
 export COIF_PROGRAM="$PWD/target/release/coif"
 tests cargo test --workspace --no-fail-fast --lib --bins --examples --tests
 if [ -n "$long" ]; then
-    tests cargo test --release --no-fail-fast -p coif-nodes --lib any_
+    random() { tests cargo test --release --no-fail-fast "$@"; }
+    random -p coif-nodes --lib any_
+    random -p coif-nodes --lib hostile
+    random -p coif-tests --test editor fuzz
     ignored=--ignored
     tests cargo test --no-fail-fast -p coif-tests --tests
 fi
