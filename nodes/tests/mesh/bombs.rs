@@ -149,3 +149,73 @@ fn gltf_files_that_make_us_look_things_up() {
         expect!["nodes[1024]: it lies in more than 1024 nodes"],
     );
 }
+
+#[test]
+fn gltf_files_that_move_vertices_over_and_over() {
+    const TOO_MANY: &str = "meshes[0].primitives[0]: its morph targets and joints move too many \
+        vertices in all: export the mesh with them applied";
+    // Each of many targets moves all vertices of a mesh that takes no bytes.
+    let start = r#"{"asset":{"version":"2.0"},"accessors":[{"componentType":5126,"type":"VEC3",
+        "count":1500000}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":
+        {"POSITION":0},"targets":["#;
+    let n = LARGE / 20;
+    let (targets, weights) = (r#"{"POSITION":0},"#.repeat(n), "1,".repeat(n));
+    let bytes = format!("{start}{targets}{{}}]}}],\"weights\":[{weights}1]}}]}}");
+    let read_it = read("many targets", "gltf", bytes.as_bytes(), &|_| None);
+    assert_eq!(read_it.result.unwrap_err().to_string(), TOO_MANY);
+    println!("{:?}", read_it.time);
+
+    let skinned = |rest: &str| {
+        gltf(&format!(
+            r#""accessors":[{{"componentType":5126,"type":"VEC3","count":30000}},
+            {{"componentType":5121,"type":"VEC4","count":30000}},
+            {{"componentType":5126,"type":"VEC4","count":30000}}],"meshes":[{{"primitives":[
+            {{"attributes":{{"POSITION":0,"JOINTS_0":1,"WEIGHTS_0":2}}}}]}}],{rest}"#
+        ))
+    };
+    // A skin of many joints, and many skins of one.
+    let joints = "0,".repeat(LARGE / 2);
+    check(
+        "gltf",
+        &skinned(&format!(r#""nodes":[{{"mesh":0,"skin":0}}],"skins":[{{"joints":[{joints}0]}}]"#)),
+        expect![""],
+    );
+    let (skins, nodes): (Vec<_>, Vec<_>) = (0..LARGE / 50)
+        .map(|i| (r#"{"joints":[0]}"#, format!("{{\"mesh\":0,\"skin\":{i}}}")))
+        .unzip();
+    let (skins, nodes) = (skins.join(","), nodes.join(","));
+    check("gltf", &skinned(&format!(r#""nodes":[{nodes}],"skins":[{skins}]"#)), expect![""]);
+    // Joints that lie deep, and nodes beside them that are many.
+    let deep: String = (1..1000).map(|i| format!("{{\"children\":[{i}]}},")).collect();
+    let joints: String = (0..LARGE / 8).map(|i| format!("{},", i % 1000)).collect();
+    check(
+        "gltf",
+        &skinned(&format!(
+            r#""nodes":[{deep}{{"mesh":0,"skin":0}}],"skins":[{{"joints":[{joints}0]}}]"#
+        )),
+        expect![""],
+    );
+    let nodes = "{},".repeat(LARGE / 3);
+    check(
+        "gltf",
+        &skinned(&format!(
+            r#""nodes":[{nodes}{{"mesh":0,"skin":0}}],"skins":[{{"joints":[0]}}]"#
+        )),
+        expect![""],
+    );
+    // One vertex list that names very many joints a vertex.
+    let sets: String = (0..LARGE / 32)
+        .map(|i| format!(",\"JOINTS_{i}\":1,\"WEIGHTS_{i}\":2"))
+        .collect();
+    check(
+        "gltf",
+        &gltf(&format!(
+            r#""accessors":[{{"componentType":5126,"type":"VEC3","count":30000}},
+            {{"componentType":5121,"type":"VEC4","count":30000}},
+            {{"componentType":5126,"type":"VEC4","count":30000}}],"meshes":[{{"primitives":[
+            {{"attributes":{{"POSITION":0{sets}}}}}]}}],"nodes":[{{"mesh":0,"skin":0}}],
+            "skins":[{{"joints":[0]}}]"#
+        )),
+        expect![""],
+    );
+}

@@ -106,4 +106,7 @@ const EXPECTED: &[(&str, &str)] = &[
         "spot/spot_control_mesh.obj",
         "188 points, 372 triangles, euler 2, 0 open edges, 0 with three triangles or more, 0 folded; size [1.172, 1.743, 1.774]; uvs yes; materials []; parts []; masks []; notes []",
     ),
+    ("reported/head_plain.glb", ""),
+    ("reported/head_skinned_cm_zup.glb", ""),
+    ("reported/head_skinned_quantized.glb", ""),
 ];
