@@ -88,6 +88,12 @@ impl<'a> Accessor<'a> {
         self.json.get("bufferView").is_some()
     }
 
+    /// What reading an element costs: in a sparse list each is looked for by halving.
+    pub(super) fn steps(&self) -> u64 {
+        let sparse = self.json.get("sparse").and_then(|s| s.get("count")).and_then(Value::whole);
+        1 + sparse.map_or(0, |count| u64::from(u64::BITS - count.leading_zeros()))
+    }
+
     /// Opens the buffers it reads.
     pub(super) fn open(
         &self,

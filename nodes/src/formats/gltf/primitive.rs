@@ -215,9 +215,16 @@ impl<'a> Reader<'_, 'a> {
             }
             None => None,
         };
+        // A few bytes can ask for all of a long list of vertices many times over.
+        let moving = || targets.iter().map(|(_, a)| a).chain(sets.iter().flatten());
+        let steps = moving().map(Accessor::steps).fold(0, u64::saturating_add);
+        tables.doc.tire(steps.saturating_mul(primitive.n_points())).map_err(|_| {
+            let reason = "its morph targets and joints move too many vertices in all: export the \
+                          mesh with them applied";
+            MeshError::at(place, reason)
+        })?;
         let others = [indices, uv, colour].into_iter().flatten();
-        let moving = targets.iter().map(|(_, a)| a).chain(sets.iter().flatten());
-        for accessor in std::iter::once(position).chain(others).chain(moving) {
+        for accessor in std::iter::once(position).chain(others).chain(moving()) {
             accessor.open(tables, &mut self.buffers, budget)?;
         }
         let numbers = |a: &Accessor<'a>| a.numbers(tables, &self.buffers);
@@ -239,14 +246,6 @@ impl<'a> Reader<'_, 'a> {
                 }
             },
         };
-        // A few bytes can ask for all of a long list of vertices many times over.
-        let moves = primitive.n_points().saturating_mul((targets.len() + sets.len()) as u64);
-        tables.doc.tire(moves).map_err(|_| {
-            let reason = "its morph targets and joints move too many vertices in all: export the \
-                          mesh with them applied";
-            MeshError::at(place, reason)
-        })?;
-
         // Which element of the attributes a corner uses.
         let element = |corner: u64| -> Result<u64, MeshError> {
             let (Some(accessor), Some(numbers)) = (indices, &opened.indices) else {

@@ -254,35 +254,36 @@ impl Bound<'_> {
     /// What takes vertex `i` to its place.
     pub(super) fn matrix(&self, i: u64, notes: &mut Notes) -> Result<Affine, MeshError> {
         let (mut mean, mut sum, mut uneven) = (Affine::ZERO, 0.0, false);
-        for [joints, (accessor, weights)] in &self.sets {
-            for (k, weight) in weights.vector::<4>(i).into_iter().enumerate() {
+        for [(accessor, joints), (weight_accessor, weights)] in &self.sets {
+            let (joints, weights) = (joints.vector::<4>(i), weights.vector::<4>(i));
+            for (joint, weight) in joints.into_iter().zip(weights) {
                 if !weight.is_finite() {
                     let reason = format!("element {i} has a weight that is not a finite number");
-                    return Err(MeshError::at(format!("accessors[{accessor}]"), reason));
+                    return Err(MeshError::at(format!("accessors[{weight_accessor}]"), reason));
                 }
                 uneven |= weight < 0.0;
                 if weight > 0.0 {
-                    let joint = self.joint(joints, i, k)?;
-                    mean.add(&joint.map(|x| x * weight));
+                    mean.add(&self.joint(*accessor, i, joint)?.map(|x| x * weight));
                     sum += weight;
                 }
             }
         }
-        if sum == 0.0 {
+        if sum == 0.0
+            && let [[(accessor, joints), _], ..] = &self.sets[..]
+        {
             notes.weightless += 1;
-            return self.joint(&self.sets[0][0], i, 0);
+            return self.joint(*accessor, i, joints.vector::<1>(i)[0]);
         }
         notes.uneven_weights += usize::from(uneven || (sum - 1.0).abs() > UNEVEN);
         Ok(mean.map(|x| x / sum))
     }
 
-    fn joint(&self, joints: &(u32, Numbers), i: u64, k: usize) -> Result<Affine, MeshError> {
-        let Skin { number, joints: all } = &*self.skin;
-        let (accessor, joints) = joints;
-        let joint = joints.vector::<4>(i)[k] as usize;
-        match all.get(joint) {
+    /// The matrix of a joint, which element `i` of an accessor names.
+    fn joint(&self, accessor: u32, i: u64, joint: f64) -> Result<Affine, MeshError> {
+        let Skin { number, joints } = &*self.skin;
+        match joints.get(joint as usize) {
             None => {
-                let n = all.len();
+                let n = joints.len();
                 let reason = format!(
                     "element {i} names joint {joint}, where skins[{number}] has {n}: export the mesh \
                      with its whole skeleton"
