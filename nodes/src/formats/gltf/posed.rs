@@ -185,6 +185,24 @@ fn a_mirrored_skeleton_keeps_outside_outside() {
 }
 
 #[test]
+fn few_corners_of_a_long_list_find_their_own_joints() {
+    // Three corners of four vertices, from the last to the second: each corner is a point then. Joint 1
+    // mirrors what hangs on it, vertices 1 and 2, and joint 0 moves vertex 3 by 10.
+    let numbers = Numbers::default()
+        .floats("VEC3", &[[9.; 3], [1., 0., 0.], [2., 2., 0.], [0., 0., 3.]])
+        .bytes("VEC4", false, &[[7; 4], [1, 0, 0, 0], [1, 0, 0, 0], [0; 4]])
+        .bytes("VEC4", true, &[[255, 0, 0, 0]; 4])
+        .bytes("SCALAR", false, &[[3], [2], [1]])
+        .floats("VEC3", &[[5.; 3], [0., 1., 0.], [0.; 3], [0.; 3]]);
+    let rest = r#""meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":1,"WEIGHTS_0":2},
+        "indices":3,"targets":[{"POSITION":4}]}],"weights":[2]}],"nodes":[{"mesh":0,"skin":0},
+        {"translation":[10,0,0]},{"scale":[-1,1,1]}],"skins":[{"joints":[1,2]}],
+        "scenes":[{"nodes":[0]}]"#;
+    let points = "[[10.0, 0.0, 3.0], [-2.0, 2.0, 0.0], [-1.0, 2.0, 0.0]] [[0, 2, 1]]";
+    check(&numbers, rest, &[points, HELD, MORPHED]);
+}
+
+#[test]
 fn one_mesh_in_two_skins_is_two_meshes() {
     let rest = format!(
         r#"{SKINNED},"nodes":[{{"name":"a","mesh":0,"skin":0}},{{"name":"b","mesh":0,"skin":1}},

@@ -21,6 +21,7 @@ enum Mode {
 }
 
 /// A primitive, by what we can do with it.
+#[expect(clippy::large_enum_variant, reason = "one at a time, on the stack")]
 #[derive(Debug)]
 pub(super) enum Shape<'a> {
     Triangles(Primitive<'a>),
