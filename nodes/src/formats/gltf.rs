@@ -1,26 +1,31 @@
 //! glTF 2.0 meshes in: `.gltf` and `.glb`, told apart by their first bytes.
 //!
 //! Reads the meshes of the default scene with the transforms of their nodes: triangles, strips and
-//! fans, uvs, vertex colours, names of materials and of nodes. Skinned meshes come in their bind
-//! pose, morph targets are left out; both with a note. Uvs are turned to v up (1 - v), as in OBJ and
-//! USD; the unit is the metre.
+//! fans, uvs, vertex colours, names of materials and of nodes. Skins are evaluated at the pose that
+//! the file's nodes stand in, morph targets at the weights that it gives; both with a note. Uvs are
+//! turned to v up (1 - v), as in OBJ and USD; the unit is the metre.
 //!
 //! **Guarantees:** every accessor is tested against the bytes it reads before it is read, with sums
 //! that cannot overflow. Extensions that a file requires and that change its geometry are refused
 //! by name (Draco, meshopt). Only files beside or below the `.gltf` are asked for.
 //! **Not promised:** that a file is valid. What is not read is not tested: materials, pictures,
-//! animations, cameras, normals, skins and stated minima and maxima may be broken.
+//! animations, cameras, normals, skins that hold nothing and stated minima and maxima may be broken.
 //!
 //! We read JSON and accessors ourselves because the `gltf` crate (1.4.1) refuses numbers written as
 //! `1.0`, accessors without a buffer view and quantized meshes (all valid), panics where POSITION
 //! names an accessor that is not there, and takes 2.8 GB for 21 MB of empty nodes.
 
 mod accessor;
+mod affine;
 mod buffers;
 mod glb;
 mod json;
+mod morph;
+#[cfg(test)]
+mod posed;
 mod primitive;
 mod scene;
+mod skin;
 
 use super::mesh_in::limits::{Budget, excerpt};
 use super::mesh_in::{Names, Side, Weld, finish};
@@ -30,6 +35,7 @@ use glam::Vec2;
 use json::{Doc, Value};
 use primitive::{Primitive, Shape};
 use scene::{Draw, Plan};
+use skin::Skins;
 
 /// Extensions a file may require without our help: none of them moves or hides a triangle.
 const HARMLESS: &[&str] = &[
@@ -61,6 +67,7 @@ pub fn read(bytes: &[u8], side: Side) -> Result<Mesh, MeshError> {
     let mut reader = Reader {
         tables: &tables,
         buffers: Buffers::new(parts.bin, side),
+        skins: Skins::default(),
         notes: Notes::default(),
         mesh: Mesh { cm_per_unit: Some(100.0), ..Mesh::default() },
         uvs: Vec::new(),
@@ -139,6 +146,7 @@ struct Tables<'a> {
     scenes: Table<'a>,
     nodes: Table<'a>,
     meshes: Table<'a>,
+    skins: Table<'a>,
     materials: Table<'a>,
     accessors: Table<'a>,
     views: Table<'a>,
@@ -153,6 +161,7 @@ impl<'a> Tables<'a> {
             scenes: table("scenes")?,
             nodes: table("nodes")?,
             meshes: table("meshes")?,
+            skins: table("skins")?,
             materials: table("materials")?,
             accessors: table("accessors")?,
             views: table("bufferViews")?,
@@ -274,7 +283,11 @@ struct Notes {
     lines_and_points: usize,
     without_position: usize,
     morphed: usize,
+    uneven_targets: usize,
     skinned: usize,
+    unbound: usize,
+    uneven_weights: usize,
+    weightless: usize,
     instanced: usize,
     left_over: usize,
     without_uv: usize,
@@ -284,6 +297,7 @@ struct Notes {
 struct Reader<'r, 'a> {
     tables: &'r Tables<'a>,
     buffers: Buffers<'a>,
+    skins: Skins,
     notes: Notes,
     mesh: Mesh,
     uvs: Vec<[Vec2; 3]>,
@@ -309,9 +323,8 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    fn add(&mut self, draw: &Draw, budget: &mut Budget) -> Result<(), MeshError> {
+    fn add(&mut self, draw: &Draw<'a>, budget: &mut Budget) -> Result<(), MeshError> {
         let part = self.parts.number(&draw.name);
-        self.notes.skinned += usize::from(draw.skinned);
         self.notes.instanced += usize::from(draw.instanced);
         for primitive in Primitive::all(self.tables, draw.mesh)? {
             let primitive = match primitive? {
@@ -335,7 +348,6 @@ impl<'a> Reader<'_, 'a> {
             let n = self.mesh.triangles.len();
             self.mesh.material_of.resize(n, material);
             self.mesh.part_of.resize(n, part);
-            self.notes.morphed += usize::from(primitive.morphed);
             self.notes.left_over += primitive.left_over() as usize;
             if primitive.uv.is_none() {
                 self.notes.without_uv += n - before;
@@ -364,8 +376,18 @@ impl<'a> Reader<'_, 'a> {
             (notes.lines_and_points, "primitives of lines and points were left out"),
             (notes.without_position, "primitives without positions were left out"),
             (notes.left_over, "vertices after the last whole triangle were left out"),
-            (notes.skinned, "meshes have a skin and are in their bind pose"),
-            (notes.morphed, "primitives have morph targets, which were left out"),
+            (notes.skinned, "primitives are held by a skin, in the pose that the file is in"),
+            (notes.unbound, "primitives have no joints for their skin: their nodes place them"),
+            (
+                notes.weightless,
+                "vertices have no weights in their skin and follow their first joint",
+            ),
+            (
+                notes.uneven_weights,
+                "vertices have weights in their skin that do not sum to 1: scaled",
+            ),
+            (notes.morphed, "primitives are morphed as far as the file says"),
+            (notes.uneven_targets, "primitives have more morph targets or fewer than weights"),
             (notes.instanced, "nodes have EXT_mesh_gpu_instancing: their copies were left out"),
         ] {
             if n > 0 {
@@ -530,21 +552,6 @@ mod tests {
         // 0 1 2 0 2 3: the third of its four triangles only leads on.
         let indexed = r#"[{"primitives":[{"attributes":{"POSITION":0},"mode":5,"indices":3}]}]"#;
         check(&[("meshes", indexed)], &["@", "[[0, 1, 2], [1, 0, 2], [0, 3, 2]]"]);
-    }
-
-    #[test]
-    fn what_skins_and_targets_would_move_stays_and_is_told() {
-        let meshes = r#"[{"primitives":[{"attributes":{"POSITION":0},"indices":3,
-                          "targets":[{"POSITION":0}]}]}]"#;
-        check(
-            &[("meshes", meshes), ("nodes", r#"[{"mesh":0,"skin":0,"scale":[2,2,2]}]"#)],
-            &[
-                "@",
-                "#",
-                "note: 1 meshes have a skin and are in their bind pose",
-                "note: 1 primitives have morph targets, which were left out",
-            ],
-        );
     }
 
     #[test]

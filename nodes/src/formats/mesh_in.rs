@@ -25,7 +25,7 @@ use std::sync::Arc;
 
 /// Part of every cache key made from a mesh file: goes up whenever a reader gives other values for
 /// the same bytes.
-pub const READER_VERSION: u32 = 1;
+pub const READER_VERSION: u32 = 2;
 
 /// The extensions [`read_mesh`] reads, in lower case and without the dot.
 pub const EXTENSIONS: &[&str] = &["obj", "gltf", "glb"];

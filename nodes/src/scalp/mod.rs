@@ -6,6 +6,8 @@ mod fit;
 mod head;
 mod hollow;
 pub(crate) mod lay;
+#[cfg(test)]
+mod posed_heads;
 pub(crate) mod region;
 mod scalp_projection;
 

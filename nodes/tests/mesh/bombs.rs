@@ -149,3 +149,78 @@ fn gltf_files_that_make_us_look_things_up() {
         expect!["nodes[1024]: it lies in more than 1024 nodes"],
     );
 }
+
+#[test]
+fn gltf_files_that_move_vertices_over_and_over() {
+    // Each of many targets moves all vertices of a mesh that takes no bytes.
+    let zeros = r#"{"componentType":5126,"type":"VEC3","count":1200000}"#;
+    let sparse = r#"{"componentType":5126,"type":"VEC3","count":1200000,"sparse":{"count":1e6,
+        "indices":{},"values":{}}}"#;
+    let targets = |n: usize, accessor: &str| {
+        let (targets, weights) = (r#"{"POSITION":1},"#.repeat(n), "1,".repeat(n));
+        gltf(&format!(
+            r#""accessors":[{zeros},{accessor}],"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[
+            {{"attributes":{{"POSITION":0}},"targets":[{targets}{{}}]}}],"weights":[{weights}0]}}]"#
+        ))
+    };
+    check("gltf", &targets(20, zeros), expect!["400000 triangles"]);
+    let too_many = || {
+        expect![
+            "meshes[0].primitives[0]: its morph targets and joints move too many vertices in all: \
+             export the mesh with them applied"
+        ]
+    };
+    check("gltf", &targets(20_000, zeros), too_many());
+    // Looking for a value in a sparse list takes twenty steps.
+    check("gltf", &targets(20, sparse), too_many());
+}
+
+#[test]
+fn gltf_files_of_joints() {
+    let skinned = |sets: &str, rest: &str| {
+        gltf(&format!(
+            r#""accessors":[{{"componentType":5126,"type":"VEC3","count":3}},
+            {{"componentType":5121,"type":"VEC4","count":3}},
+            {{"componentType":5126,"type":"VEC4","count":3}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0{sets}}}}}]}}],{rest}"#
+        ))
+    };
+    let one_set = r#","JOINTS_0":1,"WEIGHTS_0":2"#;
+    // A skin of many joints, and many skins of one.
+    let joints = "0,".repeat(LARGE / 8);
+    check(
+        "gltf",
+        &skinned(
+            one_set,
+            &format!(r#""nodes":[{{"mesh":0,"skin":0}}],"skins":[{{"joints":[{joints}0]}}]"#),
+        ),
+        expect![
+            "skins[0]: reading this takes 150 MiB of memory, where a file of this size may take 104"
+        ],
+    );
+    let n = 40_000;
+    let nodes: Vec<String> = (0..n).map(|i| format!("{{\"mesh\":0,\"skin\":{i}}}")).collect();
+    let (skins, nodes) = (vec![r#"{"joints":[0]}"#; n].join(","), nodes.join(","));
+    check(
+        "gltf",
+        &skinned(one_set, &format!(r#""nodes":[{nodes}],"skins":[{skins}]"#)),
+        expect!["40000 triangles"],
+    );
+    // Joints that lie deep, and nodes beside them that are many.
+    let deep: String = (1..1000).map(|i| format!("{{\"children\":[{i}]}},")).collect();
+    let joints: String = (0..LARGE / 40).map(|i| format!("{},", i % 1000)).collect();
+    let rest =
+        format!(r#""nodes":[{deep}{{"mesh":0,"skin":0}}],"skins":[{{"joints":[{joints}0]}}]"#);
+    check("gltf", &skinned(one_set, &rest), expect!["1 triangles"]);
+    let nodes = "{},".repeat(LARGE / 12);
+    let rest = format!(r#""nodes":[{nodes}{{"mesh":0,"skin":0}}],"skins":[{{"joints":[0]}}]"#);
+    check("gltf", &skinned(one_set, &rest), expect!["1 triangles"]);
+    // Very many joints a vertex.
+    let sets: String =
+        (0..LARGE / 128).map(|i| format!(",\"JOINTS_{i}\":1,\"WEIGHTS_{i}\":2")).collect();
+    check(
+        "gltf",
+        &skinned(&sets, r#""nodes":[{"mesh":0,"skin":0}],"skins":[{"joints":[0]}]"#),
+        expect!["meshes[0].primitives[0]: its vertices have more than 32 joints: export fewer"],
+    );
+}

@@ -51,19 +51,26 @@ const OBJ: &str = "# two parts\nmtllib a.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 
     4/3/1 5/3/1\ng right\ns off\nusemtl hair\nl 1 2\nf -1// -2// -3//\nf 1 3 5\n";
 
 const JSON: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[
-    {"mesh":0,"children":[1],"rotation":[0,0,0.6,0.8]},{"mesh":0,"name":"b","scale":[-1,1,1]}],
+    {"mesh":0,"children":[1],"rotation":[0,0,0.6,0.8],"weights":[0.5]},
+    {"mesh":0,"name":"b","skin":0,"scale":[-1,1,1]}],
+    "skins":[{"joints":[0,1],"inverseBindMatrices":7}],
     "materials":[{"name":"skin"}],"meshes":[{"primitives":[
-    {"attributes":{"POSITION":0,"TEXCOORD_0":1,"COLOR_0":2},"indices":3,"material":0},
-    {"attributes":{"POSITION":4},"mode":5}]}],"accessors":[
+    {"attributes":{"POSITION":0,"TEXCOORD_0":1,"COLOR_0":2,"JOINTS_0":5,"WEIGHTS_0":6},"indices":3,
+    "material":0,"targets":[{"POSITION":4}]},
+    {"attributes":{"POSITION":4},"mode":5}],"weights":[-1]}],"accessors":[
     {"bufferView":0,"componentType":5126,"type":"VEC3","count":4},
     {"bufferView":0,"byteOffset":12,"componentType":5126,"type":"VEC2","count":4},
     {"bufferView":0,"byteOffset":20,"componentType":5121,"type":"VEC3","count":4,"normalized":true},
     {"bufferView":1,"componentType":5123,"type":"SCALAR","count":6},
     {"componentType":5126,"type":"VEC3","count":4,"sparse":{"count":2,
      "indices":{"bufferView":1,"byteOffset":2,"componentType":5123},
-     "values":{"bufferView":0,"byteOffset":24}}}],
+     "values":{"bufferView":0,"byteOffset":24}}},
+    {"bufferView":2,"componentType":5121,"type":"VEC4","count":4},
+    {"bufferView":2,"byteOffset":16,"componentType":5121,"type":"VEC4","count":4,"normalized":true},
+    {"bufferView":2,"byteOffset":32,"componentType":5126,"type":"MAT4","count":2}],
     "bufferViews":[{"buffer":0,"byteLength":96,"byteStride":24},
-    {"buffer":0,"byteOffset":96,"byteLength":12}],"buffers":[{@"byteLength":108}]}"#;
+    {"buffer":0,"byteOffset":96,"byteLength":12},{"buffer":0,"byteOffset":108,"byteLength":160}],
+    "buffers":[{@"byteLength":268}]}"#;
 
 fn numbers() -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -75,6 +82,14 @@ fn numbers() -> Vec<u8> {
     }
     for index in [0_u16, 1, 2, 0, 2, 3] {
         bytes.extend(index.to_le_bytes());
+    }
+    bytes.extend([0, 1, 0, 0].repeat(4));
+    bytes.extend([51, 204, 0, 0].repeat(4));
+    for joint in [0.0_f32, 1.0] {
+        for i in 0..16 {
+            let identity = if i % 5 == 0 { 1.0 } else { 0.0 };
+            bytes.extend(if i == 12 { joint } else { identity }.to_le_bytes());
+        }
     }
     bytes
 }

@@ -106,4 +106,16 @@ const EXPECTED: &[(&str, &str)] = &[
         "spot/spot_control_mesh.obj",
         "188 points, 372 triangles, euler 2, 0 open edges, 0 with three triangles or more, 0 folded; size [1.172, 1.743, 1.774]; uvs yes; materials []; parts []; masks []; notes []",
     ),
+    (
+        "reported/head_plain.glb",
+        "6337 points, 12608 triangles, euler 96, 160 open edges, 97 with three triangles or more, 96 folded; size [0.184, 0.315, 0.213]; uvs no; materials []; parts [\"node 0\"]; masks []; notes []",
+    ),
+    (
+        "reported/head_skinned_cm_zup.glb",
+        "6337 points, 12608 triangles, euler 96, 160 open edges, 97 with three triangles or more, 96 folded; size [0.184, 0.315, 0.213]; uvs no; materials []; parts [\"node 2\"]; masks []; notes [\"1 primitives are held by a skin, in the pose that the file is in\"]",
+    ),
+    (
+        "reported/head_skinned_quantized.glb",
+        "6242 points, 12608 triangles, euler 192, 64 open edges, 194 with three triangles or more, 192 folded; size [0.184, 0.315, 0.213]; uvs no; materials []; parts [\"node 2\"]; masks []; notes [\"1 primitives are held by a skin, in the pose that the file is in\"]",
+    ),
 ];

@@ -19,7 +19,7 @@ pub(super) struct Accessor<'a> {
     /// How many elements.
     pub(super) count: u64,
     pub(super) component: Component,
-    /// Numbers in an element: 1 to 4.
+    /// Numbers in an element: 1 to 4, or 16 in a matrix.
     pub(super) width: usize,
     pub(super) normalized: bool,
 }
@@ -66,6 +66,8 @@ impl<'a> Accessor<'a> {
             Some("VEC2") => 2,
             Some("VEC3") => 3,
             Some("VEC4") => 4,
+            // Columns of 4 bytes and more lie close together.
+            Some("MAT4") => 16,
             _ => {
                 let kind = json.get("type").map_or("missing".to_owned(), Value::shown);
                 let reason = format!("its type is {kind}, which no mesh has");
@@ -84,6 +86,12 @@ impl<'a> Accessor<'a> {
     /// Whether it has bytes of its own; without them it is zeros.
     pub(super) fn has_view(&self) -> bool {
         self.json.get("bufferView").is_some()
+    }
+
+    /// What reading an element costs: in a sparse list each is looked for by halving.
+    pub(super) fn steps(&self) -> u64 {
+        let sparse = self.json.get("sparse").and_then(|s| s.get("count")).and_then(Value::whole);
+        1 + sparse.map_or(0, |count| u64::from(u64::BITS - count.leading_zeros()))
     }
 
     /// Opens the buffers it reads.
@@ -289,19 +297,20 @@ impl<'b> Numbers<'b> {
         self.base.map(|base| base.element(i))
     }
 
-    /// An element of up to 4 numbers, the rest 0; normalized integers between -1 and 1.
-    pub(super) fn vector(&self, i: u64) -> [f32; 4] {
-        let mut vector = [0.0; 4];
+    /// The first numbers of an element, those that it does not have 0; normalized integers between
+    /// -1 and 1. None of them loses a digit.
+    pub(super) fn vector<const N: usize>(&self, i: u64) -> [f64; N] {
+        let mut vector = [0.0; N];
         let Some(b) = self.element(i) else { return vector };
         for (j, value) in vector.iter_mut().enumerate().take(self.width) {
             let b = &b[j * self.component.size()..];
             let (number, largest) = match self.component {
-                Component::I8 => (f32::from(b[0] as i8), 127.0),
-                Component::U8 => (f32::from(b[0]), 255.0),
-                Component::I16 => (f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
-                Component::U16 => (f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
-                Component::U32 => (u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32, 1.0),
-                Component::F32 => (f32::from_le_bytes([b[0], b[1], b[2], b[3]]), 1.0),
+                Component::I8 => (f64::from(b[0] as i8), 127.0),
+                Component::U8 => (f64::from(b[0]), 255.0),
+                Component::I16 => (f64::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
+                Component::U16 => (f64::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
+                Component::U32 => (f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])), 1.0),
+                Component::F32 => (f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])), 1.0),
             };
             // Two of the signed integers would be -1; the specification cuts the lower one off.
             let scaled = number / largest;

@@ -1,25 +1,27 @@
 //! Which meshes a file shows, and where: nodes and their transforms.
 //!
-//! Source: glTF 2.0 specification, sections 3.5 and 3.7.3.3. Transforms are multiplied in doubles,
-//! so an identity leaves every coordinate as it is in the file.
+//! Source: glTF 2.0 specification, sections 3.5 and 3.7.3.3.
 
+use super::affine::Affine;
 use super::json::{Items, Value};
 use super::{Tables, index_or, name_of};
 use crate::data::mesh::MeshError;
 use crate::formats::mesh_in::Names;
-use glam::Vec3;
 
 /// How deep nodes may lie in nodes. Rigs reach a few dozen; a stack of this height is 140 kB.
-const MOST_DEPTH: usize = 1024;
+pub(super) const MOST_DEPTH: usize = 1024;
 
 /// A mesh at its place.
 #[derive(Debug)]
-pub(super) struct Draw {
+pub(super) struct Draw<'a> {
     pub(super) mesh: u32,
+    /// By the nodes it lies in. What a skin holds is placed by the skin's joints instead.
     pub(super) world_from_mesh: Affine,
     /// Of the node, or else of the mesh, or else a number.
     pub(super) name: String,
-    pub(super) skinned: bool,
+    pub(super) skin: Option<u32>,
+    /// How far the node turns its mesh into each morph target, where it says so itself.
+    pub(super) weights: Option<Value<'a>>,
     pub(super) instanced: bool,
     /// The node, for messages.
     pub(super) place: String,
@@ -57,10 +59,10 @@ impl Plan {
 /// Calls `draw` for each mesh, nodes before those that lie in them.
 ///
 /// A node that lies in two others, or in itself, is refused.
-pub(super) fn walk(
-    tables: &Tables,
+pub(super) fn walk<'a>(
+    tables: &Tables<'a>,
     plan: Plan,
-    draw: &mut dyn FnMut(&Draw) -> Result<(), MeshError>,
+    draw: &mut dyn FnMut(&Draw<'a>) -> Result<(), MeshError>,
 ) -> Result<(), MeshError> {
     match plan {
         Plan::Scene(scene) => {
@@ -95,7 +97,8 @@ pub(super) fn walk(
                     mesh: number,
                     world_from_mesh: Affine::IDENTITY,
                     name: name.map_or_else(|| format!("mesh {number}"), Names::cut),
-                    skinned: false,
+                    skin: None,
+                    weights: None,
                     instanced: false,
                     place,
                 })?;
@@ -105,7 +108,8 @@ pub(super) fn walk(
     Ok(())
 }
 
-fn index(value: Value, place: &str) -> Result<u32, MeshError> {
+/// The number of a node, which something at `place` names.
+pub(super) fn index(value: Value, place: &str) -> Result<u32, MeshError> {
     let index = value.whole().and_then(|n| u32::try_from(n).ok());
     index.ok_or_else(|| MeshError::at(place, format!("{} is no index of a node", value.shown())))
 }
@@ -126,7 +130,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         &mut self,
         root: u32,
         from: &str,
-        draw: &mut dyn FnMut(&Draw) -> Result<(), MeshError>,
+        draw: &mut dyn FnMut(&Draw<'a>) -> Result<(), MeshError>,
     ) -> Result<(), MeshError> {
         self.stack.clear();
         self.enter(root, from, Affine::IDENTITY, draw)?;
@@ -147,7 +151,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         number: u32,
         from: &str,
         world_from_parent: Affine,
-        draw: &mut dyn FnMut(&Draw) -> Result<(), MeshError>,
+        draw: &mut dyn FnMut(&Draw<'a>) -> Result<(), MeshError>,
     ) -> Result<(), MeshError> {
         let node = self.tables.nodes.item(number, from)?;
         let place = format!("nodes[{number}]");
@@ -171,13 +175,12 @@ impl<'r, 'a> Walk<'r, 'a> {
                 Some(name) => Some(name),
                 None => name_of(self.tables.meshes.item(mesh, &place)?),
             };
-            // The joints of a skin place it, so its node does not.
-            let skinned = node.get("skin").is_some();
             draw(&Draw {
                 mesh,
-                world_from_mesh: if skinned { Affine::IDENTITY } else { world },
+                world_from_mesh: world,
                 name: name.map_or_else(|| format!("node {number}"), Names::cut),
-                skinned,
+                skin: index_or(node, "skin", &place)?,
+                weights: node.get("weights"),
                 instanced: extension("EXT_mesh_gpu_instancing").is_some(),
                 place: place.clone(),
             })?;
@@ -186,126 +189,5 @@ impl<'r, 'a> Walk<'r, 'a> {
             self.stack.push((number, children.items(), world));
         }
         Ok(())
-    }
-}
-
-/// A transform: where the axes and the origin go.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Affine {
-    axes: [[f64; 3]; 3],
-    origin: [f64; 3],
-}
-
-impl Affine {
-    pub(super) const IDENTITY: Self =
-        Self { axes: [[1., 0., 0.], [0., 1., 0.], [0., 0., 1.]], origin: [0.; 3] };
-
-    /// The transform of a node from its `matrix` or its translation, rotation and scale.
-    fn of_node(node: Value, place: &str) -> Result<Self, MeshError> {
-        if let Some(m) = numbers::<16>(node, "matrix", place)? {
-            let column = |c: usize| [m[4 * c], m[4 * c + 1], m[4 * c + 2]];
-            return Ok(Self { axes: [column(0), column(1), column(2)], origin: column(3) });
-        }
-        let origin = numbers(node, "translation", place)?.unwrap_or([0.; 3]);
-        let scale = numbers(node, "scale", place)?.unwrap_or([1.; 3]);
-        let mut axes = match numbers(node, "rotation", place)? {
-            Some(rotation) => rotate(rotation),
-            None => Self::IDENTITY.axes,
-        };
-        for (axis, scale) in axes.iter_mut().zip(scale) {
-            *axis = axis.map(|x| x * scale);
-        }
-        Ok(Self { axes, origin })
-    }
-
-    fn turn(&self, v: [f64; 3]) -> [f64; 3] {
-        let [x, y, z] = self.axes;
-        [0, 1, 2].map(|i| x[i] * v[0] + y[i] * v[1] + z[i] * v[2])
-    }
-
-    fn place(&self, p: [f64; 3]) -> [f64; 3] {
-        let turned = self.turn(p);
-        [0, 1, 2].map(|i| turned[i] + self.origin[i])
-    }
-
-    fn times(&self, inner: &Self) -> Self {
-        Self { axes: inner.axes.map(|axis| self.turn(axis)), origin: self.place(inner.origin) }
-    }
-
-    pub(super) fn point(&self, p: Vec3) -> Vec3 {
-        Vec3::from_array(self.place(p.to_array().map(f64::from)).map(|x| x as f32))
-    }
-
-    /// Whether it turns triangles over.
-    pub(super) fn mirrors(&self) -> bool {
-        let [x, y, z] = self.axes;
-        let across = [0, 1, 2].map(|i| {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            x[j] * y[k] - x[k] * y[j]
-        });
-        across[0] * z[0] + across[1] * z[1] + across[2] * z[2] < 0.0
-    }
-}
-
-/// The axes after a rotation by a quaternion x, y, z, w of any length but 0.
-fn rotate([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
-    let length_squared = x * x + y * y + z * z + w * w;
-    if length_squared == 0.0 {
-        return Affine::IDENTITY.axes;
-    }
-    let s = 2.0 / length_squared;
-    [
-        [1.0 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)],
-        [s * (x * y - z * w), 1.0 - s * (x * x + z * z), s * (y * z + x * w)],
-        [s * (x * z + y * w), s * (y * z - x * w), 1.0 - s * (x * x + y * y)],
-    ]
-}
-
-fn numbers<const N: usize>(
-    node: Value,
-    key: &str,
-    place: &str,
-) -> Result<Option<[f64; N]>, MeshError> {
-    let Some(array) = node.get(key) else { return Ok(None) };
-    let mut numbers = [0.0; N];
-    let mut items = array.items();
-    for number in &mut numbers {
-        let item = items.next().and_then(Value::number);
-        *number = item.ok_or_else(|| {
-            MeshError::at(format!("{place}.{key}"), format!("it does not have {N} numbers"))
-        })?;
-    }
-    Ok(Some(numbers))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rotations_turn_as_the_right_hand_does() {
-        let half = std::f64::consts::FRAC_1_SQRT_2;
-        let axes = rotate([0.0, 0.0, half, half]);
-        for (axis, expected) in axes.iter().zip([[0., 1., 0.], [-1., 0., 0.], [0., 0., 1.]]) {
-            for i in 0..3 {
-                assert!((axis[i] - expected[i]).abs() < 1e-15, "{axes:?}");
-            }
-        }
-        assert_eq!(rotate([0.0; 4]), Affine::IDENTITY.axes);
-        // A quaternion that is not quite of length 1 does not scale.
-        let axes = rotate([0.0, 3.0, 0.0, 0.0]);
-        assert_eq!(axes, [[-1., 0., 0.], [0., 1., 0.], [0., 0., -1.]]);
-    }
-
-    #[test]
-    fn a_mirror_is_known_by_its_sign() {
-        let flip = Affine { axes: [[-1., 0., 0.], [0., 1., 0.], [0., 0., 1.]], ..Affine::IDENTITY };
-        assert!(flip.mirrors() && !flip.times(&flip).mirrors() && !Affine::IDENTITY.mirrors());
-    }
-
-    #[test]
-    fn an_identity_changes_no_bit() {
-        let p = Vec3::new(0.1, -3.000_000_2, 1e30);
-        assert_eq!(Affine::IDENTITY.times(&Affine::IDENTITY).point(p), p);
     }
 }
