@@ -27,6 +27,27 @@ impl Host for Memory {
     fn progress(&self, _: usize, _: usize) {}
 }
 
+/// A host that runs pieces on threads of its own, the last first.
+pub(crate) struct Threads(pub usize);
+
+impl Host for Threads {
+    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+        std::thread::scope(|scope| {
+            for thread in 0..self.0 {
+                scope.spawn(move || (0..n).rev().skip(thread).step_by(self.0).for_each(f));
+            }
+        });
+    }
+    fn cancelled(&self) -> bool {
+        false
+    }
+    fn find(&self, _: Key) -> Option<Kept> {
+        None
+    }
+    fn keep(&self, _: Key, _: Kept, _: usize) {}
+    fn progress(&self, _: usize, _: usize) {}
+}
+
 /// Runs a node; unset inputs have their defaults. Gives outputs and messages.
 #[track_caller]
 pub(crate) fn run(node: &NodeDef, set: &[(&str, Value)]) -> (Vec<Value>, Vec<String>) {

@@ -23,7 +23,7 @@ use crate::maths::frame::smallest_rotation;
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::spline::Spline;
 use glam::{Mat3, Vec3};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 node! {
     /// Grow hair all over the scalp that follows the guides around it.
@@ -113,19 +113,27 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let key = KeyBuilder::new("hair").key(group.key);
         group.guides.iter().fold(key, |key, guide| key.key(guides[*guide as usize].key())).finish()
     };
+    // Each is read by the hair of several guides, and made when the first of them is.
+    let shapes: Vec<OnceLock<Shape>> = (0..guides.len()).map(|_| OnceLock::new()).collect();
+    let shape = |guide: u32| {
+        let guide = guide as usize;
+        let make = || Shape::new(&guides[guide], plan.normals[guide], inputs.points as usize);
+        shapes[guide].get_or_init(make)
+    };
     let [curves] = cx.each_item(plan.groups.len(), key, |i, piece| {
         let group = &plan.groups[i];
-        let hairs = &plan.hairs[group.hairs.clone()];
+        let own = group.guides[0];
         // Hairs lie in the list in the order in which density adds them.
-        let hairs = &hairs[..cx.thinned(hairs.len())];
-        let read: Vec<(&Tuft, Vec3)> = group
-            .guides
-            .iter()
-            .map(|guide| (&*guides[*guide as usize], plan.normals[*guide as usize]))
-            .collect();
-        let along = &plan.weights[group.weights.clone()];
-        let section = plan.sections[group.guides[0] as usize];
-        Ok([maker.hair(&read, hairs, along, section, piece)?])
+        let hairs = &group.hairs[..cx.thinned(group.hairs.len())];
+        let read = Read {
+            own: &guides[own as usize],
+            section: plan.sections[own as usize],
+            own_shape: shape(own),
+            hairs: hairs.len(),
+            hair: &|i| plan.hair(hairs[i]),
+            shape: &shape,
+        };
+        Ok([maker.hair(&read, piece)?])
     })?;
     Ok(Outputs { curves })
 }
@@ -149,6 +157,18 @@ struct Maker<'a> {
     dice: Dice,
 }
 
+/// What the hair of one guide is made from.
+struct Read<'a, 'p> {
+    own: &'a Tuft,
+    section: u64,
+    own_shape: &'p Shape,
+    /// How many.
+    hairs: usize,
+    /// One of them, with its guides and their weights.
+    hair: &'a dyn Fn(usize) -> (&'p Hair, &'p [(u32, f32)]),
+    shape: &'a dyn Fn(u32) -> &'p Shape,
+}
+
 /// A guide as hair reads it: points relative to its root at even arc length, one list for each axis.
 struct Shape {
     normal: Vec3,
@@ -169,6 +189,9 @@ impl Shape {
         axes.iter_mut().for_each(|axis| axis.resize(each, 0.0));
         Self { normal, axes }
     }
+    fn at(&self, k: usize) -> Vec3 {
+        Vec3::from(self.axes.each_ref().map(|axis| axis[k]))
+    }
     /// Adds this shape, turned and weighted by `m`, to a hair's.
     #[inline]
     fn add_to(&self, m: &Mat3, [to_x, to_y, to_z]: &mut [Vec<f32>; 3]) {
@@ -185,40 +208,66 @@ impl Shape {
     }
 }
 
-/// The hair's own shape at `x` points from the root: Catmull-Rom through evenly spaced points, its ends extrapolated.
-#[inline]
-fn cut_at([xs, ys, zs]: &[Vec<f32>; 3], x: f32) -> Vec3 {
-    let last = xs.len() - 1;
-    let i = (x as usize).min(last - 1);
-    let t = x - i as f32;
-    let at = |i: usize| Vec3::new(xs[i], ys[i], zs[i]);
-    let (b, c) = (at(i), at(i + 1));
-    let a = if i > 0 { at(i - 1) } else { b * 2.0 - c };
-    let d = if i + 1 < last { at(i + 2) } else { c * 2.0 - b };
-    let (t2, t3) = (t * t, t * t * t);
-    a * (t2 - 0.5 * (t3 + t))
-        + b * (1.5 * t3 - 2.5 * t2 + 1.0)
-        + c * (0.5 * t - 1.5 * t3 + 2.0 * t2)
-        + d * (0.5 * (t3 - t2))
+/// A point as compilers take all of it at once; the last number is nothing.
+type Lanes = [f32; 4];
+
+fn vector([x, y, z, _]: Lanes) -> Vec3 {
+    Vec3::new(x, y, z)
 }
 
-/// The most guides that shape one hair.
-pub(super) const MOST_GUIDES: usize = 16;
+/// Where curves of evenly spaced points are cut: all curves of as many points in the same places.
+struct Cut {
+    /// The first of the four points that count in each place, and how much each does.
+    places: Vec<(usize, Lanes)>,
+    /// Points of the curve that is cut, with one more at each end that continues what is there.
+    line: Vec<Lanes>,
+}
+
+impl Cut {
+    fn new(each: usize) -> Self {
+        Self { places: vec![(0, [0.0; 4]); each], line: vec![[0.0; 4]; each + 2] }
+    }
+    /// To the first `share` of a curve's length: Catmull-Rom through its points, its ends extrapolated.
+    fn shorten_to(&mut self, share: f32) {
+        let last = self.places.len() - 1;
+        for (k, (first, weights)) in self.places.iter_mut().enumerate() {
+            let x = k as f32 * share;
+            let i = (x as usize).min(last - 1);
+            let t = x - i as f32;
+            let (t2, t3) = (t * t, t * t * t);
+            *first = i;
+            *weights = [
+                t2 - 0.5 * (t3 + t),
+                1.5 * t3 - 2.5 * t2 + 1.0,
+                0.5 * t - 1.5 * t3 + 2.0 * t2,
+                0.5 * (t3 - t2),
+            ];
+        }
+    }
+    fn cut(&mut self, [xs, ys, zs]: &[Vec<f32>; 3], to: &mut [Lanes]) {
+        let n = self.line.len();
+        for (((p, x), y), z) in self.line[1..n - 1].iter_mut().zip(xs).zip(ys).zip(zs) {
+            *p = [*x, *y, *z, 0.0];
+        }
+        let beyond = |b: Lanes, c: Lanes| {
+            let p = vector(b) * 2.0 - vector(c);
+            [p.x, p.y, p.z, 0.0]
+        };
+        self.line[0] = beyond(self.line[1], self.line[2]);
+        self.line[n - 1] = beyond(self.line[n - 2], self.line[n - 3]);
+        for (to, (first, w)) in to.iter_mut().zip(&self.places) {
+            let Some([a, b, c, d]) = self.line.get(*first..first + 4) else { continue };
+            let sum = |k: usize| a[k] * w[0] + b[k] * w[1] + c[k] * w[2] + d[k] * w[3];
+            *to = [sum(0), sum(1), sum(2), sum(3)];
+        }
+    }
+}
 
 impl Maker<'_> {
-    /// The hair of one guide, the first of `guides`.
-    fn hair(
-        &self,
-        guides: &[(&Tuft, Vec3)],
-        hairs: &[Hair],
-        weights: &[(u16, f32)],
-        section: u64,
-        piece: &mut Piece,
-    ) -> Result<Tuft, NodeError> {
+    /// The hair of one guide.
+    fn hair(&self, read: &Read, piece: &mut Piece) -> Result<Tuft, NodeError> {
         let each = self.inputs.points as usize;
-        let shapes: Vec<Shape> =
-            guides.iter().map(|(tuft, normal)| Shape::new(tuft, *normal, each)).collect();
-        let own = guides[0].0;
+        let Read { own, section, own_shape, hair, shape, .. } = *read;
         let clump = self.inputs.clump.on(own, Some(self.scalp))?;
         let at_u = |k: usize| k as f32 / (each - 1) as f32;
         let clump: Vec<f32> = (0..each)
@@ -235,81 +284,93 @@ impl Maker<'_> {
         let guide_root = own.curve(0)[0];
         // So far the guide itself keeps to the section of its root.
         let home = self.scalp.home(guide_root);
-        let at_home = home.map_or(0, |home| {
-            let at = |k: usize| guide_root + Vec3::from(shapes[0].axes.each_ref().map(|x| x[k]));
-            (1..each).take_while(|k| home.holds(at(*k))).count()
-        });
+        let at = |k: usize| guide_root + own_shape.at(k);
+        let at_home = home.map_or(0, |home| (1..each).take_while(|k| home.holds(at(*k))).count());
 
         // The last of its points over the section, however high.
-        let over = home.map_or(1, |home| {
-            let at = |k: usize| guide_root + Vec3::from(shapes[0].axes.each_ref().map(|x| x[k]));
-            (1..each).take_while(|k| home.is_under(at(*k))).count().max(1)
-        });
+        let over =
+            home.map_or(1, |home| (1..each).take_while(|k| home.is_under(at(*k))).count().max(1));
+        // A ball about each of its points holds no skin: what is in it need not be asked about.
+        let clear: Vec<(Vec3, f32)> = (0..each)
+            .map(|k| (at(k), self.skin.filter(|_| depths[k] == 0.0)))
+            .map(|(p, skin)| (p, skin.map_or(0.0, |skin| skin.clear_about(p))))
+            .map(|(p, radius)| (p, radius * radius))
+            .collect();
 
         let guide_passes = home.is_some_and(|home| home.passes(own.curve(0)));
 
         // Found when the first hair asks for it.
         let mut ways = None;
-        let mut points: Vec<Vec3> = Vec::with_capacity(hairs.len() * each);
+        let mut points: Vec<Vec3> = Vec::with_capacity(read.hairs * each);
         let mut blended = [vec![0.0; each], vec![0.0; each], vec![0.0; each]];
-        let mut grown: Vec<&Hair> = Vec::with_capacity(hairs.len());
-        for hair in hairs {
+        let mut cut = Cut::new(each);
+        // The hair's own way from its root, and what it is drawn to, which is the guide cut as it is.
+        let (mut free, mut drawn_to) = (vec![[0.0; 4]; each], vec![[0.0; 4]; each]);
+        let mut asked = vec![None; each];
+        let mut grown: Vec<&Hair> = Vec::with_capacity(read.hairs);
+        let mut ids = Vec::with_capacity(read.hairs);
+        for (hair, blend) in (0..read.hairs).map(hair) {
             piece.tick()?;
             let id = curve_id(0, self.inputs.seed as u64, u64::from(hair.index));
-            let cut = 1.0 - self.inputs.length_variation * self.dice.unit(id, 0);
             blended.iter_mut().for_each(|axis| axis.fill(0.0));
-            for (guide, weight) in &weights[hair.weights.0 as usize..][..hair.weights.1 as usize] {
-                let shape = &shapes[*guide as usize];
+            for (guide, weight) in blend {
+                let shape = shape(*guide);
                 let turn = smallest_rotation(shape.normal, hair.normal) * *weight;
                 shape.add_to(&turn, &mut blended);
             }
+            cut.shorten_to(1.0 - self.inputs.length_variation * self.dice.unit(id, 0));
+            cut.cut(&blended, &mut free);
+            if clumps || home.is_some() {
+                cut.cut(&own_shape.axes, &mut drawn_to);
+            }
             let first = points.len();
-            let of = |axes: &[Vec<f32>; 3], k: usize| match cut {
-                1.0 => Vec3::from(axes.each_ref().map(|axis| axis[k])),
-                _ => cut_at(axes, k as f32 * cut),
-            };
             // Its way to the guide, none where that is straight.
             let mut way_of = |drawn: bool| -> Option<Vec<Vec3>> {
                 let bent =
                     home.filter(|home| drawn && !home.is_straight(hair.point, guide_root))?;
                 ways.get_or_insert_with(|| bent.ways(guide_root)).from(hair.point)
             };
-            let lay =
-                |points: &mut Vec<Vec3>, clump: &dyn Fn(usize) -> f32, way: Option<&[Vec3]>| {
-                    let mut near = hair.triangle;
-                    points.truncate(first);
-                    points.push(hair.point);
-                    points.extend((1..each).map(|k| {
-                        let (mut p, drawn) = (hair.point + of(&blended, k), clump(k));
-                        if drawn > 0.0 {
-                            p = p.lerp(guide_root + of(&shapes[0].axes, k), drawn);
-                        }
-                        if let Some(way) = way {
-                            let x = drawn * (way.len() - 1) as f32;
-                            let i = (x as usize).min(way.len() - 2);
-                            let on_way = way[i].lerp(way[i + 1], x - i as f32);
-                            p += on_way - hair.point.lerp(guide_root, drawn);
-                        }
-                        match home.filter(|_| k <= at_home) {
-                            Some(home) => home.kept(p, &mut near).unwrap_or(p),
-                            None => p,
-                        }
-                    }));
-                    if let Some(skin) = &self.skin {
-                        skin.clear(&mut points[first..], |k| Some(depths[k]));
+            let mut lay = |points: &mut Vec<Vec3>, clump: &[f32], way: Option<&[Vec3]>| {
+                let mut near = hair.triangle;
+                points.truncate(first);
+                points.push(hair.point);
+                points.extend((1..each).map(|k| {
+                    let (mut p, drawn) = (hair.point + vector(free[k]), clump[k]);
+                    if drawn > 0.0 {
+                        p = p.lerp(guide_root + vector(drawn_to[k]), drawn);
                     }
-                };
-            lay(&mut points, &|k| clump[k], way_of(clumps).as_deref());
+                    if let Some(way) = way {
+                        let x = drawn * (way.len() - 1) as f32;
+                        let i = (x as usize).min(way.len() - 2);
+                        let on_way = way[i].lerp(way[i + 1], x - i as f32);
+                        p += on_way - hair.point.lerp(guide_root, drawn);
+                    }
+                    match home.filter(|_| k <= at_home) {
+                        Some(home) => home.kept(p, &mut near).unwrap_or(p),
+                        None => p,
+                    }
+                }));
+                if let Some(skin) = &self.skin {
+                    let hair = &mut points[first..];
+                    for (k, (p, (middle, square))) in hair.iter().zip(&clear).enumerate() {
+                        let is_clear = p.distance_squared(*middle) < *square;
+                        asked[k] = (!is_clear).then_some(depths[k]);
+                    }
+                    skin.clear(hair, |k| asked[k]);
+                }
+            };
+            lay(&mut points, &clump, way_of(clumps).as_deref());
             if let Some(home) = home {
                 let crosses = |points: &[Vec3]| {
                     points[first..].windows(2).take(at_home).any(|w| home.crosses(w[0], w[1]))
                 };
                 if crosses(&points) || home.passes(&points[first..]) {
                     // Where the guide leaves the section, so does the hair: it is with it by then.
-                    let gathered = |k: usize| {
+                    let gathered = clump.iter().enumerate().map(|(k, clump)| {
                         let x = (k as f32 / over as f32).min(1.0);
-                        clump[k].max(x * x * (3.0 - 2.0 * x))
-                    };
+                        clump.max(x * x * (3.0 - 2.0 * x))
+                    });
+                    let gathered: Vec<f32> = gathered.collect();
                     lay(&mut points, &gathered, way_of(true).as_deref());
                     if crosses(&points) || (!guide_passes && home.passes(&points[first..])) {
                         piece.trouble(
@@ -322,13 +383,13 @@ impl Maker<'_> {
                 }
             }
             grown.push(hair);
+            ids.push(id);
         }
         let hairs = grown;
         let mut out = TuftBuilder::even(points, each);
         if hairs.is_empty() {
             return Ok(out.build());
         }
-        let id = |hair: &&Hair| curve_id(0, self.inputs.seed as u64, u64::from(hair.index));
         let mine = [ID.name, WIDTH.name, RADIUS.name, SCALP_NORMAL.name];
         let root = [ROOT_TRIANGLE.name, ROOT_BARY.name, ROOT_UV.name];
         for attribute in own.attributes() {
@@ -337,7 +398,7 @@ impl Maker<'_> {
                 out.set_column(Attribute { ..attribute.clone() });
             }
         }
-        out.set(ID, Domain::Curve, hairs.iter().map(id).collect());
+        out.set(ID, Domain::Curve, ids);
         out.set(PARENT, Domain::Curve, vec![own.id(0)]);
         out.set(WIDTH, Domain::Curve, vec![self.inputs.width]);
         if section != 0 {
@@ -346,8 +407,7 @@ impl Maker<'_> {
         out.set(ROOT_TRIANGLE, Domain::Curve, hairs.iter().map(|h| h.triangle as i32).collect());
         out.set(ROOT_BARY, Domain::Curve, hairs.iter().map(|h| h.bary).collect());
         if self.scalp.uvs().is_some() {
-            let uv = |h: &&Hair| self.scalp.root(h.triangle, h.bary).uv;
-            out.set(ROOT_UV, Domain::Curve, hairs.iter().map(uv).collect());
+            out.set(ROOT_UV, Domain::Curve, hairs.iter().map(|h| h.uv).collect());
         }
         Ok(out.build())
     }
@@ -359,7 +419,7 @@ mod tests {
     use crate::data::scalp::tests::shared_ball;
     use crate::define::Value;
     use crate::eval::{Log, Quality};
-    use crate::testing::{Memory, curves_of, run, run_on};
+    use crate::testing::{Memory, Threads, curves_of, run, run_on};
     use std::collections::{BTreeMap, BTreeSet};
 
     /// Guides all over the upper half of the ball, `length(i)` long, straight up from the skin.
@@ -465,6 +525,71 @@ mod tests {
         let more = by_id(&grow(&input, &[("count", Value::Int(2000))]));
         assert_eq!((some.len(), more.len()), (700, 2000));
         assert!(some.iter().all(|(id, points)| more[id] == *points));
+    }
+
+    #[test]
+    fn threads_change_nothing_and_ids_are_those_of_the_list() {
+        let set = [
+            ("guides", guides(300, |i| 2.0 + (i % 5) as f32).into()),
+            ("scalp", Value::from(shared_ball())),
+            ("by", "count".into()),
+            ("count", Value::Int(9000)),
+            ("seed", Value::Int(7)),
+        ];
+        let alone = curves_of(&run(&NODE, &set).0[0]).clone();
+        let log = Log::default();
+        let many = run_on(&NODE, &set, &Threads(5), &log, Quality::Final).unwrap();
+        assert_eq!(alone.key(), curves_of(&many[0]).key());
+        // The ball's edge is soft and leaves out a few of the list: what is left has the ids of the first that are there, whatever
+        // work they were found in, and each guide's hair lies in the order of the list.
+        let scalp = shared_ball();
+        let even = crate::guides::even_roots::EvenRoots::new(&scalp, Dice::new(0, 7, "roots"));
+        let list = (0..).filter(|i| even.root(*i).is_some()).take(9000);
+        let place: BTreeMap<u64, u32> = list.map(|i| (curve_id(0, 7, u64::from(i)), i)).collect();
+        assert_eq!(alone.curve_count(), 9000);
+        for tuft in alone.tufts() {
+            let places: Vec<u32> = (0..tuft.len()).map(|i| place[&tuft.id(i)]).collect();
+            assert!(places.is_sorted(), "{places:?}");
+            for (i, place) in places.iter().enumerate() {
+                assert_eq!(tuft.curve(i)[0], even.root(*place).unwrap().point);
+            }
+        }
+    }
+
+    #[test]
+    fn hair_is_spread_more_evenly_than_by_chance() {
+        let hair = grow(&guides(100, |_| 4.0), &[("count", Value::Int(8000))]);
+        let roots: Vec<Vec3> = hair.each().map(|(t, i)| t.curve(i)[0]).collect();
+        let tree = crate::maths::nearest::Nearest::new(roots.iter().copied());
+        // Among places thrown by chance on an area, the nearest is on average half as far as their even spacing (Clark and Evans
+        // 1954), and one in 127 is nearer than a twentieth of it: 1 - exp(-pi / 400).
+        let even = (498.0f32 / 8000.0).sqrt();
+        let mut near = vec![];
+        let far = |p: &Vec3| {
+            tree.find(*p, 2, &mut near);
+            near[1].0.sqrt() / even
+        };
+        let far: Vec<f32> = roots.iter().map(far).collect();
+        let mean = far.iter().sum::<f32>() / far.len() as f32;
+        let close = far.iter().filter(|far| **far < 0.05).count();
+        assert!(mean > 0.53 && close < 63, "{mean} of the even spacing, {close} close");
+    }
+
+    #[test]
+    fn what_is_known_to_be_clear_is_not_asked_about_and_comes_out_the_same() {
+        // Every other guide dives into the head, so that hair is in it, beside it and far off; each point as the skin alone would
+        // have it.
+        let input = guides(60, |i| if i % 2 == 0 { -3.0 } else { 4.0 });
+        let set = [("density", Value::Float(6.0)), ("by", "density".into())];
+        let pushed = by_id(&grow(&input, &set));
+        let set = [&set[..], &[("push_out", false.into())]].concat();
+        let (scalp, mut moved) = (shared_ball(), 0);
+        let skin = scalp.skin();
+        for (id, mut points) in by_id(&grow(&input, &set)) {
+            moved += usize::from(skin.clear(&mut points, |_| Some(0.0)));
+            assert_eq!(points, pushed[&id]);
+        }
+        assert!(moved > 100 && moved < pushed.len(), "{moved} of {}", pushed.len());
     }
 
     #[test]

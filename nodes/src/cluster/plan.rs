@@ -1,6 +1,5 @@
 //! Where the hair between guides roots, and which guides each follows how much: from the guides' roots alone.
 
-use super::interpolate::MOST_GUIDES;
 use crate::data::attributes::{Domain, ROOT_BARY, ROOT_TRIANGLE};
 use crate::data::curves::{Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp};
@@ -8,13 +7,12 @@ use crate::data::sections::Sections;
 use crate::define::{FieldInput, NodeError};
 use crate::eval::EvalCx;
 use crate::guides::even_roots::EvenRoots;
-use crate::maths::hash::{Key, KeyBuilder};
+use crate::maths::hash::{Dice, Key, KeyBuilder};
 use crate::maths::nearest::Nearest;
-use crate::maths::spline::Spline;
+use crate::maths::spline::{CurveFault, Spline};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
 /// What the artist asks of the plan.
 pub(super) struct Asked<'a> {
@@ -30,15 +28,17 @@ pub(super) struct Asked<'a> {
 }
 
 /// A hair before it has a shape.
+#[derive(Clone, Copy)]
 pub(super) struct Hair {
     /// Number in the list of even roots.
     pub index: u32,
     pub triangle: u32,
     pub bary: Vec2,
+    pub uv: Vec2,
     pub point: Vec3,
     pub normal: Vec3,
-    /// Where its guides stand in the group's weights, and how many.
-    pub weights: (u32, u32),
+    /// Where its guides stand in the batch's weights, and how many.
+    weights: (u32, u32),
 }
 
 /// The hair nearest to one guide.
@@ -46,18 +46,18 @@ pub(super) struct Group {
     pub key: Key,
     /// Guides that shape it, its own first.
     pub guides: Vec<u32>,
-    pub hairs: Range<usize>,
-    pub weights: Range<usize>,
+    /// Its hair, for [`Plan::hair`], in the order in which density adds it.
+    pub hairs: Vec<Place>,
 }
 
-/// All hair before it has a shape, gathered by nearest guide.
+/// Where a hair lies in a plan: its batch, and its number there.
+pub(super) type Place = (u32, u32);
+
+/// All hair before it has a shape, and which of it is nearest to each guide.
 #[derive(Default)]
 pub(super) struct Plan {
     pub groups: Vec<Group>,
-    /// By group, then in the order in which density adds them.
-    pub hairs: Vec<Hair>,
-    /// For each hair: number in the group's `guides` and weight. Weights of a hair add up to one.
-    pub weights: Vec<(u16, f32)>,
+    found: Vec<Found>,
     /// Scalp normal at each guide's root.
     pub normals: Vec<Vec3>,
     /// Id of the section that each guide is rooted in; 0 where the scalp is not parted.
@@ -66,17 +66,22 @@ pub(super) struct Plan {
     pub led_by_none: usize,
 }
 
-/// Roots found in one piece of work.
-const BATCH: usize = 4096;
+/// About so many roots are found in one piece of work: those of one stretch of the curve that the list of even roots runs along,
+/// which lie together on the scalp.
+const BATCH: usize = 2048;
+/// The least that is looked through for hair that is missing.
+const ROUND: usize = 4096;
+/// Groups are put together in about so many pieces of work.
+const PIECES: usize = 64;
 /// Where a parting stands before guides so many times as many are asked.
 const BEYOND: usize = 4;
 
-/// A root with its guides, nearest first.
+/// Hair of one batch, along the curve; weights with guides' numbers, nearest first.
+#[derive(Default)]
 struct Found {
-    index: u32,
-    root: Root,
-    blend: [(u32, f32); MOST_GUIDES],
-    count: u32,
+    hairs: Vec<Hair>,
+    weights: Vec<(u32, f32)>,
+    led_by_none: usize,
 }
 
 impl Plan {
@@ -87,17 +92,16 @@ impl Plan {
         scalp: &Scalp,
         asked: &Asked,
     ) -> Result<Arc<Plan>, NodeError> {
-        let mut roots = Vec::with_capacity(guides.len());
-        for tuft in guides {
-            // A guide without a shape shapes nothing. Building the spline is the test, a microsecond each.
-            roots.push(match Spline::new(tuft.curve(0)) {
-                Ok(_) => tuft.curve(0)[0],
-                Err(fault) => {
-                    cx.trouble(tuft.id(0), fault);
-                    Vec3::NAN
-                }
-            });
-        }
+        // A guide without a shape shapes nothing. Building the spline is the test, a microsecond each.
+        let faults = each_guide(cx, guides, |_, tuft| Spline::new(tuft.curve(0)).err())?;
+        let root = |(tuft, fault): (&Arc<Tuft>, Option<CurveFault>)| match fault {
+            None => tuft.curve(0)[0],
+            Some(fault) => {
+                cx.trouble(tuft.id(0), fault);
+                Vec3::NAN
+            }
+        };
+        let roots: Vec<Vec3> = guides.iter().zip(faults).map(root).collect();
         // Only what the plan reads: a change of width or clumping keeps it.
         let key = KeyBuilder::new("plan")
             .int(cx.seed)
@@ -118,10 +122,12 @@ impl Plan {
             return Ok(plan);
         }
         let plan = Arc::new(Self::new(cx, guides, &roots, scalp, asked)?);
-        let bytes = plan.hairs.len() * size_of::<Hair>()
-            + plan.weights.len() * size_of::<(u16, f32)>()
-            + plan.groups.len() * 256;
-        cx.host.keep(key, plan.clone(), bytes);
+        let of_groups = plan.groups.iter().map(|group| size_of_val(&group.hairs[..]) + 256);
+        let of_hair = plan
+            .found
+            .iter()
+            .map(|found| size_of_val(&found.hairs[..]) + size_of_val(&found.weights[..]));
+        cx.host.keep(key, plan.clone(), of_groups.chain(of_hair).sum());
         Ok(plan)
     }
 
@@ -134,122 +140,248 @@ impl Plan {
     ) -> Result<Plan, NodeError> {
         let skin = cx.skin(scalp);
         let surface = scalp.surface();
-        let normals: Vec<Vec3> = guides
-            .iter()
-            .zip(roots)
-            .map(|(tuft, root)| {
-                let bound = u32::try_from(tuft.view(ROOT_TRIANGLE).at(0, 0)).ok();
-                match bound.filter(|t| (*t as usize) < surface.triangles.len()) {
-                    Some(t) => surface.smooth_normal(t, tuft.view(ROOT_BARY).at(0, 0)),
-                    None => skin
-                        .closest(*root)
-                        .map_or(Vec3::Y, |hit| surface.smooth_normal(hit.triangle, hit.bary)),
-                }
-            })
-            .collect();
-        let forest = Forest::new(roots, scalp);
-        let even = EvenRoots::new(scalp, cx.dice(asked.seed, "roots"));
-        let keep = cx.dice(asked.seed, "mask");
-        let wanted =
-            asked.count.unwrap_or_else(|| (f64::from(asked.density) * even.area()) as usize);
+        let normals = each_guide(cx, guides, |i, tuft| {
+            let bound = u32::try_from(tuft.view(ROOT_TRIANGLE).at(0, 0)).ok();
+            match bound.filter(|t| (*t as usize) < surface.triangles.len()) {
+                Some(t) => surface.smooth_normal(t, tuft.view(ROOT_BARY).at(0, 0)),
+                None => skin
+                    .closest(roots[i])
+                    .map_or(Vec3::Y, |hit| surface.smooth_normal(hit.triangle, hit.bary)),
+            }
+        })?;
+        let finder = Finder {
+            forest: Forest::new(roots, scalp),
+            even: EvenRoots::new(scalp, cx.dice(asked.seed, "roots")),
+            keep: cx.dice(asked.seed, "mask"),
+            roots,
+            scalp,
+            asked,
+        };
+        let area = finder.even.area();
+        let wanted = asked.count.unwrap_or_else(|| (f64::from(asked.density) * area) as usize);
         // By density: the list is gone through once. By count: until as many are found as asked for, which a soft
         // edge, a mask or a reach may make more than that; ten times is where one gives up.
         let last = if asked.count.is_some() { wanted.saturating_mul(10) } else { wanted };
         let last = last.min(20_000_000);
-        let led_by_none = AtomicUsize::new(0);
-        let mut hairs: Vec<Found> = vec![];
-        let mut start = 0;
-        while start < last && hairs.len() < wanted && even.area() > 0.0 && !guides.is_empty() {
-            let round = (wanted - hairs.len()).max(BATCH).min(last - start);
-            let batches = round.div_ceil(BATCH);
-            let found: Vec<OnceLock<Vec<Found>>> = (0..batches).map(|_| OnceLock::new()).collect();
-            let fault = Mutex::new(None);
-            cx.host.for_each(batches, &|b| {
-                if cx.host.cancelled() {
-                    return;
-                }
-                let from = (start + b * BATCH) as u32;
-                let to = (start + round).min(start + (b + 1) * BATCH) as u32;
-                let some: Vec<(u32, Root)> =
-                    (from..to).filter_map(|i| Some((i, even.root(i)?))).collect();
-                let some = match masked(some, asked.mask, scalp, |i| keep.unit(u64::from(i), 0)) {
-                    Ok(some) => some,
-                    Err(err) => {
-                        *fault.lock().unwrap_or_else(PoisonError::into_inner) = Some(err);
-                        return;
-                    }
-                };
-                let mut near = vec![];
-                let mut alone = 0;
-                let blend = |(index, root): (u32, Root)| {
-                    let Some(tree) = forest.tree_at(root.point) else {
-                        alone += 1;
-                        return None;
-                    };
-                    forest.candidates(tree, root.point, roots, asked.neighbours + 1, &mut near);
-                    let (blend, count) = weigh(&near, asked);
-                    (count > 0).then_some(Found { index, root, blend, count })
-                };
-                let found = found[b].set(some.into_iter().filter_map(blend).collect());
-                if found.is_ok() {
-                    led_by_none.fetch_add(alone, Ordering::Relaxed);
-                }
-            });
-            if let Some(fault) = fault.into_inner().unwrap_or_else(PoisonError::into_inner) {
-                return Err(fault);
+        let mut found: Vec<Found> = vec![];
+        let (mut start, mut count) = (0, 0);
+        while start < last && count < wanted && area > 0.0 && !guides.is_empty() {
+            let round = (wanted - count).max(ROUND).min(last - start);
+            let mut more = finder.round(cx, start as u32..(start + round) as u32)?;
+            let new: usize = more.iter().map(|found| found.hairs.len()).sum();
+            if new > wanted - count {
+                // The list is over before the round is.
+                let indices = more.iter().flat_map(|found| &found.hairs).map(|hair| hair.index);
+                let mut indices: Vec<u32> = indices.collect();
+                let (_, end, _) = indices.select_nth_unstable(wanted - count);
+                more.iter_mut().for_each(|found| found.hairs.retain(|hair| hair.index < *end));
             }
-            cx.check()?;
-            hairs.extend(found.into_iter().filter_map(OnceLock::into_inner).flatten());
+            found.append(&mut more);
+            count += new;
             start += round;
         }
-        hairs.truncate(wanted);
-        let mut plan = Self::grouped(hairs, normals);
-        plan.sections = forest.ids;
-        plan.led_by_none = led_by_none.into_inner();
+        let mut plan = Plan {
+            groups: vec![],
+            led_by_none: found.iter().map(|found| found.led_by_none).sum(),
+            found,
+            normals,
+            sections: finder.forest.ids,
+        };
+        plan.groups = plan.grouped(cx)?;
         Ok(plan)
     }
 
-    fn grouped(found: Vec<Found>, normals: Vec<Vec3>) -> Self {
-        let mut order: Vec<Vec<u32>> = vec![vec![]; normals.len()];
-        for (i, hair) in (0..).zip(&found) {
-            order[hair.blend[0].0 as usize].push(i);
+    /// A hair and its guides with their weights, which add up to one; the nearest first.
+    pub(super) fn hair(&self, (batch, i): Place) -> (&Hair, &[(u32, f32)]) {
+        let found = &self.found[batch as usize];
+        let hair = &found.hairs[i as usize];
+        let (at, count) = hair.weights;
+        (hair, &found.weights[at as usize..][..count as usize])
+    }
+
+    /// The hair of all batches by nearest guide.
+    fn grouped(&self, cx: &EvalCx) -> Result<Vec<Group>, NodeError> {
+        let places = || {
+            (0..).zip(&self.found).flat_map(|(batch, found)| {
+                let own = |hair: &Hair| found.weights[hair.weights.0 as usize].0 as usize;
+                (0..).zip(&found.hairs).map(move |(i, hair)| (own(hair), (hair.index, (batch, i))))
+            })
+        };
+        // Where each guide's hair ends, and then where it begins.
+        let mut ends = vec![0; self.normals.len()];
+        places().for_each(|(guide, _)| ends[guide] += 1);
+        let mut all = 0;
+        for end in &mut ends {
+            all += *end;
+            *end = all;
         }
-        let mut plan = Plan { normals, ..Plan::default() };
-        plan.hairs.reserve_exact(found.len());
-        for (guide, members) in (0..).zip(order).filter(|(_, members)| !members.is_empty()) {
-            let (first, first_weight) = (plan.hairs.len(), plan.weights.len());
-            let mut guides = vec![guide];
-            let mut key = KeyBuilder::new("group");
-            for i in members {
-                let Found { index, root, blend, count } = &found[i as usize];
-                key = key.int(u64::from(*index));
-                let at = (plan.weights.len() - first_weight) as u32;
-                for (guide, weight) in &blend[..*count as usize] {
-                    let slot = guides.iter().position(|g| g == guide).unwrap_or_else(|| {
-                        guides.push(*guide);
-                        guides.len() - 1
-                    });
-                    key = key.int(slot as u64).float(*weight);
-                    plan.weights.push((slot as u16, *weight));
+        let mut begins = ends.clone();
+        let mut order: Vec<(u32, Place)> = vec![(0, (0, 0)); all];
+        for (guide, hair) in places() {
+            begins[guide] -= 1;
+            order[begins[guide]] = hair;
+        }
+        let led: Vec<usize> =
+            (0..ends.len()).filter(|guide| begins[*guide] < ends[*guide]).collect();
+        let each = led.len().div_ceil(PIECES).max(1);
+        let pieces = in_pieces(cx, led.len().div_ceil(each), |piece| {
+            let (mut slots, mut told) = (vec![NO_SLOT; ends.len()], vec![]);
+            let led = led[piece * each..].iter().take(each).map(|guide| {
+                let mut hairs = order[begins[*guide]..ends[*guide]].to_vec();
+                hairs.sort_unstable();
+                let hairs = hairs.into_iter().map(|(_, place)| place).collect();
+                self.group(*guide as u32, hairs, &mut slots, &mut told)
+            });
+            Ok(led.collect::<Vec<Group>>())
+        })?;
+        Ok(pieces.into_iter().flatten().collect())
+    }
+
+    /// One group. `slots` has [`NO_SLOT`] for each guide, before and after; `told` is memory to work in.
+    fn group(
+        &self,
+        guide: u32,
+        hairs: Vec<Place>,
+        slots: &mut [u32],
+        told: &mut Vec<u64>,
+    ) -> Group {
+        let both = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
+        let mut guides = vec![guide];
+        slots[guide as usize] = 0;
+        told.clear();
+        for place in &hairs {
+            let (hair, blend) = self.hair(*place);
+            told.push(both(hair.index, blend.len() as u32));
+            for (guide, weight) in blend {
+                let slot = &mut slots[*guide as usize];
+                if *slot == NO_SLOT {
+                    *slot = guides.len() as u32;
+                    guides.push(*guide);
                 }
-                plan.hairs.push(Hair {
-                    index: *index,
-                    triangle: root.triangle,
-                    bary: root.bary,
-                    point: root.point,
-                    normal: root.normal,
-                    weights: (at, *count),
-                });
+                told.push(both(*slot, weight.to_bits()));
             }
-            let key = guides.iter().fold(key, |key, g| key.vec3(plan.normals[*g as usize]));
-            plan.groups.push(Group {
-                key: key.finish(),
-                guides,
-                hairs: first..plan.hairs.len(),
-                weights: first_weight..plan.weights.len(),
+        }
+        guides.iter().for_each(|guide| slots[*guide as usize] = NO_SLOT);
+        let key = KeyBuilder::new("group").column(told);
+        let key = guides.iter().fold(key, |key, g| key.vec3(self.normals[*g as usize]));
+        Group { key: key.finish(), guides, hairs }
+    }
+}
+
+/// Where a guide has none in a group.
+const NO_SLOT: u32 = u32::MAX;
+
+/// What is told of each guide, asked for in pieces.
+fn each_guide<T: Send + Sync>(
+    cx: &EvalCx,
+    guides: &[Arc<Tuft>],
+    tell: impl Fn(usize, &Tuft) -> T + Sync,
+) -> Result<Vec<T>, NodeError> {
+    let each = guides.len().div_ceil(PIECES).max(1);
+    let pieces = in_pieces(cx, guides.len().div_ceil(each), |piece| {
+        let all = piece * each..guides.len().min((piece + 1) * each);
+        Ok(all.map(|i| tell(i, &guides[i])).collect::<Vec<T>>())
+    })?;
+    Ok(pieces.into_iter().flatten().collect())
+}
+
+/// What `make` makes of 0 to `n`, in order.
+fn in_pieces<T: Send + Sync>(
+    cx: &EvalCx,
+    n: usize,
+    make: impl Fn(usize) -> Result<T, NodeError> + Sync,
+) -> Result<Vec<T>, NodeError> {
+    let made: Vec<OnceLock<Result<T, NodeError>>> = (0..n).map(|_| OnceLock::new()).collect();
+    cx.host.for_each(n, &|i| {
+        if !cx.host.cancelled() {
+            let _ = made[i].set(make(i));
+        }
+    });
+    made.into_iter().map(|one| one.into_inner().unwrap_or(Err(NodeError::Cancelled))).collect()
+}
+
+/// Finds roots and the guides of each.
+struct Finder<'a> {
+    forest: Forest<'a>,
+    even: EvenRoots<'a>,
+    keep: Dice,
+    roots: &'a [Vec3],
+    scalp: &'a Scalp,
+    asked: &'a Asked<'a>,
+}
+
+impl Finder<'_> {
+    /// The hair of a range of the list, in batches that lie along the curve one after the other.
+    fn round(&self, cx: &EvalCx, indices: Range<u32>) -> Result<Vec<Found>, NodeError> {
+        let bits = (indices.len() / BATCH).max(1).ilog2();
+        let mut batches: Vec<Vec<u64>> = vec![];
+        batches.resize_with(1 << bits, || Vec::with_capacity((indices.len() >> bits) + 8));
+        for i in indices {
+            let along = u64::from(self.even.along(i));
+            batches[(along >> (32 - bits)) as usize].push(along << 32 | u64::from(i));
+        }
+        in_pieces(cx, batches.len(), |b| {
+            let mut along = batches[b].clone();
+            along.sort_unstable();
+            self.batch(along.into_iter().map(|one| one as u32))
+        })
+    }
+
+    /// The hair of numbers that lie along the curve.
+    fn batch(&self, indices: impl Iterator<Item = u32>) -> Result<Found, NodeError> {
+        let root = |i: u32| {
+            let (triangle, bary) = self.even.get(i)?;
+            Some((i, self.scalp.root(triangle, bary)))
+        };
+        let rooted: Vec<(u32, Root)> = indices.filter_map(root).collect();
+        let chance = |i| self.keep.unit(u64::from(i), 0);
+        let mut rooted = masked(rooted, self.asked.mask, self.scalp, chance)?;
+        let mut found = Found::default();
+        // The number of each one's tree, and how far off the next parting is.
+        let mut places = vec![(0, f32::MAX); rooted.len()];
+        if let Some(cut) = self.forest.cut {
+            places.clear();
+            rooted.retain(|(_, root)| {
+                let Some(place) = cut.at(root.point).filter(|place| place.free) else {
+                    return false;
+                };
+                let tree = place.section as usize;
+                let is_led = self.forest.trees[tree].is_some();
+                found.led_by_none += usize::from(!is_led);
+                if is_led {
+                    places.push((tree, place.distance));
+                }
+                is_led
             });
         }
-        plan
+        let points: Vec<Vec3> = rooted.iter().map(|(_, root)| root.point).collect();
+        found.hairs.reserve_exact(rooted.len());
+        found.weights.reserve(rooted.len() * self.asked.neighbours);
+        let mut start = 0;
+        for run in places.chunk_by(|a, b| a.0 == b.0) {
+            let Some(tree) = &self.forest.trees[run[0].0] else { continue };
+            let points = &points[start..start + run.len()];
+            tree.find_each(points, self.asked.neighbours + 1, |i, near| {
+                self.forest.open_to(tree, points[i], run[i].1, self.roots, near);
+                let at = found.weights.len();
+                weigh(near, self.asked, &mut found.weights);
+                let count = found.weights.len() - at;
+                if count > 0 {
+                    let (index, root) = &rooted[start + i];
+                    found.hairs.push(Hair {
+                        index: *index,
+                        triangle: root.triangle,
+                        bary: root.bary,
+                        uv: root.uv,
+                        point: root.point,
+                        normal: root.normal,
+                        weights: (at as u32, count as u32),
+                    });
+                }
+            });
+            start += run.len();
+        }
+        Ok(found)
     }
 }
 
@@ -270,48 +402,41 @@ impl<'a> Forest<'a> {
         };
         let at: Vec<Option<u32>> =
             roots.iter().map(|p| cut.at(*p).map(|place| place.section)).collect();
-        // A tree leaves out what is not finite, and keeps the others' numbers.
-        let of = |section: u32| {
-            let own = |(p, at): (&Vec3, &Option<u32>)| {
-                if *at == Some(section) { *p } else { Vec3::NAN }
-            };
-            at.contains(&Some(section)).then(|| Nearest::new(roots.iter().zip(&at).map(own)))
-        };
-        let trees = (0..cut.list().len() as u32).map(of).collect();
+        let mut of: Vec<Vec<(Vec3, u32)>> = vec![vec![]; cut.list().len()];
+        for ((p, number), at) in roots.iter().zip(0..).zip(&at) {
+            if let Some(section) = at {
+                of[*section as usize].push((*p, number));
+            }
+        }
+        let tree = |of: Vec<(Vec3, u32)>| (!of.is_empty()).then(|| Nearest::numbered(of));
+        let trees = of.into_iter().map(tree).collect();
         let id = |at: &Option<u32>| at.map_or(0, |at| cut.list()[at as usize].id);
         Self { cut: Some(cut), trees, ids: at.iter().map(id).collect() }
     }
-    /// The `count` guides nearest to `p` that no parting stands before, nearest first; all that are near where one stands before
-    /// every one of them.
-    fn candidates(
+    /// Of the guides nearest to `p` those that no parting stands before, as many, nearest first; all that are near where one stands
+    /// before every one of them. The next parting is `parting` (cm) off.
+    fn open_to(
         &self,
         tree: &Nearest,
         p: Vec3,
+        parting: f32,
         roots: &[Vec3],
-        count: usize,
         near: &mut Vec<(f32, u32)>,
     ) {
-        tree.find(p, count, near);
         let (Some(cut), Some((far, _))) = (self.cut, near.last()) else { return };
-        if cut.at(p).is_none_or(|place| place.distance * place.distance > *far) {
+        if parting * parting > *far {
             return;
         }
         let open = |(_, guide): &(f32, u32)| !cut.crosses(p, roots[*guide as usize]);
         if near.iter().all(open) {
             return;
         }
+        let count = near.len();
         tree.find(p, count * BEYOND, near);
         if near.iter().any(open) {
             near.retain(open);
         }
         near.truncate(count);
-    }
-    fn tree_at(&self, p: Vec3) -> Option<&Nearest> {
-        let at = match self.cut {
-            Some(cut) => cut.at(p)?.section as usize,
-            None => 0,
-        };
-        self.trees[at].as_ref()
     }
 }
 
@@ -334,32 +459,30 @@ fn masked(
     Ok(kept.map(|(_, root)| root).collect())
 }
 
-/// The guides of a hair with their weights, nearest first: (1/d - 1/R)^2 with R the distance of the first guide
+/// Adds the guides of a hair with their weights, nearest first: (1/d - 1/R)^2 with R the distance of the first guide
 /// that does not count, so that a guide's weight is zero when another takes its place.
-fn weigh(near: &[(f32, u32)], asked: &Asked) -> ([(u32, f32); MOST_GUIDES], u32) {
-    let mut blend = [(0, 0.0); MOST_GUIDES];
+fn weigh(near: &[(f32, u32)], asked: &Asked, blend: &mut Vec<(u32, f32)>) {
+    let first = blend.len();
     let mut horizon = near.get(asked.neighbours).map_or(f32::MAX, |(d2, _)| d2.sqrt());
     if asked.reach > 0.0 {
         horizon = horizon.min(asked.reach);
     }
-    let (mut count, mut sum) = (0, 0.0);
-    for ((d2, guide), slot) in near.iter().take(asked.neighbours).zip(&mut blend) {
+    let mut sum = 0.0;
+    for (d2, guide) in near.iter().take(asked.neighbours) {
         // A hair on a guide's root is its copy: a thousandth of a millimetre is as near as nothing.
         let d = d2.sqrt().max(1e-4);
-        let share = 1.0 / d - 1.0 / horizon;
-        if d >= horizon && count > 0 || asked.reach > 0.0 && d >= asked.reach {
+        let share = (1.0 / d - 1.0 / horizon).max(0.0);
+        if d >= horizon && blend.len() > first || asked.reach > 0.0 && d >= asked.reach {
             break;
         }
-        *slot = (*guide, share.max(0.0) * share.max(0.0));
-        sum += slot.1;
-        count += 1;
+        blend.push((*guide, share * share));
+        sum += share * share;
     }
     if sum > 0.0 {
-        blend.iter_mut().for_each(|slot| slot.1 /= sum);
-    } else {
+        blend[first..].iter_mut().for_each(|(_, weight)| *weight /= sum);
+    } else if blend.len() > first {
         // All as near as the first that does not count: the nearest alone.
-        blend[0].1 = 1.0;
-        count = count.min(1);
+        blend.truncate(first + 1);
+        blend[first].1 = 1.0;
     }
-    (blend, count)
 }

@@ -338,10 +338,17 @@ impl Skin<'_> {
     /// Whether the field alone tells that all of a ball is outside the skin. False says nothing.
     #[inline]
     pub fn is_clear(&self, middle: Vec3, radius: f32) -> bool {
-        match self.field.depth(self.surface, middle) {
-            Depth::Outside => radius < self.field.band(),
-            Depth::Near(d, _, doubt) => d - doubt > radius,
-            Depth::Inside => false,
+        radius < self.clear_about(middle)
+    }
+
+    /// The radius (cm) of a ball about `p` of which the field alone tells that all of it is outside the skin; 0 where it tells of
+    /// none.
+    #[inline]
+    pub fn clear_about(&self, p: Vec3) -> f32 {
+        match self.field.depth(self.surface, p) {
+            Depth::Outside => self.field.band(),
+            Depth::Near(d, _, doubt) => (d - doubt).max(0.0),
+            Depth::Inside => 0.0,
         }
     }
 

@@ -19,6 +19,10 @@ pub(crate) struct EvenRoots<'a> {
     /// and with each.
     triangles: Vec<u32>,
     sums: Vec<f64>,
+    /// For each of `2^bits` equal pieces of the curve the number of the first triangle that it may touch, and all of them at the end:
+    /// a place is looked for among the few of its piece.
+    pieces: Vec<u32>,
+    bits: u32,
 }
 
 /// Halvings within a triangle: beyond that a place is exact to a few thousandths of its edge.
@@ -29,18 +33,20 @@ impl<'a> EvenRoots<'a> {
         let (surface, region) = (scalp.surface(), scalp.region());
         let (lo, hi) = surface.bounds();
         let scale = 1023.0 / (hi - lo).max_element().max(1e-6);
-        let mut order: Vec<(u32, u32)> = (0..surface.triangles.len() as u32)
+        let mut order: Vec<u64> = (0..surface.triangles.len() as u32)
             .filter(|t| highest(scalp, region, *t) > 0.0)
             .map(|t| {
                 let [a, b, c] = surface.corners(t);
                 let cell = ((a + b + c) / 3.0 - lo) * scale;
-                (hilbert([cell.x as u32, cell.y as u32, cell.z as u32]), t)
+                let along = hilbert([cell.x as u32, cell.y as u32, cell.z as u32]);
+                u64::from(along) << 32 | u64::from(t)
             })
             .collect();
         order.sort_unstable();
         let mut sum = 0.0;
-        let (mut triangles, mut sums) = (vec![], vec![]);
-        for (_, t) in order {
+        let mut triangles = Vec::with_capacity(order.len());
+        let mut sums = Vec::with_capacity(order.len());
+        for t in order.into_iter().map(|one| one as u32) {
             let area = 0.5 * f64::from(surface.area_vector(t).length());
             if area.is_finite() && area > 0.0 {
                 sum += area * f64::from(highest(scalp, region, t));
@@ -48,7 +54,18 @@ impl<'a> EvenRoots<'a> {
                 sums.push(sum);
             }
         }
-        Self { scalp, dice, triangles, sums }
+        let bits = (sums.len().max(2) as u32).ilog2().min(20);
+        let mut even = Self { scalp, dice, triangles, sums, pieces: vec![], bits };
+        let mut slot = 0;
+        for piece in 0..1u32 << bits {
+            let at = even.at(piece << (32 - bits));
+            while even.sums.get(slot).is_some_and(|sum| *sum <= at) {
+                slot += 1;
+            }
+            even.pieces.push(slot as u32);
+        }
+        even.pieces.push(even.sums.len() as u32);
+        even
     }
 
     /// How many places the list has to be asked for one a cm2, cm2: the region's area, a soft triangle counted with
@@ -57,11 +74,26 @@ impl<'a> EvenRoots<'a> {
         self.sums.last().copied().unwrap_or(0.0)
     }
 
+    /// How far along the curve the `i`-th place of the list lies, in 2^-32 of it. Places that lie near each other on the curve do so on
+    /// the scalp, too.
+    #[inline]
+    pub(crate) fn along(&self, i: u32) -> u32 {
+        scrambled(i, self.dice.bits(0, 0))
+    }
+
+    /// The sum of areas up to a place of the curve.
+    #[inline]
+    fn at(&self, along: u32) -> f64 {
+        f64::from(along) * (1.0 / 4_294_967_296.0) * self.area()
+    }
+
     /// The `i`-th place of the list; none where the soft edge of the region leaves it out, or without any region.
     pub(crate) fn get(&self, i: u32) -> Option<(u32, Vec2)> {
-        let bits = scrambled(i, self.dice.bits(0, 0));
-        let at = f64::from(bits) * (1.0 / 4_294_967_296.0) * self.area();
-        let slot = self.sums.partition_point(|sum| *sum <= at);
+        let along = self.along(i);
+        let at = self.at(along);
+        let piece = (along >> (32 - self.bits)) as usize;
+        let (from, to) = (self.pieces[piece] as usize, self.pieces[piece + 1] as usize);
+        let slot = from + self.sums[from..to].partition_point(|sum| *sum <= at);
         let triangle = *self.triangles.get(slot)?;
         let before = if slot > 0 { self.sums[slot - 1] } else { 0.0 };
         let fraction = (at - before) / (self.sums[slot] - before);
@@ -101,14 +133,40 @@ fn scrambled(i: u32, seed: u64) -> u32 {
 
 /// A place in a triangle by bisecting it: fractions (in 2^-[`HALVINGS`]) that are close lie close.
 fn within(fraction: u32) -> Vec2 {
-    let (mut from, mut apex, mut to) = (Vec2::ZERO, Vec2::X, Vec2::Y);
-    for halving in (0..HALVINGS).rev() {
-        let middle = (from + to) * 0.5;
-        (from, to) = if fraction >> halving & 1 == 0 { (from, apex) } else { (apex, to) };
-        apex = middle;
-    }
-    (from + apex + to) / 3.0
+    // Half of the halvings lead to a small triangle, the other half on from there. Corners are sums of few powers of two and
+    // nothing is rounded, so that it comes to the same as halving one by one.
+    let [from, apex, to] = CORNERS[(fraction >> HALF & (PARTS - 1)) as usize].map(Vec2::from_array);
+    let [a, b, c] = CORNERS[(fraction & (PARTS - 1)) as usize].map(Vec2::from_array);
+    let sum = a + b + c;
+    (from * 3.0 + (apex - from) * sum.x + (to - from) * sum.y) / 3.0
 }
+
+/// Half of the halvings, and how many parts these make.
+const HALF: u32 = HALVINGS / 2;
+const PARTS: u32 = 1 << HALF;
+
+/// The corners of the parts: from, apex and to, each as weights of the whole's apex and to.
+static CORNERS: [[[f32; 2]; 3]; PARTS as usize] = {
+    let mut corners = [[[0.0; 2]; 3]; PARTS as usize];
+    let mut part = 0;
+    while part < PARTS {
+        let (mut from, mut apex, mut to) = ([0.0, 0.0], [1.0, 0.0], [0.0, 1.0]);
+        let mut halving = HALF;
+        while halving > 0 {
+            halving -= 1;
+            let middle = [(from[0] + to[0]) * 0.5, (from[1] + to[1]) * 0.5];
+            if part >> halving & 1 == 0 {
+                to = apex;
+            } else {
+                from = apex;
+            }
+            apex = middle;
+        }
+        corners[part as usize] = [from, apex, to];
+        part += 1;
+    }
+    corners
+};
 
 /// How far along a Hilbert curve through 1024^3 cells a cell lies (Skilling 2004, "Programming the
 /// Hilbert curve").
@@ -161,6 +219,8 @@ pub(crate) struct Apart {
 
 /// Of the distance that places in a perfect grid of triangles would have, 1.07 sqrt(area / number).
 const SPREAD: f32 = 0.8;
+/// Cells become wider when what is looked through is so many of them wide.
+const MOST_CELLS: f32 = 4.0;
 /// Places refused in a row before the distance shrinks.
 const PATIENCE: u32 = 24;
 
@@ -185,8 +245,10 @@ impl Apart {
     pub(crate) fn take(&mut self, p: Vec3, density: f32) -> bool {
         let even = SPREAD * (self.area / (self.taken.len() + 1) as f32).sqrt() * self.slack;
         let apart = (even / density.max(0.02).sqrt()).max(self.least);
-        if even.max(self.least) < 0.5 * self.cell {
-            self.cell = even.max(self.least).max(1e-3);
+        // Cells about as wide as what is looked through: it shrinks as places are taken, and grows again after a crowd.
+        let wide = even.max(self.least).max(1e-3);
+        if wide < 0.5 * self.cell || wide > MOST_CELLS * self.cell {
+            self.cell = wide;
             self.cells.clear();
             for (i, p) in (0..).zip(&self.taken) {
                 self.cells.entry(cell_of(*p, self.cell)).or_default().push(i);
@@ -232,6 +294,24 @@ mod tests {
     use crate::data::scalp::tests::ball;
 
     #[test]
+    fn a_place_in_a_triangle_is_found_by_halving_it() {
+        let one_by_one = |fraction: u32| {
+            let (mut from, mut apex, mut to) = (Vec2::ZERO, Vec2::X, Vec2::Y);
+            for halving in (0..HALVINGS).rev() {
+                let middle = (from + to) * 0.5;
+                (from, to) = if fraction >> halving & 1 == 0 { (from, apex) } else { (apex, to) };
+                apex = middle;
+            }
+            (from + apex + to) / 3.0
+        };
+        for fraction in 0..1 << HALVINGS {
+            assert_eq!(within(fraction), one_by_one(fraction), "{fraction}");
+        }
+        // The last of a triangle's curve, which rounding may ask for, is its start.
+        assert_eq!(within(1 << HALVINGS), within(0));
+    }
+
+    #[test]
     fn every_start_of_the_list_is_spread_by_area() {
         let scalp = ball();
         let roots = EvenRoots::new(&scalp, Dice::new(1, 2, "roots"));
@@ -252,6 +332,25 @@ mod tests {
                 assert!(off < 0.06 * want + 2.5 * want.sqrt().sqrt() + 1.0, "{n}: {counts:?}");
             }
         }
+    }
+
+    #[test]
+    fn cells_are_as_wide_as_what_is_looked_through_even_after_a_crowd() {
+        // Places in a crowd 0.1 cm wide of a region that should be 100 make the distance small; of those that follow all over the region
+        // most are taken, and it grows again. The cells must not stay as small as the crowd.
+        let mut apart = Apart::new(10_000.0, 0.0);
+        let dice = Dice::new(8, 0, "crowd");
+        let at = |i: u64, size: f32| Vec3::new(dice.unit(i, 0), dice.unit(i, 1), 0.0) * size;
+        for i in 0..60_000 {
+            apart.take(at(i, 0.1), 1.0);
+        }
+        let crowd = apart.cell;
+        for i in 60_000..90_000 {
+            apart.take(at(i, 100.0), 1.0);
+        }
+        let even = SPREAD * (apart.area / apart.taken.len() as f32).sqrt() * apart.slack;
+        assert!(even > 20.0 * crowd, "{even} {crowd}: it does not grow");
+        assert!(even <= 1.02 * MOST_CELLS * apart.cell, "{even} in cells of {}", apart.cell);
     }
 
     #[test]

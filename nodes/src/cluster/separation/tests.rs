@@ -4,10 +4,9 @@ use super::*;
 use crate::data::scalp::tests::shared_ball;
 use crate::define::Value;
 use crate::eval::{Host, Kept, Log, PlainHost, Quality};
-use crate::maths::hash::Dice;
-use crate::maths::hash::Key;
+use crate::maths::hash::{Dice, Key};
 use crate::maths::transcendental::sin_cos_turns;
-use crate::testing::{Memory, curves_of, run, run_on};
+use crate::testing::{Memory, Threads, curves_of, run, run_on};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Curves that leave the ball side by side, much closer than their radii ask.
@@ -178,27 +177,6 @@ fn a_curve_counts_by_its_nearest_part_once() {
         curves_of(&out[0]).tufts()[0].key()
     };
     assert_eq!(two(true), two(false));
-}
-
-/// A host that runs pieces on threads of its own, the last first.
-struct Threads(usize);
-
-impl Host for Threads {
-    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
-        std::thread::scope(|scope| {
-            for thread in 0..self.0 {
-                scope.spawn(move || (0..n).rev().skip(thread).step_by(self.0).for_each(f));
-            }
-        });
-    }
-    fn cancelled(&self) -> bool {
-        false
-    }
-    fn find(&self, _: Key) -> Option<Kept> {
-        None
-    }
-    fn keep(&self, _: Key, _: Kept, _: usize) {}
-    fn progress(&self, _: usize, _: usize) {}
 }
 
 #[test]
