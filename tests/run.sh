@@ -4,9 +4,11 @@
 # Installs what the tests need where it may: Debian packages as root (a software graphics adapter among them), and usd-core
 # in a Python environment under target/. Where it may not, it says what is missing; tests that need it are listed as
 # skipped at the end.
+# With --long also what takes minutes: tests that are ignored else, and Blender's reader (bpy, a third of a gigabyte).
 # Ends with the sum of the tests' own summary lines: "N passed, N failed, N skipped".
 set -uo pipefail
 cd "$(dirname "$0")/.."
+[ "${1:-}" = --long ] && export COIF_LONG=1
 export CARGO_INCREMENTAL="${CARGO_INCREMENTAL:-0}" CARGO_TERM_COLOR=never RUST_BACKTRACE=0
 log=target/tests.log
 mkdir -p target
@@ -36,6 +38,20 @@ if ! "$python" -c 'import pxr' 2>/dev/null; then
     fi
 fi
 [ -x "$python" ] && export COIF_USD_PYTHON="$PWD/$python"
+
+bpy="bpy==5.0.1" # for Python 3.11 alone
+blender=target/venv-blender/bin/python
+if [ -n "${COIF_LONG:-}" ] && ! "$blender" -c 'import bpy' 2>/dev/null; then
+    say "Python environment with $bpy under target/"
+    rm -rf target/venv-blender
+    if python3 -m venv target/venv-blender >/dev/null 2>&1 &&
+        "$blender" -m pip install --quiet --disable-pip-version-check "$bpy"; then
+        :
+    else
+        rm -rf target/venv-blender
+        missing "Python 3.11 with venv and $bpy (pip install $bpy): files are not opened with Blender"
+    fi
+fi
 
 # FLIP, by which pictures are compared, is C++.
 if ! command -v c++ >/dev/null && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
@@ -97,7 +113,7 @@ RUSTDOCFLAGS="-D warnings" check cargo doc --quiet --workspace --no-deps
 
 tests() {
     say "$*"
-    "$@" -- --show-output >>"$log" 2>&1
+    "$@" -- --show-output ${ignored:-} >>"$log" 2>&1
     local code=$?
     if [ $code -ne 0 ]; then
         grep -E '^(error|test .* FAILED|thread .* panicked|---- .* stdout ----)' -A 12 "$log" | tail -n 200
@@ -109,6 +125,8 @@ tests cargo test --workspace --no-fail-fast
 # The same hair from the build for farms, in release: neither window nor pictures, which take most of the time to build.
 check cargo build --quiet --release -p coif --no-default-features
 COIF_PROGRAM="$PWD/target/release/coif" tests cargo test --no-fail-fast -p coif-tests --test golden
+
+[ -n "${COIF_LONG:-}" ] && ignored=--ignored tests cargo test --release --workspace --no-fail-fast
 
 # --- sum ---------------------------------------------------------------------------------------
 grep -E '^(skipped|missing): ' "$log" | sort -u

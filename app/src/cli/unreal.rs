@@ -162,3 +162,94 @@ fn of_name(name: &str, before: &[&str], made_up: &mut Vec<String>) {
         say(&format!("Unreal's names have at most {LETTERS} letters"));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use coif_nodes::data::attributes::{Domain, PARTING};
+    use coif_nodes::data::curves::{Curves, TuftBuilder};
+    use glam::Vec3;
+    use std::sync::Arc;
+
+    /// An output of three curves of `points` points with uvs and a width.
+    fn output(name: &str, guides: bool, points: usize) -> Group {
+        let mut b =
+            TuftBuilder::even((0..3 * points).map(|k| Vec3::Y * k as f32).collect(), points);
+        b.set(ROOT_UV, Domain::Curve, vec![Vec2::X; 3]);
+        b.set(WIDTH, Domain::Curve, vec![0.01]);
+        Group { name: name.into(), guides, curves: Curves::new(vec![Arc::new(b.build())]) }
+    }
+    fn edited(mut group: Group, edit: impl Fn(&mut TuftBuilder)) -> Group {
+        let mut b = group.curves.tufts()[0].edit();
+        edit(&mut b);
+        group.curves = Curves::new(vec![Arc::new(b.build())]);
+        group
+    }
+    fn many(mut group: Group, tufts: usize) -> Group {
+        group.curves = Curves::new(vec![group.curves.tufts()[0].clone(); tufts]);
+        group
+    }
+
+    /// What is lost and what is made up: as many lines as given, each with its words.
+    #[track_caller]
+    fn check(groups: &[Group], lost: &[&str], made_up: &[&str]) {
+        let found = judged(groups);
+        for (lines, words) in [(&found.lost, lost), (&found.made_up, made_up)] {
+            assert_eq!(lines.len(), words.len(), "{lines:#?}");
+            for (line, words) in lines.iter().zip(words) {
+                assert!(line.contains(words), "{words:?} is not in {line:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn hair_with_guides_uvs_and_width_loses_nothing() {
+        check(&[output("hair", false, 255), output("hair", true, 4)], &[], &[]);
+    }
+
+    #[test]
+    fn what_is_over_a_limit_is_lost() {
+        let with_guides = |hair: Group| [hair, output("hair", true, 4)];
+        check(
+            &with_guides(output("hair", false, 256)),
+            &["3 curves have more than 255 points"],
+            &[],
+        );
+        // 3 x 255 x 21,931 = 16,777,215 points are what a group holds.
+        check(&with_guides(many(output("hair", false, 255), 21_931)), &[], &[]);
+        let over = with_guides(many(output("hair", false, 255), 21_932));
+        check(&over, &["16777980 points of hairs are more than the 16777215"], &[]);
+        // 3 x 1,398,101 = 4,194,303 curves, and 1 group by two outputs of one name.
+        let [half, rest] = [700_000, 698_102].map(|tufts| many(output("hair", false, 2), tufts));
+        let over = [half, rest, output("hair", true, 4)];
+        check(&over, &["4194306 hairs are more than the 4194303"], &[]);
+        check(&[output("hair", true, 4)], &["guides but no hair"], &[]);
+    }
+
+    #[test]
+    fn what_unreal_makes_up_is_told_with_its_remedy() {
+        let (hair, guides) = (|| output("hair", false, 4), || output("hair", true, 4));
+        check(&[hair()], &[], &["Unreal picks some of the hairs"]);
+        let bare = edited(hair(), |b| b.set(ROOT_UV, Domain::Curve, vec![Vec2::ZERO; 3]));
+        check(&[bare, guides()], &[], &["lays a sphere about the hair"]);
+        let uvs = vec![Vec2::X, Vec2::ZERO, Vec2::Y];
+        let some = edited(hair(), |b| b.set(ROOT_UV, Domain::Curve, uvs.clone()));
+        check(&[some, guides()], &[], &["1 of 3 roots have no uv"]);
+        let mut b = TuftBuilder::even(vec![Vec3::ZERO, Vec3::Y], 2);
+        b.set(ROOT_UV, Domain::Curve, vec![Vec2::X]);
+        let curves = Curves::new(vec![Arc::new(b.build())]);
+        check(&[Group { curves, ..hair() }, guides()], &[], &["written 0.008 cm wide"]);
+        check(&[hair(), output("other", true, 4)], &[], &["go with \"hair\""]);
+        let lines = edited(output("lines", true, 4), |b| b.set(PARTING, Domain::Curve, vec![3]));
+        check(&[hair(), guides(), lines], &[], &["lines of partings"]);
+    }
+
+    #[test]
+    fn names_that_unreal_reads_otherwise_are_told() {
+        let named = |name: &str| [output(name, false, 4), output(name, true, 4)];
+        check(&named("none"), &[], &["for no name"]);
+        check(&named("Zöpfe"), &[], &["beyond ASCII"]);
+        check(&named(&"a".repeat(1024)), &[], &["at most 1023"]);
+        check(&[named("Hair"), named("hair")].concat(), &[], &["in other case"]);
+    }
+}

@@ -149,7 +149,7 @@ pub const ADDED: &[(&str, &str, &str, &str)] = &[
          hair of their name, else that of the first.",
     ),
     ("groom_group_name", "string", "constant", "Name of that group."),
-    ("groom_id", "int", "uniform", "`id`, folded to 31 bits without repeats, as in files."),
+    ("groom_id", "int", "uniform", "`id`, folded to 31 bits without repeats, as `id` in files is."),
     (
         "groom_root_uv",
         "float2",
@@ -200,7 +200,8 @@ fn added<'c>(curves: &'c Curves, guides: bool, place: &Place) -> Vec<Primvar<'c>
         ("groom_group_name", Constant, PrimvarValues::Text(vec![place.name.clone()])),
         ("groom_id", Uniform, PrimvarValues::Int(unique_ids(curves).into())),
     ];
-    let uvs: Vec<Vec2> = curves.each().map(|(t, i)| t.view(ROOT_UV).at(i, t.range(i).start)).collect();
+    let uvs: Vec<Vec2> =
+        curves.each().map(|(t, i)| t.view(ROOT_UV).at(i, t.range(i).start)).collect();
     if uvs.iter().any(|uv| *uv != Vec2::ZERO) {
         added.push(("groom_root_uv", Uniform, PrimvarValues::TexCoord(uvs.into())));
     }
@@ -456,6 +457,72 @@ mod tests {
                 assert_eq!(one.values, two.values, "{name} is the same in every prim");
             }
         }
+    }
+
+    #[test]
+    fn what_readers_of_grooms_look_for_is_in_every_file_but_for_what_curves_have_themselves() {
+        let mut b = TuftBuilder::even((0..6).map(|k| Vec3::Y * k as f32).collect(), 3);
+        b.set(ROOT_UV, Domain::Curve, vec![Vec2::X, Vec2::Y]);
+        b.set(a::COLOUR, Domain::Curve, vec![Vec3::X]);
+        let group = |b: TuftBuilder| Group {
+            name: "a\0b".into(),
+            guides: false,
+            curves: Curves::new(vec![Arc::new(b.build())]),
+        };
+        let about = About {
+            title: "all".into(),
+            generator: "test".into(),
+            graph_hash: String::new(),
+            seed: 0,
+        };
+        let written = |format: Format, group: &Group| {
+            let mut file = std::io::Cursor::new(vec![]);
+            write(format, std::slice::from_ref(group), &[], &about, &mut file).unwrap();
+            let bytes = file.into_inner();
+            match format {
+                Format::Abc => abc::read_curves(&bytes),
+                _ => super::super::usd::read::read_curves(&bytes, "usd"),
+            }
+            .unwrap()
+            .remove(0)
+        };
+        let plain = group(b.clone());
+        for format in [Format::Usda, Format::Usdc, Format::Abc] {
+            let read = written(format, &plain);
+            for (name, ty, how, _) in ADDED {
+                let found = read.primvars.iter().find(|p| p.name == *name);
+                if *name == "groom_color" && format != Format::Abc {
+                    assert!(found.is_none(), "{format:?}");
+                    continue;
+                }
+                let found = found.expect(name);
+                assert_eq!(found.interpolation, *how, "{name}");
+                let wanted = ["texCoord2f[]".to_owned(), format!("{ty}[]"), format!("{ty}f[]")];
+                assert!(wanted.contains(&found.type_name), "{name} is {}", found.type_name);
+            }
+        }
+        // Without uvs no root has one, and what the curves have themselves stays.
+        b.set(ROOT_UV, Domain::Curve, vec![Vec2::ZERO]);
+        let values = i32::column(vec![42]);
+        b.set_column(a::Attribute { name: "groom_group_id".into(), domain: Domain::Curve, values });
+        let own = group(b);
+        for format in [Format::Usdc, Format::Abc] {
+            let read = written(format, &own);
+            let of =
+                |name: &str| read.primvars.iter().filter(|p| p.name == name).collect::<Vec<_>>();
+            assert!(of("groom_root_uv").is_empty(), "{format:?}");
+            let [id] = of("groom_group_id")[..] else { panic!("{format:?}") };
+            assert_eq!(id.values, super::super::usd::read::ReadValues::Int(vec![42]));
+        }
+    }
+
+    #[test]
+    fn curves_without_ids_are_numbered_in_no_time() {
+        let mut b = TuftBuilder::new();
+        (0..100_000).for_each(|_| b.push_curve(&[Vec3::ZERO, Vec3::Y]));
+        let curves = Curves::new(b.build().split());
+        // Each searched from 0 on for a free number, which is 5,000,000,000 looks.
+        assert!(unique_ids(&curves).into_iter().eq(0..100_000));
     }
 
     #[test]

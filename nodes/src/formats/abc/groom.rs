@@ -3,10 +3,10 @@
 //! Guaranteed: names hold nothing that a path or metadata cannot (`/`, `;`, `=`, control characters) and are unique, the box is that
 //! of the points, and the same groom gives the same bytes. Positions and widths are written as they are given. Nothing is animated.
 
+use super::super::FormatError;
 use super::super::usd::groom::{
     CurveSet, Interpolation, Primvar, PrimvarValues, Purpose, Shape, Stage, Widths, unique,
 };
-use super::super::FormatError;
 use super::ogawa::{self, Kind, Object, Pod, Property, Values, metadata};
 use crate::data::scalp::Scalp;
 use glam::Vec3;
@@ -59,7 +59,8 @@ pub fn write(
         text("groom_tool", &stage.generator),
         text("groom_properties", &made),
     ];
-    let top = Object { children: vec![xform(safe(&stage.name), user, objects)], ..Object::default() };
+    let top =
+        Object { children: vec![xform(safe(&stage.name), user, objects)], ..Object::default() };
     let about = metadata(&[
         ("_ai_AlembicVersion", "Alembic 1.8.12, Ogawa as written by coif"),
         ("_ai_Application", &safe(&stage.generator)),
@@ -104,12 +105,7 @@ fn curves<'a>(set: &'a CurveSet<'a>, by_point: bool) -> Result<Vec<Property<'a>>
         bounds(set.points.values()),
         positions(Values::chunks(&set.points)),
         array("nVertices", "", Pod::I32, Values::chunks(&set.counts)),
-        scalar(
-            "curveBasisAndType",
-            "",
-            Pod::U8,
-            &[CUBIC, NOT_PERIODIC, CATMULL_ROM, CATMULL_ROM],
-        ),
+        scalar("curveBasisAndType", "", Pod::U8, &[CUBIC, NOT_PERIODIC, CATMULL_ROM, CATMULL_ROM]),
     ];
     properties.push(match &set.widths {
         Widths::Vertex(widths) => param("width", Pod::F32, 1, "", "vtx", Values::chunks(widths)),
@@ -118,9 +114,7 @@ fn curves<'a>(set: &'a CurveSet<'a>, by_point: bool) -> Result<Vec<Property<'a>>
             let each = move || Box::new(std::iter::repeat(width)) as Box<dyn Iterator<Item = f32>>;
             param("width", Pod::F32, 1, "", "vtx", Values::spread(each, &set.counts))
         }
-        Widths::Constant(width) => {
-            param("width", Pod::F32, 1, "", "con", Values::of(&[*width], 1))
-        }
+        Widths::Constant(width) => param("width", Pod::F32, 1, "", "con", Values::of(&[*width], 1)),
     });
     let st = set.primvars.iter().find(|primvar| primvar.name == "st");
     if let Some(Primvar { interpolation: Interpolation::Uniform, values, .. }) = st
@@ -135,7 +129,10 @@ fn curves<'a>(set: &'a CurveSet<'a>, by_point: bool) -> Result<Vec<Property<'a>>
             && texts.iter().any(|text| text.contains('\0'))
         {
             let place = format!("{}, primvar {}", set.name, primvar.name);
-            return Err(FormatError::at(place, "a text holds a NUL character, which ends texts in Alembic"));
+            return Err(FormatError::at(
+                place,
+                "a text holds a NUL character, which ends texts in Alembic",
+            ));
         }
         let name = unique(safe(&primvar.name), |name| params.iter().any(|p| p.name == name));
         params.push(geom_param(name, primvar));
@@ -264,4 +261,3 @@ fn safe(name: &str) -> String {
     let safe: String = name.chars().map(|c| if is_bad(c) { '_' } else { c }).collect();
     if safe.is_empty() { "_".into() } else { safe }
 }
-

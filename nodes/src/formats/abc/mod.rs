@@ -33,4 +33,3 @@ pub mod read;
 
 pub use groom::write;
 pub use read::read_curves;
-

@@ -82,7 +82,8 @@ impl<'a> Values<'a> {
     }
     /// Texts, each ended by a NUL.
     pub(super) fn texts(texts: &[String]) -> Self {
-        let bytes: Vec<u8> = texts.iter().flat_map(|text| [text.as_bytes(), &[0]].concat()).collect();
+        let bytes: Vec<u8> =
+            texts.iter().flat_map(|text| [text.as_bytes(), &[0]].concat()).collect();
         Self { items: texts.len() as u64, give: Box::new(move |sink| sink(&bytes)) }
     }
     /// A long array.

@@ -4,15 +4,21 @@
 //! than their headers tell. [`read_curves`] gathers curves from it in world space.
 //!
 //! Guaranteed: hostile bytes give an error, never a panic, an endless walk (a group that many others share counts as often as it
-//! is met, and all together may not be larger than twice the file) or more memory than the USD reader takes. Not promised:
+//! is met, and all together may not be larger than twice the file) or curves that take more memory than 64 KiB and four times the
+//! file. Not promised:
 //! animation (the first sample counts), instances, and the older container HDF5, which Alembic itself gave up.
 
 use super::super::FormatError;
 use super::super::usd::read::budget::Budget;
 use super::super::usd::read::{ReadCurves, ReadPrimvar, ReadValues, ReadWidths, width_scale};
 use super::ogawa::{DATA, OWN_METADATA};
-use glam::{DMat4, DVec3, Vec2, Vec3};
+use glam::{DMat4, DVec3, Vec3};
 use std::cell::Cell;
+
+/// Memory that curves may take: so many bytes, and so many for each of the file. Values that are alike are in a file once and in
+/// memory as often as they are meant.
+const FIXED: u64 = 64 << 10;
+const PER_BYTE: u64 = 4;
 
 /// The bytes of an archive.
 pub struct Archive<'a> {
@@ -185,7 +191,8 @@ impl<'a> Archive<'a> {
             return Ok(Property { name, metadata, kind: Kind::Compound(Place(at)) });
         }
         let group = self.group(at)?;
-        let sample = if samples == 0 || group.len() == 0 { &[][..] } else { self.data(group.place(0))? };
+        let sample =
+            if samples == 0 || group.len() == 0 { &[][..] } else { self.data(group.place(0))? };
         let kind = Kind::Values {
             pod: (info >> 4 & 15) as u8,
             extent: (info >> 12) as u8,
@@ -215,7 +222,10 @@ impl<'a> Archive<'a> {
     fn charge(&self, bytes: u64) -> Result<(), FormatError> {
         let left = self.left.get().checked_sub(bytes);
         self.left.set(left.ok_or_else(|| {
-            FormatError::at("file", "its groups are more than it has bytes, which no honest file's are")
+            FormatError::at(
+                "file",
+                "its groups are more than it has bytes, which no honest file's are",
+            )
         })?);
         Ok(())
     }
@@ -300,7 +310,7 @@ impl<'a> Cursor<'a> {
 /// Damaged bytes, and curves that contradict themselves, with their path.
 pub fn read_curves(bytes: &[u8]) -> Result<Vec<ReadCurves>, FormatError> {
     let archive = Archive::open(bytes)?;
-    let mut budget = Budget::for_file(bytes.len());
+    let mut budget = Budget::of(FIXED + PER_BYTE * bytes.len() as u64);
     let mut found = vec![];
     let mut open = vec![(archive.top()?, String::new(), DMat4::IDENTITY)];
     while let Some((object, path, world)) = open.pop() {
@@ -411,7 +421,9 @@ impl CurvesObject<'_> {
                 *point = self.world.transform_point3(point.as_dvec3()).as_vec3();
             });
             if let Some(bad) = points.iter().position(|point| !point.is_finite()) {
-                return Err(self.error("P", format!("point {bad} leaves the numbers in world space")));
+                return Err(
+                    self.error("P", format!("point {bad} leaves the numbers in world space"))
+                );
             }
         }
         let Some((6, 1, counts)) = values(&self.geom, "nVertices") else {
@@ -421,7 +433,8 @@ impl CurvesObject<'_> {
         let counts: Vec<u32> = copied(counts);
         let counted: u64 = counts.iter().map(|count| u64::from(*count)).sum();
         if counted != points.len() as u64 {
-            let reason = format!("the curves count {counted} points, but there are {}", points.len());
+            let reason =
+                format!("the curves count {counted} points, but there are {}", points.len());
             return Err(self.error("nVertices", reason));
         }
         let how = values(&self.geom, "curveBasisAndType").map_or(&[][..], |(.., bytes)| bytes);
@@ -433,7 +446,9 @@ impl CurvesObject<'_> {
         let mut widths = None;
         if let Some(property) = self.geom.iter().find(|property| property.name == "width") {
             match self.param(property, shape, budget)? {
-                Ok(ReadPrimvar { interpolation, values: ReadValues::Float(mut values), .. }) => {
+                Ok(ReadPrimvar {
+                    interpolation, values: ReadValues::Float(mut values), ..
+                }) => {
                     let scale = width_scale(self.world);
                     values.iter_mut().for_each(|width| *width = (f64::from(*width) * scale) as f32);
                     widths = Some(ReadWidths { interpolation, values });
@@ -453,7 +468,9 @@ impl CurvesObject<'_> {
                 match self.param(&property, shape, budget)? {
                     Ok(primvar) => budget.push(&mut primvars, primvar)?,
                     Err(reason) => {
-                        notes.push(budget.text(&format!("{} was left out: {reason}", property.name))?);
+                        notes.push(
+                            budget.text(&format!("{} was left out: {reason}", property.name))?,
+                        );
                     }
                 }
             }
@@ -557,8 +574,11 @@ fn read_values(pod: u8, extent: u8, bytes: &[u8]) -> Option<ReadValues> {
         (10, 3) => ReadValues::Float3(copied(bytes)),
         (11, 1) => ReadValues::Float(doubles(bytes).into_iter().map(|x| x as f32).collect()),
         (12, 1) => {
-            let texts = bytes.strip_suffix(&[0]).map_or(vec![], |all| all.split(|b| *b == 0).collect());
-            ReadValues::Text(texts.iter().map(|t| String::from_utf8_lossy(t).into_owned()).collect())
+            let texts =
+                bytes.strip_suffix(&[0]).map_or(vec![], |all| all.split(|b| *b == 0).collect());
+            ReadValues::Text(
+                texts.iter().map(|t| String::from_utf8_lossy(t).into_owned()).collect(),
+            )
         }
         _ => return None,
     })

@@ -17,6 +17,11 @@ impl Budget {
         Self { left: (32 << 20) + 10 * length as u64 }
     }
 
+    /// A budget of so many bytes.
+    pub(in crate::formats) fn of(bytes: u64) -> Self {
+        Self { left: bytes }
+    }
+
     /// Takes bytes from the budget.
     pub(in crate::formats) fn charge(&mut self, bytes: u64) -> Result<(), FormatError> {
         match self.left.checked_sub(bytes) {
@@ -43,7 +48,11 @@ impl Budget {
     }
 
     /// Appends to a vector, charging for its growth.
-    pub(in crate::formats) fn push<T>(&mut self, values: &mut Vec<T>, value: T) -> Result<(), FormatError> {
+    pub(in crate::formats) fn push<T>(
+        &mut self,
+        values: &mut Vec<T>,
+        value: T,
+    ) -> Result<(), FormatError> {
         if values.len() == values.capacity() {
             let more = values.capacity().max(8);
             self.charge_items::<T>(more as u64)?;
