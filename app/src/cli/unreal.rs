@@ -1,8 +1,8 @@
 //! What becomes of a groom in Unreal Engine: what its importer would cut off or leave out, and what it makes up by itself.
 //!
 //! Looked at is what `.abc` files hold, by the groups that readers make of it ([`export::places`]). Limits and fallbacks are those of
-//! the engine's importer (`HairStrandsDefinitions.h`, `GroomBuilder.cpp` of 5.4) and of Epic's "Alembic for Grooms"; the engine itself
-//! was not run.
+//! the engine's importer (`HairStrandsDefinitions.h`, `AlembicHairTranslator.cpp`, `GroomBuilder.cpp`) and of Epic's "Alembic for
+//! Grooms"; the engine itself was not run.
 
 use super::groom::{Opened, Stop};
 use super::report::Report;
@@ -138,7 +138,7 @@ fn of_curves(group: &Group, lost: &mut Vec<String>, made_up: &mut Vec<String>) {
     }
     if !group.guides && curves.tufts().iter().all(|tuft| tuft.attribute(WIDTH.name).is_none()) {
         made_up.push(format!(
-            "{name}: the hair has no width and is written {} cm wide; give it one with the node width",
+            "{name}: the hair has no width and is written {} cm wide; give it one with set_width",
             WIDTH.default
         ));
     }
