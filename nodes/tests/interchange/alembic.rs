@@ -92,7 +92,7 @@ fn check_set(written: &CurveSet, read: &ReadCurves, path: &str) {
         points.map(|p| p.to_array().map(f32::to_bits)).collect()
     };
     assert_eq!(bits(&mut written.points.values()), bits(&mut read.points.iter()), "points");
-    // One width a point in every set, for one of them has that.
+    // One width a point, for Blender passes over a single one.
     let widths = match &written.widths {
         Widths::Constant(width) => vec![*width; read.points.len()],
         Widths::Vertex(widths) => widths.values().copied().collect(),
@@ -214,7 +214,7 @@ fn a_groom_lies_where_unreal_maya_and_blender_look_for_it() {
                   P array 10x3 vtx point 144 bytes
                   nVertices array 6x1 12 bytes
                   curveBasisAndType scalar 1x4 4 bytes
-                  width array 10x1 con 4 bytes
+                  width array 10x1 vtx 48 bytes
                   uv array 10x2 uni vector 24 bytes
                   .arbGeomParams 
                     displayColor array 10x3 uni rgb 36 bytes

@@ -25,7 +25,6 @@ pub fn write(
     heads: &[Arc<Scalp>],
     out: &mut (impl Write + Seek),
 ) -> Result<(), FormatError> {
-    let by_point = stage.groups.iter().any(|set| matches!(set.widths, Widths::Vertex(_)));
     let mut objects: Vec<Object> = vec![];
     let mut add = |wanted: String, schema: &str, properties| {
         let name = unique(wanted, |name| objects.iter().any(|object| object.name == name));
@@ -46,7 +45,7 @@ pub fn write(
         if set.purpose == Purpose::Guide && !name.contains("guide") {
             name += "_guides";
         }
-        add(name, "AbcGeom_Curve_v2", curves(set, by_point)?);
+        add(name, "AbcGeom_Curve_v2", curves(set)?);
     }
     for head in heads {
         add("head".into(), "AbcGeom_PolyMesh_v1", mesh(head));
@@ -96,7 +95,7 @@ fn xform<'a>(name: String, user: Vec<Property<'a>>, children: Vec<Object<'a>>) -
     }
 }
 
-fn curves<'a>(set: &'a CurveSet<'a>, by_point: bool) -> Result<Vec<Property<'a>>, FormatError> {
+fn curves<'a>(set: &'a CurveSet<'a>) -> Result<Vec<Property<'a>>, FormatError> {
     let shape = Shape::of(set)?;
     const CUBIC: u8 = 0;
     const NOT_PERIODIC: u8 = 0;
@@ -107,15 +106,16 @@ fn curves<'a>(set: &'a CurveSet<'a>, by_point: bool) -> Result<Vec<Property<'a>>
         array("nVertices", "", Pod::I32, Values::chunks(&set.counts)),
         scalar("curveBasisAndType", "", Pod::U8, &[CUBIC, NOT_PERIODIC, CATMULL_ROM, CATMULL_ROM]),
     ];
-    properties.push(match &set.widths {
-        Widths::Vertex(widths) => param("width", Pod::F32, 1, "", "vtx", Values::chunks(widths)),
-        Widths::Constant(width) if by_point => {
+    // One a point even where all are one: Blender passes over a single width, and Unreal reads 0 for it where others have many.
+    let widths = match &set.widths {
+        Widths::Vertex(widths) => Values::chunks(widths),
+        Widths::Constant(width) => {
             let width = *width;
             let each = move || Box::new(std::iter::repeat(width)) as Box<dyn Iterator<Item = f32>>;
-            param("width", Pod::F32, 1, "", "vtx", Values::spread(each, &set.counts))
+            Values::spread(each, &set.counts)
         }
-        Widths::Constant(width) => param("width", Pod::F32, 1, "", "con", Values::of(&[*width], 1)),
-    });
+    };
+    properties.push(param("width", Pod::F32, 1, "", "vtx", widths));
     let st = set.primvars.iter().find(|primvar| primvar.name == "st");
     if let Some(Primvar { interpolation: Interpolation::Uniform, values, .. }) = st
         && let PrimvarValues::TexCoord(uvs) = values
