@@ -2,8 +2,8 @@
 # Everything tested: format, lints, documentation, and all tests. What is built with them runs in dev; whole grooms are evaluated
 # by the release build for farms, and once more in dev on one thread, for their hashes.
 #
-# tests/run.sh --long   then also what takes too long for every change: random cases by the ten thousand, and all hair of the
-#                       heroes on real heads
+# tests/run.sh --long   then also what takes too long for every change: random cases by the ten thousand, tests that are ignored
+#                       else (all hair of the heroes on real heads), and Blender's reader (bpy, a third of a gigabyte)
 #
 # Installs what the tests need where it may: Debian packages as root (a software graphics adapter among them), and usd-core
 # in a Python environment under target/. Where it may not, it says what is missing; tests that need it are listed as
@@ -12,9 +12,8 @@
 # "N passed, N failed, N skipped".
 set -uo pipefail
 cd "$(dirname "$0")/.."
+[ "${1:-}" = --long ] && export COIF_LONG=1
 export CARGO_INCREMENTAL="${CARGO_INCREMENTAL:-0}" CARGO_TERM_COLOR=never RUST_BACKTRACE=0
-long=
-[ "${1:-}" = --long ] && long=1
 log=target/tests.log
 mkdir -p target
 : >"$log"
@@ -43,6 +42,20 @@ if ! "$python" -c 'import pxr' 2>/dev/null; then
     fi
 fi
 [ -x "$python" ] && export COIF_USD_PYTHON="$PWD/$python"
+
+bpy="bpy==5.0.1" # for Python 3.11 alone
+blender=target/venv-blender/bin/python
+if [ -n "${COIF_LONG:-}" ] && ! "$blender" -c 'import bpy' 2>/dev/null; then
+    say "Python environment with $bpy under target/"
+    rm -rf target/venv-blender
+    if python3 -m venv target/venv-blender >/dev/null 2>&1 &&
+        "$blender" -m pip install --quiet --disable-pip-version-check "$bpy"; then
+        :
+    else
+        rm -rf target/venv-blender
+        missing "Python 3.11 with venv and $bpy (pip install $bpy): files are not opened with Blender"
+    fi
+fi
 
 # FLIP, by which pictures are compared, is C++.
 if ! command -v c++ >/dev/null && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
@@ -107,7 +120,7 @@ triple=$(rustc -vV | sed -n 's/^host: //p' | tr 'a-z-' 'A-Z_')
 export "CARGO_TARGET_${triple}_RUNNER=env RUSTC_BOOTSTRAP=1"
 tests() {
     say "$*"
-    "$@" -- --show-output -Z unstable-options --report-time $ignored >>"$log" 2>&1
+    "$@" -- --show-output -Z unstable-options --report-time ${ignored:-} >>"$log" 2>&1
     local code=$?
     if [ $code -ne 0 ]; then
         grep -E '^(error|test .* FAILED|thread .* panicked|---- .* stdout ----)' -A 12 "$log" | tail -n 200
@@ -115,17 +128,15 @@ tests() {
         tail -n 40 "$log" | grep -q '^test result' || failed=$((failed + 1))
     fi
 }
-ignored=
 check cargo build --quiet --release -p coif --no-default-features
 export COIF_PROGRAM="$PWD/target/release/coif"
 tests cargo test --workspace --no-fail-fast --lib --bins --examples --tests
-if [ -n "$long" ]; then
-    random() { tests cargo test --release --no-fail-fast "$@"; }
-    random -p coif-nodes --lib any_
-    random -p coif-nodes --lib hostile
-    random -p coif-tests --test editor fuzz
-    ignored=--ignored
-    tests cargo test --no-fail-fast -p coif-tests --tests
+if [ -n "${COIF_LONG:-}" ]; then
+    # Random cases, of which a release build tries more.
+    tests cargo test --release --no-fail-fast -p coif-nodes --lib any_
+    tests cargo test --release --no-fail-fast -p coif-nodes --lib hostile
+    tests cargo test --release --no-fail-fast -p coif-tests --test editor fuzz
+    ignored=--ignored tests cargo test --release --no-fail-fast --workspace --lib --tests
 fi
 
 # --- sum ---------------------------------------------------------------------------------------

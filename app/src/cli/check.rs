@@ -10,7 +10,7 @@ pub(crate) struct CheckArgs {
     /// Graphs: .ron files, or names of shipped grooms
     #[arg(required = true)]
     graphs: Vec<PathBuf>,
-    /// Also evaluate, and compare the hair with what a program can hold
+    /// Also evaluate, and tell what a program would cut off (exit code 2), and what it would make up (a note)
     #[arg(long, value_enum)]
     target: Option<Target>,
 }
@@ -46,22 +46,25 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
             exit = Exit::Refused;
             continue;
         }
-        let over = match args.target {
-            Some(Target::Unreal) => match unreal::limits(&document, folder) {
-                Ok(over) => over,
+        let found = match args.target {
+            Some(Target::Unreal) => match unreal::found(&document, folder, shown.to_string()) {
+                Ok(found) => found,
                 Err(stop) => {
                     stop.lines().iter().for_each(complain);
                     exit = Exit::Refused;
                     continue;
                 }
             },
-            None => vec![],
+            None => unreal::Found::default(),
         };
-        for line in &over {
+        for line in &found.lost {
             complain(format!("{shown}: {line}"));
             exit = Exit::Refused;
         }
-        if over.is_empty() {
+        for line in &found.made_up {
+            complain(format!("note: {shown}: {line}"));
+        }
+        if found.lost.is_empty() {
             print(&format!("{shown}: {} nodes, no errors", document.nodes.len()));
         }
     }

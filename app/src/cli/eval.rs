@@ -1,7 +1,7 @@
 //! `coif eval`: a saved graph to hair.
 
 use super::files::Pending;
-use super::groom::{GroomArgs, Stop, carry_out};
+use super::groom::{Evaluated, GroomArgs, Stop, carry_out};
 use super::progress::{Bar, Tell};
 use super::report::Report;
 use super::{Exit, extension_of};
@@ -9,16 +9,21 @@ use clap::Args;
 use coif_graphs::document::Document;
 use coif_graphs::schedule::result::document_hash;
 use coif_graphs::schedule::run::CancelToken;
+use coif_nodes::data::scalp::Scalp;
 use coif_nodes::formats::export::{self, About, Format, Group};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[derive(Args)]
 pub(crate) struct EvalArgs {
     #[command(flatten)]
     groom: GroomArgs,
-    /// File to write; the extension picks the format (.usda, .usdc, .hair). Gets every output, one group for each
+    /// File to write; the extension picks the format (.usda, .usdc, .abc, .hair). Gets every output, one group for each
     #[arg(long, value_name = "FILE")]
     out: Vec<PathBuf>,
+    /// Put the head's mesh into .abc files too; not for Unreal, to which a file with a mesh in it is no groom
+    #[arg(long)]
+    with_head: bool,
     /// Write what was made, and what happened, as JSON to a file (- for stdout)
     #[arg(long, value_name = "FILE|-")]
     report: Option<PathBuf>,
@@ -35,10 +40,29 @@ pub(crate) fn run(args: EvalArgs) -> Exit {
 
 fn evaluate(args: &EvalArgs, cancel: &CancelToken, report: &mut Report) -> Result<(), Stop> {
     let formats = formats(&args.out)?;
+    if args.with_head && !formats.contains(&Format::Abc) {
+        return Err(Stop::refused(
+            "--with-head: only .abc holds the head beside the hair; add --out FILE.abc, or leave the option out",
+        ));
+    }
     let opened = args.groom.open(report)?;
     opened.refuse_problems(&[], &mut report.warnings)?;
     let evaluated = args.groom.evaluate(&opened, &[], cancel, report)?;
-    save(args, &formats, &opened.document, &evaluated.groups, cancel)
+    if formats.contains(&Format::Abc) {
+        report.warnings.extend(left_out_of_abc(&evaluated.groups));
+    }
+    save(args, &formats, &opened.document, &evaluated, cancel)
+}
+
+/// What Alembic files leave out, a line each.
+pub(crate) fn left_out_of_abc(groups: &[Group]) -> impl Iterator<Item = String> {
+    let left_out = groups.iter().filter(|group| export::is_left_out_of_abc(group, groups));
+    left_out.map(|group| {
+        format!(
+            "{}: lines of partings are left out of .abc, whose readers would take them for guides; USD files hold them",
+            group.name
+        )
+    })
 }
 
 /// The format of each output file.
@@ -60,13 +84,14 @@ fn save(
     args: &EvalArgs,
     formats: &[Format],
     document: &Document,
-    groups: &[Group],
+    evaluated: &Evaluated,
     cancel: &CancelToken,
 ) -> Result<(), Stop> {
+    let heads = if args.with_head { &evaluated.scalps[..] } else { &[] };
     let bar = Bar::new("files");
     let files: Vec<(&Path, Format)> =
         args.out.iter().map(PathBuf::as_path).zip(formats.iter().copied()).collect();
-    let saved = write_files(document, groups, &files, cancel, &|i, path| {
+    let saved = write_files(document, &evaluated.groups, heads, &files, cancel, &|i, path| {
         bar.count(i, files.len());
         bar.say(format!("writing {}", path.display()));
     });
@@ -74,10 +99,11 @@ fn save(
     saved
 }
 
-/// Writes what outputs gave to files: all of them or none. `begins` is told each file's number and path.
+/// Writes what outputs gave to files, with the `heads` where a format holds meshes: all of them or none. `begins` is told each file's number and path.
 pub(crate) fn write_files(
     document: &Document,
     groups: &[Group],
+    heads: &[Arc<Scalp>],
     files: &[(&Path, Format)],
     cancel: &CancelToken,
     begins: &dyn Fn(usize, &Path),
@@ -93,7 +119,7 @@ pub(crate) fn write_files(
     for (i, (path, format)) in files.iter().enumerate() {
         begins(i, path);
         let written = pending.write(path, cancel, |out| {
-            export::write(*format, groups, &about, out).map_err(|err| err.to_string())
+            export::write(*format, groups, heads, &about, out).map_err(|err| err.to_string())
         });
         if cancel.is_cancelled() {
             return Err(Stop::interrupted());

@@ -147,7 +147,6 @@ pub(crate) struct Evaluated {
     /// Each output, as it is written to files.
     pub(crate) groups: Vec<export::Group>,
     /// The heads that the outputs stand on.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "pictures show them"))]
     pub(crate) scalps: Vec<Arc<Scalp>>,
     /// What was asked for besides, in that order.
     #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "pictures show it"))]
@@ -206,7 +205,6 @@ impl GroomArgs {
 
 impl Opened {
     /// A graph as somebody has it open, with all of its outputs.
-    #[cfg(feature = "editor")]
     pub(crate) fn of(document: Document, folder: PathBuf, graph: String) -> Result<Self, Stop> {
         let outputs = outputs(&document, &[])?;
         Ok(Self { document, outputs, folder, graph })

@@ -4,6 +4,7 @@ use super::{Exit, complain, print};
 use clap::Args;
 use coif_nodes::data::attributes::DECLARED;
 use coif_nodes::define::{Arity, InputDef, NodeDef, Type, Value};
+use coif_nodes::formats::export::{ADDED, file_name};
 use serde_json::{Value as Json, json};
 
 #[derive(Args)]
@@ -107,12 +108,17 @@ fn cell(text: &str) -> String {
 }
 
 fn attributes() -> String {
-    let mut text =
-        "\n## Attributes\n\nWhat curves can carry, by the names that fields and files use.\n\n\
-                    | attribute | type | |\n|---|---|---|\n"
-            .to_owned();
+    let mut text = "\n## Attributes\n\nWhat curves can carry, by the names that fields use, and the names under which USD and Alembic \
+                    hold it.\n\n| attribute | in files | type | |\n|---|---|---|---|\n"
+        .to_owned();
     for (name, ty, doc) in DECLARED {
-        text += &format!("| `{name}` | {ty} | {} |\n", cell(doc.trim()));
+        text += &format!("| `{name}` | `{}` | {ty} | {} |\n", file_name(name), cell(doc.trim()));
+    }
+    text += "\n## Beside attributes in files\n\nWhat USD and Alembic files hold for readers of grooms, as Epic's \"Alembic for \
+             Grooms\" asks: primvars there, GeomParams here. An attribute of the same name goes before.\n\n\
+             | in files | type | values | |\n|---|---|---|---|\n";
+    for (name, ty, values, doc) in ADDED {
+        text += &format!("| `{name}` | {ty} | {values} | {} |\n", cell(doc));
     }
     text
 }

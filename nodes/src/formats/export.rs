@@ -1,10 +1,11 @@
-//! A groom to bytes: curves with their attributes as USD or .hair.
+//! A groom to bytes: curves with their attributes as USD, Alembic or .hair.
 //!
-//! Every attribute travels: the well-known ones under the names other tools expect (`st`, `displayColor`, `id`, `clumpId`,
-//! `skinprim`, `skinprimuv`), the rest under their own. Values that all hairs share are written once.
+//! Every attribute travels: the well-known ones under the names other tools expect ([`file_name`]), the rest under their own, and
+//! beside them what readers of grooms look for ([`ADDED`]). Values that all hairs share are written once.
 //!
 //! What is read elsewhere is the same hair only once curves went through [`super::conform`].
 
+use super::abc;
 use super::chunks::Chunks;
 use super::error::FormatError;
 use super::hair;
@@ -13,12 +14,14 @@ use super::usd::groom::{
     write_usdc,
 };
 use crate::data::attributes::{
-    self as a, Column, ID, Item, PARENT, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, WIDTH,
+    self as a, Column, ID, Item, PARENT, PARTING, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, WIDTH,
 };
-use crate::data::curves::{Curves, View};
+use crate::data::curves::{Curves, Tuft, View};
+use crate::data::scalp::Scalp;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
 use std::io::{Seek, Write};
+use std::sync::Arc;
 
 /// Curves that leave the graph under one name.
 #[derive(Clone, Debug)]
@@ -29,6 +32,15 @@ pub struct Group {
     pub guides: bool,
     /// The curves, cm, Y up.
     pub curves: Curves,
+}
+
+impl Group {
+    /// Whether these are lines of partings that go out as guides, for measuring: nothing that hair should follow.
+    pub fn is_partings(&self) -> bool {
+        let tufts = self.curves.tufts();
+        let parts = |t: &Arc<Tuft>| t.view(PARTING).at(0, 0) != 0;
+        self.guides && !tufts.is_empty() && tufts.iter().filter(|t| !t.is_empty()).all(parts)
+    }
 }
 
 /// What a file says about its making.
@@ -51,6 +63,8 @@ pub enum Format {
     Usda,
     /// USD as a crate file.
     Usdc,
+    /// Alembic; see [`abc`].
+    Abc,
     /// Cem Yuksel's .hair; one group, no attributes but width and colour.
     Hair,
 }
@@ -61,27 +75,31 @@ impl Format {
         match extension {
             "usda" => Some(Format::Usda),
             "usdc" | "usd" => Some(Format::Usdc),
+            "abc" => Some(Format::Abc),
             "hair" => Some(Format::Hair),
             _ => None,
         }
     }
     /// Extensions that [`Self::of_extension`] knows, for messages.
-    pub const EXTENSIONS: &str = ".usda, .usdc, .hair";
+    pub const EXTENSIONS: &str = ".usda, .usdc, .abc, .hair";
 }
 
-/// Writes groups in a format.
+/// Writes groups in a format. Alembic holds the meshes of `heads` too.
 ///
 /// # Errors
 /// The output failed, or the format cannot hold the groom; place and reason say what.
 pub fn write(
     format: Format,
     groups: &[Group],
+    heads: &[Arc<Scalp>],
     about: &About,
     out: &mut (impl Write + Seek),
 ) -> Result<(), FormatError> {
     if format == Format::Hair {
         return write_hair(groups, about, out);
     }
+    let places = places(groups);
+    let is_written = |group: &Group| format != Format::Abc || !is_left_out_of_abc(group, groups);
     let stage = Stage {
         name: about.title.clone(),
         doc: format!("{}, made by {}", about.title, about.generator),
@@ -90,23 +108,121 @@ pub fn write(
         seed: about.seed,
         meters_per_unit: 0.01,
         up_axis: UpAxis::Y,
-        groups: groups.iter().map(curve_set).collect(),
+        groups: groups
+            .iter()
+            .zip(&places)
+            .filter(|(group, _)| is_written(group))
+            .map(|(group, place)| curve_set(group, place))
+            .collect(),
     };
     match format {
         Format::Usda => write_usda(&stage, out),
+        Format::Abc => abc::write(&stage, heads, out),
         _ => write_usdc(&stage, out),
     }
 }
 
-fn curve_set(group: &Group) -> CurveSet<'_> {
+/// Names under which files hold declared attributes, where these are others than their own.
+const FILE_NAMES: &[(&str, &str)] = &[
+    (PARENT.name, "clumpId"),
+    (ROOT_TRIANGLE.name, "skinprim"),
+    (ROOT_BARY.name, "skinprimuv"),
+    (ROOT_UV.name, "st"),
+    (a::COLOUR.name, "displayColor"),
+    (WIDTH.name, "widths"),
+];
+
+/// The name under which files hold an attribute.
+pub fn file_name(attribute: &str) -> &str {
+    FILE_NAMES.iter().find(|(name, _)| *name == attribute).map_or(attribute, |(_, file)| file)
+}
+
+/// What files hold beside attributes, for readers of grooms, by Epic's schema "Alembic for Grooms": name, type, how many values
+/// there are, and what they mean.
+pub const ADDED: &[(&str, &str, &str, &str)] = &[
+    ("groom_guide", "int", "constant", "1 for guides, 0 for hair."),
+    (
+        "groom_group_id",
+        "int",
+        "constant",
+        "Number of the group of hair, from 0 in the order of outputs; outputs of one name are one group. Guides have that of the \
+         hair of their name, else that of the first.",
+    ),
+    ("groom_group_name", "string", "constant", "Name of that group."),
+    ("groom_id", "int", "uniform", "`id`, folded to 31 bits without repeats, as `id` in files is."),
+    (
+        "groom_root_uv",
+        "float2",
+        "uniform",
+        "`root_uv`. Not there where the scalp has no uvs: readers lay a sphere about the hair then.",
+    ),
+    ("groom_color", "color3", "vertex", "`colour`, linear Rec.709. In Alembic alone."),
+];
+
+/// The group of hair that curves belong to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// From 0.
+    pub id: i32,
+    /// Its name, without control characters.
+    pub name: String,
+}
+
+/// The group of hair that each belongs to, as [`ADDED`] says. Unreal cannot hold guides without hair.
+pub fn places(groups: &[Group]) -> Vec<Place> {
+    let is_bald = groups.iter().all(|group| group.guides);
+    let mut names: Vec<&str> = vec![];
+    for group in groups.iter().filter(|group| is_bald || !group.guides) {
+        if !names.contains(&group.name.as_str()) {
+            names.push(&group.name);
+        }
+    }
+    let place = |group: &Group| {
+        let id = names.iter().position(|name| *name == group.name).unwrap_or(0);
+        Place { id: id as i32, name: names[id].replace(char::is_control, "_") }
+    };
+    groups.iter().map(place).collect()
+}
+
+/// Whether Alembic files leave this one of `groups` out: their readers would take lines of partings for guides. They stay where
+/// there is nothing else.
+pub fn is_left_out_of_abc(group: &Group, groups: &[Group]) -> bool {
+    group.is_partings() && !groups.iter().all(Group::is_partings)
+}
+
+/// What is written beside the attributes of a group, but for names that it has attributes of.
+fn added<'c>(curves: &'c Curves, guides: bool, place: &Place) -> Vec<Primvar<'c>> {
+    use Interpolation::{Constant, Uniform};
+    let int = |value: i32| PrimvarValues::Int(vec![value].into());
+    let mut added = vec![
+        ("groom_guide", Constant, int(i32::from(guides))),
+        ("groom_group_id", Constant, int(place.id)),
+        ("groom_group_name", Constant, PrimvarValues::Text(vec![place.name.clone()])),
+        ("groom_id", Uniform, PrimvarValues::Int(unique_ids(curves).into())),
+    ];
+    let uvs: Vec<Vec2> =
+        curves.each().map(|(t, i)| t.view(ROOT_UV).at(i, t.range(i).start)).collect();
+    if uvs.iter().any(|uv| *uv != Vec2::ZERO) {
+        added.push(("groom_root_uv", Uniform, PrimvarValues::TexCoord(uvs.into())));
+    }
+    let is_free = |name: &str| curves.tufts().iter().all(|t| t.attribute(name).is_none());
+    added
+        .into_iter()
+        .filter(|(name, ..)| is_free(name))
+        .map(|(name, interpolation, values)| Primvar { name: name.into(), interpolation, values })
+        .collect()
+}
+
+fn curve_set<'c>(group: &'c Group, place: &Place) -> CurveSet<'c> {
     let tufts = group.curves.tufts();
     let names: BTreeSet<&str> =
         tufts.iter().flat_map(|t| t.attributes()).map(|a| a.name.as_ref()).collect();
-    let primvars = names
+    let mut primvars: Vec<Primvar> = names
         .into_iter()
         .filter(|name| *name != WIDTH.name)
         .filter_map(|name| primvar(&group.curves, name))
         .collect();
+    primvars.extend(added(&group.curves, group.guides, place));
     CurveSet {
         name: group.name.clone(),
         purpose: if group.guides { Purpose::Guide } else { Purpose::Render },
@@ -190,46 +306,38 @@ fn spread<'c, T: Item>(curves: &'c Curves, name: &str, default: T) -> Chunks<'c,
 
 fn primvar<'c>(curves: &'c Curves, name: &str) -> Option<Primvar<'c>> {
     let sample = curves.tufts().iter().find_map(|t| t.attribute(name))?;
-    let own =
-        |interpolation, values| Some(Primvar { name: name.to_owned(), interpolation, values });
-    let mapped = |name: &str, interpolation, values| {
-        Some(Primvar { name: name.to_owned(), interpolation, values })
+    let of = |interpolation, values| {
+        Some(Primvar { name: file_name(name).to_owned(), interpolation, values })
     };
     if name == ID.name {
-        return mapped("id", Interpolation::Uniform, PrimvarValues::Int(unique_ids(curves).into()));
+        return of(Interpolation::Uniform, PrimvarValues::Int(unique_ids(curves).into()));
     }
     match &sample.values {
         Column::F32(_) => {
             let (how, v) = values::<f32>(curves, name, missing(name, &sample.values)?);
-            own(how, PrimvarValues::Float(v))
+            of(how, PrimvarValues::Float(v))
         }
         Column::I32(_) => {
             let (how, v) = values::<i32>(curves, name, missing(name, &sample.values)?);
-            let known = if name == ROOT_TRIANGLE.name { "skinprim" } else { name };
-            mapped(known, how, PrimvarValues::Int(v))
+            of(how, PrimvarValues::Int(v))
         }
         Column::U64(_) => {
             let (how, v) = values::<u64>(curves, name, missing(name, &sample.values)?);
             let folded: Vec<i32> = v.values().map(|id| fold(*id)).collect();
-            let known = if name == PARENT.name { "clumpId" } else { name };
-            mapped(known, how, PrimvarValues::Int(folded.into()))
+            of(how, PrimvarValues::Int(folded.into()))
         }
         Column::Vec2(_) => {
             let (how, v) = values(curves, name, missing(name, &sample.values)?);
             if name == ROOT_BARY.name {
                 let uvw: Vec<Vec3> = v.values().map(|b: &Vec2| b.extend(0.0)).collect();
-                return mapped("skinprimuv", how, PrimvarValues::Vector(uvw.into()));
+                return of(how, PrimvarValues::Vector(uvw.into()));
             }
-            let known = if name == ROOT_UV.name { "st" } else { name };
-            mapped(known, how, PrimvarValues::TexCoord(v))
-        }
-        Column::Vec3(_) if name == a::COLOUR.name => {
-            let (how, v) = values(curves, name, missing(name, &sample.values)?);
-            mapped("displayColor", how, PrimvarValues::Color(v))
+            of(how, PrimvarValues::TexCoord(v))
         }
         Column::Vec3(_) => {
             let (how, v) = values(curves, name, missing(name, &sample.values)?);
-            own(how, PrimvarValues::Vector(v))
+            let is_colour = name == a::COLOUR.name;
+            of(how, if is_colour { PrimvarValues::Color(v) } else { PrimvarValues::Vector(v) })
         }
     }
 }
@@ -257,8 +365,12 @@ fn unique_ids(curves: &Curves) -> Vec<i32> {
         sorted.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].2).collect();
     if !repeats.is_empty() {
         let mut taken: BTreeSet<i32> = sorted.iter().map(|s| s.0).collect();
+        // Those of one number follow each other, and below the last that was given nothing is free.
+        let (mut of, mut free) = (-1, 0);
         for i in repeats {
-            let mut free = out[i as usize];
+            if out[i as usize] != of {
+                (of, free) = (out[i as usize], out[i as usize]);
+            }
             while !taken.insert(free) {
                 free = if free == i32::MAX { 1 } else { free + 1 };
             }
@@ -330,17 +442,10 @@ mod tests {
                 seed: 0,
             };
             let mut file = std::io::Cursor::new(vec![]);
-            write(Format::Usdc, &[group("one"), group("two")], &about, &mut file).unwrap();
+            write(Format::Usdc, &[group("one"), group("two")], &[], &about, &mut file).unwrap();
             let prims = super::super::usd::read::read_curves(&file.into_inner(), "usdc").unwrap();
             for (name, ty, _) in a::DECLARED.iter().filter(|(name, ..)| *name != WIDTH.name) {
-                let known = match *name {
-                    "parent" => "clumpId",
-                    "root_triangle" => "skinprim",
-                    "root_bary" => "skinprimuv",
-                    "root_uv" => "st",
-                    "colour" => "displayColor",
-                    name => name,
-                };
+                let known = file_name(name);
                 let found = |k: usize| prims[k].primvars.iter().find(|p| p.name == known).unwrap();
                 let (one, two) = (found(0), found(1));
                 let wanted = if *name == ID.name { "uniform" } else { how };
@@ -352,6 +457,72 @@ mod tests {
                 assert_eq!(one.values, two.values, "{name} is the same in every prim");
             }
         }
+    }
+
+    #[test]
+    fn what_readers_of_grooms_look_for_is_in_every_file_but_for_what_curves_have_themselves() {
+        let mut b = TuftBuilder::even((0..6).map(|k| Vec3::Y * k as f32).collect(), 3);
+        b.set(ROOT_UV, Domain::Curve, vec![Vec2::X, Vec2::Y]);
+        b.set(a::COLOUR, Domain::Curve, vec![Vec3::X]);
+        let group = |b: TuftBuilder| Group {
+            name: "a\0b".into(),
+            guides: false,
+            curves: Curves::new(vec![Arc::new(b.build())]),
+        };
+        let about = About {
+            title: "all".into(),
+            generator: "test".into(),
+            graph_hash: String::new(),
+            seed: 0,
+        };
+        let written = |format: Format, group: &Group| {
+            let mut file = std::io::Cursor::new(vec![]);
+            write(format, std::slice::from_ref(group), &[], &about, &mut file).unwrap();
+            let bytes = file.into_inner();
+            match format {
+                Format::Abc => abc::read_curves(&bytes),
+                _ => super::super::usd::read::read_curves(&bytes, "usd"),
+            }
+            .unwrap()
+            .remove(0)
+        };
+        let plain = group(b.clone());
+        for format in [Format::Usda, Format::Usdc, Format::Abc] {
+            let read = written(format, &plain);
+            for (name, ty, how, _) in ADDED {
+                let found = read.primvars.iter().find(|p| p.name == *name);
+                if *name == "groom_color" && format != Format::Abc {
+                    assert!(found.is_none(), "{format:?}");
+                    continue;
+                }
+                let found = found.expect(name);
+                assert_eq!(found.interpolation, *how, "{name}");
+                let wanted = ["texCoord2f[]".to_owned(), format!("{ty}[]"), format!("{ty}f[]")];
+                assert!(wanted.contains(&found.type_name), "{name} is {}", found.type_name);
+            }
+        }
+        // Without uvs no root has one, and what the curves have themselves stays.
+        b.set(ROOT_UV, Domain::Curve, vec![Vec2::ZERO]);
+        let values = i32::column(vec![42]);
+        b.set_column(a::Attribute { name: "groom_group_id".into(), domain: Domain::Curve, values });
+        let own = group(b);
+        for format in [Format::Usdc, Format::Abc] {
+            let read = written(format, &own);
+            let of =
+                |name: &str| read.primvars.iter().filter(|p| p.name == name).collect::<Vec<_>>();
+            assert!(of("groom_root_uv").is_empty(), "{format:?}");
+            let [id] = of("groom_group_id")[..] else { panic!("{format:?}") };
+            assert_eq!(id.values, super::super::usd::read::ReadValues::Int(vec![42]));
+        }
+    }
+
+    #[test]
+    fn curves_without_ids_are_numbered_in_no_time() {
+        let mut b = TuftBuilder::new();
+        (0..100_000).for_each(|_| b.push_curve(&[Vec3::ZERO, Vec3::Y]));
+        let curves = Curves::new(b.build().split());
+        // Each searched from 0 on for a free number, which is 5,000,000,000 looks.
+        assert!(unique_ids(&curves).into_iter().eq(0..100_000));
     }
 
     #[test]

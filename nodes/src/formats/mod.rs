@@ -1,5 +1,6 @@
 //! Bytes to data and data to bytes. Nothing here opens a file or knows a path.
 
+pub mod abc;
 pub mod chunks;
 pub mod conform;
 pub mod error;

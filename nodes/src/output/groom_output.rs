@@ -16,7 +16,8 @@ node! {
         curves: Curves;
         /// Name of the group in files. Empty: the label of this node.
         name: Arc<str> = "", words("group label");
-        /// Whether the curves are guides, for simulation or further grooming elsewhere, and not hair to be rendered.
+        /// Whether the curves are guides, for simulation or further grooming elsewhere, and not hair to be rendered. Guides of the
+        /// name of hair are that hair's guides in Unreal.
         guides: bool = false, words("purpose simulation");
     }
     outputs {

@@ -4,6 +4,7 @@ use coif_nodes::formats::Chunks;
 use coif_nodes::formats::usd::groom::{
     CurveSet, Interpolation, Primvar, PrimvarValues, Purpose, Stage, UpAxis, Widths,
 };
+use coif_nodes::formats::usd::read::ReadValues;
 use glam::{Vec2, Vec3};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -115,6 +116,20 @@ fn strand_set(tufts: &Tufts) -> CurveSet<'_> {
             primvar("groupId", Constant, PrimvarValues::Int(vec![-3].into())),
         ],
         color: Vec3::new(0.2, 0.1, 0.05),
+    }
+}
+
+/// What a reader is to give for the values.
+pub(crate) fn values_of(values: &PrimvarValues) -> ReadValues {
+    match values {
+        PrimvarValues::Int(values) => ReadValues::Int(values.values().copied().collect()),
+        PrimvarValues::Int64(values) => ReadValues::Int64(values.values().copied().collect()),
+        PrimvarValues::Float(values) => ReadValues::Float(values.values().copied().collect()),
+        PrimvarValues::TexCoord(values) => ReadValues::Float2(values.values().copied().collect()),
+        PrimvarValues::Vector(values) | PrimvarValues::Color(values) => {
+            ReadValues::Float3(values.values().copied().collect())
+        }
+        PrimvarValues::Text(values) => ReadValues::Text(values.clone()),
     }
 }
 

@@ -1,6 +1,6 @@
 //! USD without USD: what is written reads back equal, bytes are stable, hostile bytes are refused.
 
-use super::common::{self, Tufts, both_forms, sample_stage};
+use super::common::{self, Tufts, both_forms, sample_stage, values_of};
 use coif_nodes::formats::FormatError;
 use coif_nodes::formats::usd::groom::{
     CurveSet, Interpolation, Primvar, PrimvarValues, Stage, UpAxis, Widths, write_usda, write_usdc,
@@ -35,19 +35,6 @@ fn two_points() -> CurveSet<'static> {
         points: vec![Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 6.0, 8.0)].into(),
         widths: Widths::Constant(0.5),
         ..CurveSet::default()
-    }
-}
-
-fn values_of(values: &PrimvarValues) -> ReadValues {
-    match values {
-        PrimvarValues::Int(values) => ReadValues::Int(values.values().copied().collect()),
-        PrimvarValues::Int64(values) => ReadValues::Int64(values.values().copied().collect()),
-        PrimvarValues::Float(values) => ReadValues::Float(values.values().copied().collect()),
-        PrimvarValues::TexCoord(values) => ReadValues::Float2(values.values().copied().collect()),
-        PrimvarValues::Vector(values) | PrimvarValues::Color(values) => {
-            ReadValues::Float3(values.values().copied().collect())
-        }
-        PrimvarValues::Text(values) => ReadValues::Text(values.clone()),
     }
 }
 

@@ -59,6 +59,14 @@ pub(crate) struct Measured {
     pub(crate) file_bytes: u64,
 }
 
+/// What a read gave, and the bytes that it held at the worst moment.
+pub(crate) fn held<T>(read: impl FnOnce() -> T) -> (T, u64) {
+    let before = HELD.get();
+    MOST.set(before);
+    let given = read();
+    (given, (MOST.get() - before) as u64)
+}
+
 /// Reads a mesh; fails the test if the reader breaks one of its limits.
 #[track_caller]
 pub(crate) fn read(name: &str, extension: &str, bytes: &[u8], side: mesh_in::Side) -> Measured {

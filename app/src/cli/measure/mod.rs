@@ -24,7 +24,7 @@ use coif_graphs::schedule::files::{DiskFiles, Files};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::Value;
 use coif_nodes::eval::{EvalCx, Log, PlainHost, Quality};
-use coif_nodes::formats::usd::read::read_curves;
+use coif_nodes::formats::{abc, usd};
 use coif_nodes::maths::hash::Key;
 use coif_nodes::maths::readings::{AGREE, readings_differ};
 use coif_nodes::maths::spline::Spline;
@@ -38,7 +38,7 @@ use std::sync::Arc;
 
 #[derive(Args)]
 pub(crate) struct MeasureArgs {
-    /// USD file with BasisCurves: .usda, .usdc, .usd or .usdz
+    /// File with curves: .usda, .usdc, .usd, .usdz or .abc
     file: PathBuf,
     /// Head mesh that the roots should lie on: .obj, .gltf or .glb; "builtin" for the built-in head
     #[arg(long, value_name = "FILE")]
@@ -110,9 +110,13 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
         Ok(bytes) => bytes,
         Err(err) => return refuse(&args.file, err.to_string()),
     };
-    let prims = match read_curves(&bytes, &extension_of(&args.file)) {
+    let read = match &*extension_of(&args.file) {
+        "abc" => abc::read_curves(&bytes),
+        extension => usd::read::read_curves(&bytes, extension),
+    };
+    let prims = match read {
         Ok(prims) if prims.is_empty() => {
-            return refuse(&args.file, "there are no BasisCurves in it".to_owned());
+            return refuse(&args.file, "there are no curves in it".to_owned());
         }
         Ok(prims) => prims,
         Err(err) => return refuse(&args.file, err.to_string()),

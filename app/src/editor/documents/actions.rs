@@ -77,7 +77,7 @@ pub(crate) const ACTIONS: &[Action] = &[
     Action {
         id: "file.export",
         label: "Export hair…",
-        tip: "Writes all hair as .usdc, .usda or .hair, the same as coif eval does. Editing goes on meanwhile.",
+        tip: "Writes all hair as .usdc, .usda, .abc or .hair, the same as coif eval does. Editing goes on meanwhile.",
         words: "usd write houdini maya blender unreal curves alembic output",
         menu: "File",
         when: |editor| editor.can_export(),

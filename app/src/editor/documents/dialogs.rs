@@ -71,7 +71,7 @@ impl Purpose {
 /// Meshes that the head node reads.
 pub(crate) const MESHES: &[&str] = coif_nodes::formats::mesh_in::EXTENSIONS;
 /// What hair is written as.
-pub(crate) const HAIR: &[&str] = &["usdc", "usda", "hair"];
+pub(crate) const HAIR: &[&str] = &["usdc", "usda", "abc", "hair"];
 
 /// A question for a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -230,6 +230,7 @@ mod tests {
         check(Purpose::Save, "/a/x.RON", "/a/x.RON");
         check(Purpose::Export, "/a/x", "/a/x.usdc");
         check(Purpose::Export, "/a/x.hair", "/a/x.hair");
+        check(Purpose::Export, "/a/x.abc", "/a/x.abc");
         check(Purpose::Open, "/a/x", "/a/x");
     }
 

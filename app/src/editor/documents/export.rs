@@ -4,7 +4,7 @@
 //! A snapshot of the document is evaluated on threads of its own, so editing goes on. Stopped or failed, no file is
 //! touched.
 
-use crate::cli::eval::write_files;
+use crate::cli::eval::{left_out_of_abc, write_files};
 use crate::cli::extension_of;
 use crate::cli::groom::{Opened, Stop};
 use crate::cli::progress::Tell;
@@ -129,7 +129,10 @@ fn hair(
     })?;
     opened.refuse_problems(&[], &mut report.warnings)?;
     let evaluated = opened.evaluate(Quality::Final, 0, &[], cancel, told, report)?;
-    write_files(&opened.document, &evaluated.groups, &[(path, format)], cancel, &|_, path| {
+    if format == Format::Abc {
+        report.warnings.extend(left_out_of_abc(&evaluated.groups));
+    }
+    write_files(&opened.document, &evaluated.groups, &[], &[(path, format)], cancel, &|_, path| {
         told.say(format!("writing {}", path.display()));
     })
 }

@@ -383,7 +383,7 @@ fn uniform_token<'a>(name: &str, token: &str) -> Property<'a> {
 }
 
 /// A curve set that has been checked: how many there are and where.
-struct Shape {
+pub(in super::super) struct Shape {
     curves: usize,
     points: usize,
     /// Lowest and highest corner, grown by half the largest width. `None` without points.
@@ -391,14 +391,18 @@ struct Shape {
 }
 
 impl Shape {
-    fn of(set: &CurveSet) -> Result<Self, FormatError> {
+    pub(in super::super) fn of(set: &CurveSet) -> Result<Self, FormatError> {
         let points = checked_points(set)?;
         let widest = checked_widths(set, points)?;
         let extent = (points > 0).then(|| extent(&set.points, widest));
         Ok(Self { curves: set.counts.len(), points, extent })
     }
 
-    fn check_primvar(&self, set: &CurveSet, primvar: &Primvar) -> Result<(), FormatError> {
+    pub(in super::super) fn check_primvar(
+        &self,
+        set: &CurveSet,
+        primvar: &Primvar,
+    ) -> Result<(), FormatError> {
         let wanted = match primvar.interpolation {
             Interpolation::Constant => 1,
             Interpolation::Uniform => self.curves,
@@ -506,7 +510,7 @@ fn primvar_name(name: &str) -> String {
 }
 
 /// The name itself, or with `_1`, `_2`… the first that is not taken.
-fn unique(name: String, is_taken: impl Fn(&str) -> bool) -> String {
+pub(in super::super) fn unique(name: String, is_taken: impl Fn(&str) -> bool) -> String {
     let mut candidate = name.clone();
     let mut number = 0;
     while is_taken(&candidate) {

@@ -7,18 +7,23 @@
 use super::super::super::FormatError;
 
 /// Bytes that may still be allocated. What stays is never given back, so the budget bounds work too.
-pub(super) struct Budget {
+pub(in crate::formats) struct Budget {
     left: u64,
 }
 
 impl Budget {
     /// The budget for a file of so many bytes.
-    pub(super) fn for_file(length: usize) -> Self {
+    pub(in crate::formats) fn for_file(length: usize) -> Self {
         Self { left: (32 << 20) + 10 * length as u64 }
     }
 
+    /// A budget of so many bytes.
+    pub(in crate::formats) fn of(bytes: u64) -> Self {
+        Self { left: bytes }
+    }
+
     /// Takes bytes from the budget.
-    pub(super) fn charge(&mut self, bytes: u64) -> Result<(), FormatError> {
+    pub(in crate::formats) fn charge(&mut self, bytes: u64) -> Result<(), FormatError> {
         match self.left.checked_sub(bytes) {
             Some(left) => {
                 self.left = left;
@@ -33,17 +38,21 @@ impl Budget {
 
     /// Gives back what was charged for memory that is free again. Only for what was a step on the way
     /// to something that stays charged: a few tables must not be decoded without end.
-    pub(super) fn give_back(&mut self, bytes: u64) {
+    pub(in crate::formats) fn give_back(&mut self, bytes: u64) {
         self.left += bytes;
     }
 
     /// Takes the bytes of so many items.
-    pub(super) fn charge_items<T>(&mut self, count: u64) -> Result<(), FormatError> {
+    pub(in crate::formats) fn charge_items<T>(&mut self, count: u64) -> Result<(), FormatError> {
         self.charge(count.saturating_mul(size_of::<T>() as u64))
     }
 
     /// Appends to a vector, charging for its growth.
-    pub(super) fn push<T>(&mut self, values: &mut Vec<T>, value: T) -> Result<(), FormatError> {
+    pub(in crate::formats) fn push<T>(
+        &mut self,
+        values: &mut Vec<T>,
+        value: T,
+    ) -> Result<(), FormatError> {
         if values.len() == values.capacity() {
             let more = values.capacity().max(8);
             self.charge_items::<T>(more as u64)?;
@@ -54,7 +63,7 @@ impl Budget {
     }
 
     /// Copies a text, charging for it.
-    pub(super) fn text(&mut self, text: &str) -> Result<String, FormatError> {
+    pub(in crate::formats) fn text(&mut self, text: &str) -> Result<String, FormatError> {
         self.charge(text.len() as u64)?;
         Ok(text.to_owned())
     }

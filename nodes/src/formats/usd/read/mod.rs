@@ -9,7 +9,7 @@
 //! variants, classes and instances are not followed; only `def` prims that are active and written in
 //! the layer itself are read. Of animated values the default counts, else the earliest sample.
 
-mod budget;
+pub(in crate::formats) mod budget;
 mod crate_file;
 mod package;
 mod text;
@@ -20,6 +20,8 @@ use super::super::FormatError;
 use glam::{DMat4, DVec3, Vec2, Vec3};
 use tree::{Attribute, Tree, Value};
 use world::World;
+
+pub(in crate::formats) use world::width_scale;
 
 /// The curves of one BasisCurves prim, in centimetres, Y up.
 #[derive(Clone, Debug, PartialEq)]

@@ -62,14 +62,18 @@ impl World {
         }
     }
 
-    /// By how much widths grow: the cube root of how much volumes do, 1 exactly when they do not.
+    /// By how much widths grow.
     pub(super) fn width_scale(&self) -> f64 {
-        if self.centimetres_from_local == DMat4::IDENTITY {
-            return 1.0;
-        }
-        let matrix = glam::DMat3::from_mat4(self.centimetres_from_local);
-        libm::cbrt(matrix.determinant().abs())
+        width_scale(self.centimetres_from_local)
     }
+}
+
+/// By how much a transform widens what is as wide as long: the cube root of how much it makes volumes grow, 1 exactly when it does not.
+pub(in crate::formats) fn width_scale(matrix: DMat4) -> f64 {
+    if matrix == DMat4::IDENTITY {
+        return 1.0;
+    }
+    libm::cbrt(glam::DMat3::from_mat4(matrix).determinant().abs())
 }
 
 fn own_purpose(prim: &Prim) -> Option<&str> {

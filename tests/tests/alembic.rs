@@ -1,0 +1,165 @@
+//! Alembic from the whole program: the same hair as in USD, and Blender's own reader as the judge.
+//!
+//! Blender is the Python package bpy 5.0.1, a third of a gigabyte: `tests/run.sh --long` installs it into `target/venv-blender`.
+
+use coif_graphs::grooms;
+use coif_nodes::formats::abc;
+use coif_nodes::formats::usd::read::{ReadCurves, read_curves};
+use coif_tests::{Folder, eval, lean, repository, run};
+use glam::Vec3;
+use serde_json::Value as Json;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Evaluates a groom to both formats: the folder and what our readers find in `groom.usdc` and `groom.abc`.
+fn both(name: &str, more: &[&str]) -> (Folder, Vec<ReadCurves>, Vec<ReadCurves>) {
+    let folder = Folder::new(&format!("alembic-{name}-{}", more.len()));
+    let out = ["usdc", "abc"].map(|ending| folder.path(&format!("groom.{ending}")));
+    let files = out.each_ref().map(|path| path.display().to_string());
+    eval(name, &[&["--out", &files[0], "--out", &files[1]], more].concat());
+    let read = out.map(|path| std::fs::read(path).unwrap());
+    let usd = read_curves(&read[0], "usdc").unwrap();
+    (folder, usd, abc::read_curves(&read[1]).unwrap())
+}
+
+/// The last but one part of a path in Alembic, the last in USD: the name that people see.
+fn name(path: &str, from_end: usize) -> &str {
+    path.rsplit('/').nth(from_end).unwrap_or("")
+}
+
+#[test]
+fn alembic_holds_the_hair_and_the_attributes_of_usd() {
+    let (_folder, usd, abc) = both("clusters", &[]);
+    assert_eq!(usd.len(), abc.len());
+    for (usd, abc) in usd.iter().zip(&abc) {
+        assert_eq!((&usd.counts, &usd.points), (&abc.counts, &abc.points), "{}", usd.path);
+        assert_eq!((name(&usd.path, 0), &usd.purpose), (name(&abc.path, 1), &abc.purpose));
+        for primvar in &usd.primvars {
+            let same = abc.primvars.iter().find(|p| p.name == primvar.name).expect(&primvar.name);
+            assert_eq!(primvar.interpolation, same.interpolation, "{}", primvar.name);
+            assert_eq!(primvar.values, same.values, "{}", primvar.name);
+        }
+    }
+}
+
+#[test]
+fn measure_judges_alembic_as_it_judges_usd() {
+    let folder = Folder::new("alembic-measure");
+    let out =
+        ["usdc", "abc"].map(|ending| folder.path(&format!("groom.{ending}")).display().to_string());
+    eval("cornrows", &["--out", &out[0], "--out", &out[1]]);
+    let laws = |file: &String| -> Vec<(Json, Json, Json)> {
+        let ran = run(["measure", file, "--json", "--scalp", "builtin"]);
+        let all: Vec<Json> = serde_json::from_str(&ran.out).unwrap();
+        all.into_iter()
+            .map(|m| (m["curves"].clone(), m["braids"].clone(), m["laws"].clone()))
+            .collect()
+    };
+    let (usd, abc) = (laws(&out[0]), laws(&out[1]));
+    assert!(!usd.is_empty() && usd == abc, "{usd:#?}\n{abc:#?}");
+}
+
+#[test]
+fn a_head_goes_into_alembic_alone() {
+    let folder = Folder::new("alembic-head");
+    let usd = folder.path("groom.usdc").display().to_string();
+    let ran = run(["eval", "start", "--out", &usd, "--with-head"]);
+    assert_eq!(ran.code, 2, "{}", ran.err);
+    assert!(ran.err.contains("--with-head: only .abc"), "{}", ran.err);
+    assert!(folder.names().is_empty());
+    let out = folder.path("groom.abc");
+    eval("start", &["--out", &out.display().to_string(), "--with-head"]);
+    let bytes = std::fs::read(&out).unwrap();
+    let archive = abc::read::Archive::open(&bytes).unwrap();
+    let (_, top) = archive.open_object(&archive.top().unwrap()).unwrap();
+    let (_, sets) = archive.open_object(&top[0]).unwrap();
+    assert_eq!(sets.last().unwrap().name, "head");
+}
+
+/// The Python with bpy; none where it is not installed.
+fn blender(test: &str) -> Option<PathBuf> {
+    let python = repository().join("target/venv-blender/bin/python");
+    if python.exists() {
+        return Some(python);
+    }
+    println!("skipped: {test} needs bpy in target/venv-blender (tests/run.sh --long installs it)");
+    None
+}
+
+/// What Blender finds in a file.
+fn opened(python: &Path, file: &Path, folder: &Folder) -> Json {
+    let script = repository().join("tests/blender/read.py");
+    let args = [script.as_path(), file, &folder.path("")];
+    let output = Command::new(python).args(args).output().unwrap();
+    let (out, err) = [&output.stdout, &output.stderr].map(|b| String::from_utf8_lossy(b)).into();
+    let line = out.lines().find_map(|line| line.strip_prefix("BLENDER "));
+    serde_json::from_str(line.unwrap_or_else(|| panic!("{out}\n{err}"))).unwrap()
+}
+
+/// The largest distance, cm, of a point in Blender from where it is in our USD file. Blender turns Y up to Z up.
+#[track_caller]
+fn check_in_blender(python: &Path, groom: &str, more: &[&str]) -> f32 {
+    let (folder, usd, abc) = both(groom, more);
+    let found = opened(python, &folder.path("groom.abc"), &folder);
+    let curves = found.as_object().unwrap().values().filter(|thing| thing["type"] == "CURVES");
+    assert_eq!(curves.count(), abc.len(), "{groom}: {found:#}");
+    let mut worst = 0f32;
+    for prim in &abc {
+        let shown = name(&prim.path, 1);
+        let own = usd.iter().find(|usd| usd.counts == prim.counts && usd.points == prim.points);
+        let own = own.unwrap_or_else(|| panic!("{groom}: {shown} is not in the USD file"));
+        let theirs = &found[shown];
+        let read = |which: &str| std::fs::read(theirs[which].as_str().expect(shown)).unwrap();
+        let number = |bytes: &[u8]| [bytes[0], bytes[1], bytes[2], bytes[3]];
+        let counts = read("counts_file");
+        let counts = counts.chunks_exact(4).map(|b| u32::from_le_bytes(number(b)));
+        assert!(counts.eq(own.counts.iter().copied()), "{groom}: points of the curves of {shown}");
+        let positions = read("positions_file");
+        let numbers: Vec<f32> =
+            positions.chunks_exact(4).map(|b| f32::from_le_bytes(number(b))).collect();
+        assert_eq!(numbers.len(), 3 * own.points.len(), "{groom}: {shown}");
+        for (theirs, ours) in numbers.chunks_exact(3).zip(&own.points) {
+            let turned = Vec3::new(theirs[0], theirs[2], -theirs[1]);
+            worst = worst.max(turned.distance(*ours));
+        }
+        // Blender holds radii.
+        let width = own.widths.as_ref().unwrap().values[0];
+        let radius = theirs["first_radius"].as_f64().unwrap() as f32;
+        assert!(
+            (radius - 0.5 * width).abs() <= 1e-6 * width,
+            "{groom}: {shown}: {radius} of {width}"
+        );
+    }
+    println!("{groom}: {} objects, at most {worst:e} cm off", abc.len());
+    assert!(worst <= 1e-4, "{groom}: {worst} cm");
+    worst
+}
+
+#[test]
+#[ignore = "long"]
+fn blender_opens_every_hero_with_the_curves_that_were_written() {
+    let test = "blender_opens_every_hero_with_the_curves_that_were_written";
+    let Some(python) = blender(test) else { return };
+    for hero in grooms::HEROES {
+        check_in_blender(&python, hero, &[]);
+    }
+}
+
+#[test]
+#[ignore = "long"]
+fn blender_opens_a_tenth_of_every_hero_and_the_head_with_its_faces_outwards() {
+    let test = "blender_opens_a_tenth_of_every_hero_and_the_head_with_its_faces_outwards";
+    let Some(python) = blender(test) else { return };
+    for hero in grooms::HEROES {
+        check_in_blender(&python, hero, lean(hero));
+    }
+    let folder = Folder::new("alembic-blender-head");
+    let out = folder.path("groom.abc");
+    eval("start", &["--out", &out.display().to_string(), "--with-head"]);
+    let found = opened(&python, &out, &folder);
+    let head = &found["head"];
+    let of = |what: &str| head[what].as_f64().unwrap_or(0.0);
+    assert_eq!((head["type"].as_str(), of("uvs")), (Some("MESH"), 1.0), "{found:#}");
+    // A head is no ball, but nearly all of it faces away from its middle.
+    assert!(of("outwards") > 0.8 * of("polygons") && of("polygons") > 1000.0, "{head}");
+}
