@@ -49,6 +49,8 @@ const STILL: f32 = 1e-5;
 const CELL: f32 = 1.0 / 40.0;
 /// Most parts along a triangle's edge, so that a giant triangle cannot make millions of cells.
 const MOST_PARTS: f32 = 64.0;
+/// Most cells of a surface, about: for more, as long slivers by the thousand make, they are larger.
+const MOST_CELLS: usize = 400_000;
 
 /// Fits the cranium sphere; none where the mesh has no surface that a sphere fits to. `check` is called now and
 /// then and may stop the work.
@@ -119,18 +121,28 @@ fn judged(surface: &[Cell], centre: Vec3, radius: f32) -> Fit {
     Fit { centre, radius, p50: quantile(0.5), p95: quantile(0.95), inside_out: outward < 0.0 }
 }
 
-/// The surface above `low` in cells of at most `size`.
+/// The surface above `low` in cells of at most `size`, where that makes not too many.
 fn cells(points: &[Vec3], triangles: &[[u32; 3]], low: f32, size: f32) -> Vec<Cell> {
+    let above = || {
+        let corners = triangles.iter().map(|t| t.map(|v| points[v as usize]));
+        corners.filter(move |[a, b, c]| a.y.max(b.y).max(c.y) > low)
+    };
+    let parts = |[a, b, c]: [Vec3; 3], size: f32| {
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        (longest / size).ceil().clamp(1.0, MOST_PARTS) as usize
+    };
+    let count = |size: f32| above().map(|corners| parts(corners, size).pow(2)).sum::<usize>();
+    let few = above().count().max(MOST_CELLS);
+    let mut size = size;
+    while count(size) > few {
+        size *= 2.0;
+    }
     let mut out = vec![];
-    for t in triangles {
-        let [a, b, c] = t.map(|v| points[v as usize]);
-        if a.y.max(b.y).max(c.y) <= low {
-            continue;
-        }
+    for corners in above() {
+        let [a, b, c] = corners;
         let across = (b - a).cross(c - a);
         let Some(normal) = across.try_normalize() else { continue };
-        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-        let parts = (longest / size).ceil().clamp(1.0, MOST_PARTS) as usize;
+        let parts = parts(corners, size);
         let n = parts as f32;
         let area = 0.5 * across.length() / (n * n);
         let at = |i: f32, j: f32| a + (b - a) * (i / n) + (c - a) * (j / n);
