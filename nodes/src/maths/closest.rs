@@ -357,6 +357,106 @@ pub(crate) mod tests {
         }
     }
 
+    /// Meshes of every kind that a tree may find hard, by name.
+    fn hard_meshes() -> Vec<(&'static str, Surface)> {
+        let dice = Dice::new(11, 0, "mesh");
+        let at = |id: u64, k: u64| Vec3::from([0, 1, 2].map(|axis| dice.signed(id, 3 * k + axis)));
+        let of = |triangles: Vec<[Vec3; 3]>| {
+            let numbers = (0..triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+            Surface::new(triangles.concat(), numbers.collect())
+        };
+        let scaled = |by: f32| {
+            let ball = sphere(1.0, 10);
+            Surface::new(ball.points.iter().map(|p| *p * by).collect(), ball.triangles)
+        };
+        let folded = {
+            let ball = sphere(1.0, 16);
+            let fold = |p: &Vec3| {
+                let (sin, _) = crate::maths::transcendental::sin_cos_turns(4.0 * p.x);
+                *p * (1.0 + 0.4 * sin)
+            };
+            Surface::new(ball.points.iter().map(fold).collect(), ball.triangles)
+        };
+        let bust = crate::scalp::bust::adult();
+        let ball = sphere(1.0, 8);
+        let layers = |count: u32, step: f32| {
+            let n = ball.points.len() as u32;
+            let points = (0..count).flat_map(|k| {
+                let larger = 1.0 + step * k as f32;
+                ball.points.iter().map(move |p| *p * larger)
+            });
+            let triangles =
+                (0..count).flat_map(|k| ball.triangles.iter().map(move |t| t.map(|v| v + k * n)));
+            Surface::new(points.collect(), triangles.collect())
+        };
+        vec![
+            ("built-in head", Surface::new(bust.points, bust.triangles)),
+            ("tiny", scaled(1e-4)),
+            ("huge", scaled(1e5)),
+            ("folded", folded),
+            ("hollow", layers(2, -0.05)),
+            ("many layers on one spot", layers(12, 0.0)),
+            ("strewn", of((0..600).map(|id| [at(id, 0), at(id, 1), at(id, 2)]).collect())),
+            (
+                "slivers",
+                of((0..600)
+                    .map(|id| [at(id, 0), at(id, 0) + Vec3::Y, at(id, 0) + at(id, 1) * 1e-4])
+                    .collect()),
+            ),
+            ("a plane", of(vec![[Vec3::ZERO, Vec3::X, Vec3::Z], [Vec3::X, Vec3::ONE, Vec3::Z]])),
+            ("one triangle", of(vec![[Vec3::ZERO, Vec3::X, Vec3::Z]])),
+        ]
+    }
+
+    /// `closest` and `closest_from` find what looking at every triangle finds, to the bit, and a ray the first of all that it meets.
+    fn check_every_triangle(name: &str, surface: &Surface, count: u64) {
+        let dice = Dice::new(12, 0, "query");
+        let (low, high) = surface.bounds();
+        let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
+        let numbers = 0..surface.triangles.len() as u32;
+        for id in 0..count {
+            let v = Vec3::new(dice.signed(id, 0), dice.signed(id, 1), dice.signed(id, 2));
+            // About the mesh, on it and near it.
+            let on = surface.points[dice.below(id, 3, surface.points.len() as u32) as usize];
+            let p = match id % 3 {
+                0 => middle + v * half * 1.5,
+                1 => on,
+                _ => on + v * half * 0.05,
+            };
+            let brute = numbers
+                .clone()
+                .map(|t| (closest_on_triangle(p, surface.corners(t)).1.distance_squared(p), t))
+                .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+                .unwrap();
+            let hit = surface.closest(p).unwrap();
+            assert_eq!((hit.distance, hit.triangle), (brute.0.sqrt(), brute.1), "{name}: {p}");
+            let near = dice.below(id, 4, numbers.end);
+            assert_eq!(surface.closest_from(p, near), Some(hit), "{name}: {p} from {near}");
+            let met = numbers
+                .clone()
+                .filter_map(|t| Some((ray_triangle(p, v, surface.corners(t))?.0, t)))
+                .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            let ray = surface.ray(p, v, f32::MAX).map(|hit| (hit.distance, hit.triangle));
+            assert_eq!(ray, met, "{name}: ray from {p} along {v}");
+            assert_eq!(surface.ray_meets(p, v, f32::MAX), met.is_some());
+        }
+    }
+
+    #[test]
+    fn on_any_mesh_what_is_found_is_what_looking_at_every_triangle_finds() {
+        for (name, surface) in hard_meshes() {
+            check_every_triangle(name, &surface, 90);
+        }
+    }
+
+    #[test]
+    #[ignore = "long"]
+    fn on_any_mesh_what_is_found_is_what_looking_at_every_triangle_finds_at_length() {
+        for (name, surface) in hard_meshes() {
+            check_every_triangle(name, &surface, 9000);
+        }
+    }
+
     #[test]
     fn the_side_is_right_everywhere_about_a_closed_surface() {
         let surface = sphere(2.0, 16);

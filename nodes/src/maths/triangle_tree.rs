@@ -1,8 +1,8 @@
 //! Triangles in a tree of boxes, four to a node: the nearest to a point, the first that a ray meets.
 //!
 //! Guarantees: what is found is what looking at every triangle would find, whatever the tree, for rounding is allowed for and
-//! ties go to the lowest triangle; a tree of `n` triangles has log4(n) levels however they lie, as slivers, in heaps on one spot or
-//! strewn; the same answers with any vectors of the processor, for boxes are compared in plain arrays that compilers turn into
+//! ties go to the lowest triangle; a tree of `n` triangles has log4(n) levels however they lie, in heaps on one spot or
+//! strewn, and two more where they are slivers; the same answers with any vectors of the processor, for boxes are compared in plain arrays that compilers turn into
 //! four at a time. Not promised: few visits where very many triangles are all as near as each other.
 
 use glam::{Vec2, Vec3};
@@ -17,6 +17,12 @@ const LEAF: u32 = 1 << 31;
 const NONE: u32 = u32::MAX;
 /// Rounding of coordinates on the way to a distance, as a part of the largest of them.
 const ROUNDING: f32 = 1e-6;
+
+/// A triangle's box has no more than so many times its area on three sides, or it is halved: of a triangle with even sides it is
+/// 5 at most ...
+const AIRY: f32 = 16.0;
+/// ... up to so often.
+const PIECES: u32 = 4;
 
 /// One number of each child.
 type Each = [f32; WIDE];
@@ -55,12 +61,14 @@ struct Item {
 impl TriangleTree {
     /// Of triangles with their numbers and corners.
     pub(super) fn new(triangles: impl Iterator<Item = (u32, [Vec3; 3])>) -> Self {
-        let item = |(triangle, corners): (u32, [Vec3; 3])| {
-            let [a, b, c] = corners;
-            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-            Item { middle: 0.5 * low + 0.5 * high, low, high, leaf: Leaf { corners, triangle } }
-        };
-        let mut items: Vec<Item> = triangles.map(item).collect();
+        let mut items = vec![];
+        for (triangle, corners) in triangles {
+            pieces(corners, PIECES, &mut |[a, b, c]| {
+                let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+                let leaf = Leaf { corners, triangle };
+                items.push(Item { middle: 0.5 * low + 0.5 * high, low, high, leaf });
+            });
+        }
         let largest = |most: f32, i: &Item| most.max(i.low.abs().max(i.high.abs()).max_element());
         let mut tree =
             Self { nodes: vec![], leaves: vec![], largest: items.iter().fold(0.0, largest) };
@@ -271,6 +279,23 @@ impl TriangleTree {
     }
 }
 
+/// The triangle, or where it is a sliver aslant that would fill its box with air, its pieces: halves across the longest side.
+fn pieces(corners: [Vec3; 3], halvings: u32, each: &mut impl FnMut([Vec3; 3])) {
+    let [a, b, c] = corners;
+    let size = a.max(b).max(c) - a.min(b).min(c);
+    let sides = size.x * size.y + size.y * size.z + size.z * size.x;
+    let area = 0.5 * (b - a).cross(c - a).length();
+    if halvings == 0 || sides <= AIRY * area {
+        return each(corners);
+    }
+    let long = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
+    let k = (0..3).fold(0, |best, k| if long[k] > long[best] { k } else { best });
+    let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+    let middle = 0.5 * a + 0.5 * b;
+    pieces([a, middle, c], halvings - 1, each);
+    pieces([middle, b, c], halvings - 1, each);
+}
+
 /// A little farther than `t` along a ray: boxes and triangles round differently.
 fn past(t: f32) -> f32 {
     t + 1e-5 * t
@@ -360,8 +385,27 @@ mod tests {
         let strewn: Vec<_> = (0..1000).map(|id| [at(id, 0), at(id, 1), at(id, 2)]).collect();
         let slivers: Vec<_> =
             (0..1000).map(|id| [at(id, 0), at(id, 0) + Vec3::Y * 30.0, at(id, 1) * 1e-3]).collect();
-        for corners in [spot, strewn, slivers] {
-            assert_eq!(of(&corners).levels(), 5);
-        }
+        assert!((5..=7).contains(&of(&strewn).levels()));
+        // In up to 16 pieces each: 16,384 = 4^7.
+        assert!(of(&slivers).levels() <= 7);
+        assert_eq!(of(&spot).levels(), 1);
+    }
+
+    #[test]
+    fn on_one_spot_a_thousand_times_is_once_and_a_search_looks_at_few() {
+        let spot = of(&vec![[Vec3::ZERO, Vec3::X, Vec3::Y]; 1000]);
+        // The root's four children are one triangle each.
+        assert_eq!(spot.visits(Vec3::Z), (1, 4));
+        // A field of 64 x 64 squares: from close over it, 5 to 7 levels with a few nodes each, and what lies under it.
+        let corner = |x: u32, z: u32| Vec3::new(x as f32, 0.0, z as f32);
+        let field: Vec<_> = (0..64 * 64)
+            .flat_map(|k| {
+                let (x, z) = (k % 64, k / 64);
+                let [a, b] = [corner(x, z), corner(x + 1, z + 1)];
+                [[a, corner(x, z + 1), b], [a, b, corner(x + 1, z)]]
+            })
+            .collect();
+        let (nodes, leaves) = of(&field).visits(Vec3::new(20.3, 0.5, 41.6));
+        assert!(nodes <= 20 && leaves <= 12, "{nodes} nodes, {leaves} triangles");
     }
 }

@@ -328,3 +328,28 @@ pub(crate) fn unit_of_height(height: f32) -> (f32, &'static str) {
         _ => (0.1, "mm"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slivers_by_the_thousand_make_no_more_cells_than_a_head() {
+        // The wall of a cylinder, 1 high and 2 pi round, of 2000 slivers as high as it is. Cut as finely as asked, each makes
+        // 64 x 64 cells: 8 million in all.
+        let at = |k: u32, high: f32| {
+            let (sin, cos) = sin_cos_turns(k as f32 / 1000.0);
+            Vec3::new(sin, high, cos)
+        };
+        let points: Vec<Vec3> = (0..1000).flat_map(|k| [at(k, 0.0), at(k, 1.0)]).collect();
+        let wall = |k: u32| {
+            let [low, high, next, next_high] = [2 * k, 2 * k + 1, 2 * k + 2, 2 * k + 3];
+            [[low, next, high], [high, next, next_high]].map(|t| t.map(|v| v % 2000))
+        };
+        let triangles: Vec<[u32; 3]> = (0..1000).flat_map(wall).collect();
+        let made = cells(&points, &triangles, -1.0, 0.001);
+        assert!(made.len() <= MOST_CELLS, "{}", made.len());
+        let area: f32 = made.iter().map(|cell| cell.area).sum();
+        assert!((area / TAU - 1.0).abs() < 1e-3, "{area}");
+    }
+}
