@@ -467,20 +467,34 @@ impl Skin<'_> {
         let mut ways: Vec<Vec3> = round_about().collect();
         ways.sort_by(|a, b| b.dot(way).total_cmp(&a.dot(way)));
         ways.insert(0, way);
-        // Free and in a mouth is no way out: from where it ends, it must lead on into the open.
-        let free = |p: Vec3| self.exact(p).is_some_and(|(d, _)| d >= height);
-        let open = |p: Vec3, way: Vec3| self.surface.ray(p, way, 2.0 * ESCAPE).is_none();
+        // Free and in a mouth is no way out: from where it ends, it must lead on into the open. Beyond the last skin on each way
+        // it does; one look back from far off tells where that is, however many folds lie between.
+        const FAR: f32 = 3.0 * ESCAPE;
+        let last_skin = |way: &Vec3| {
+            let back = self.surface.ray(p + *way * FAR, -*way, FAR);
+            back.map_or(0.0, |hit| FAR - hit.distance)
+        };
+        // On each way, where it opens, and up to where nothing can be free: distances grow by no more than the way does.
+        let mut ways: Vec<(Vec3, f32, f32)> =
+            ways.into_iter().map(|way| (way, last_skin(&way), 0.0)).collect();
         let mut shut = None;
         let mut reach = height.max(0.0) + CLEAR;
         while reach < ESCAPE {
-            for way in &ways {
-                let out = p + *way * reach;
-                if free(out) {
-                    if open(out, *way) {
-                        return out;
-                    }
-                    shut = shut.or(Some(out));
+            for (way, opens, busy) in &mut ways {
+                let is_open = reach > *opens;
+                if reach < *busy || (shut.is_some() && !is_open) {
+                    continue;
                 }
+                let out = p + *way * reach;
+                match self.exact(out) {
+                    Some((d, _)) if d >= height && is_open => return out,
+                    Some((d, _)) if d >= height => shut = shut.or(Some(out)),
+                    Some((d, _)) => *busy = reach + 0.999 * (height - d),
+                    None => {}
+                }
+            }
+            if shut.is_some() && ways.iter().all(|(_, opens, _)| *opens >= ESCAPE) {
+                break;
             }
             reach = (reach * 1.5).max(0.01);
         }

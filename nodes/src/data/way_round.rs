@@ -19,6 +19,8 @@ const MARGIN: f32 = 3.0;
 const FARTHEST: f32 = 5.0;
 /// How far a way keeps off the skin, cm, where it can.
 const OFF: f32 = 0.06;
+/// After so many places looked at there is no way: past half of an ear it takes a few thousand, among folds all there are.
+const MOST_PLACES: usize = 20_000;
 /// How many times as long a way may be to do so: past half of an ear, and out of the fold that an end lies in.
 const HARD: u32 = 15;
 /// Lengths of the steps along one, two and three axes, in thousandths of [`STEP`]: whole numbers, so that ways that are as long
@@ -73,6 +75,7 @@ pub(super) fn way_round(skin: &Skin, from: Vec3, to: Vec3) -> Option<Vec<Vec3>> 
     let mut before = vec![0u8; count];
     // By the least that the whole way may cost; of equals first what is nearest to the goal.
     let mut open = BinaryHeap::new();
+    let mut looked = 0;
     cost[index(start)] = 0;
     open.push(Reverse((left(start, goal), left(start, goal), start)));
     while let Some(Reverse((whole, rest, at))) = open.pop() {
@@ -82,6 +85,10 @@ pub(super) fn way_round(skin: &Skin, from: Vec3, to: Vec3) -> Option<Vec<Vec3>> 
         let come = cost[index(at)];
         if whole > come + rest {
             continue;
+        }
+        looked += 1;
+        if looked > MOST_PLACES {
+            return None;
         }
         for (k, step) in STEPS.iter().enumerate() {
             let next = [0, 1, 2].map(|axis| at[axis] + step[axis]);

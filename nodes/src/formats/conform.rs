@@ -89,8 +89,10 @@ pub fn conform(
     // How hard each curve that still differs is tried hangs from how many there are: not on how many threads find them.
     let effort = Effort::of(done.iter().map(|done| done.differ).sum());
     let differ: Vec<usize> = every.into_iter().filter(|i| done[*i].differ > 0).collect();
-    for (i, again) in differ.iter().zip(all(&differ, effort)) {
-        done[*i] = again;
+    if effort != Effort::None {
+        for (i, again) in differ.iter().zip(all(&differ, effort)) {
+            done[*i] = again;
+        }
     }
     let astray: usize = done.iter().map(|done| done.astray.len()).sum();
     let few = !all_stay && skin.is_some() && astray * FEW <= curves.curve_count();

@@ -54,6 +54,8 @@ const ROUNDS: usize = 16;
 /// Rounds after which they are made so at half the pace: where a curve turns by a right angle from point to point, a full
 /// step oversteps.
 const QUICK: usize = 8;
+/// Rounds without a better one after which it is given up.
+const STALE: usize = 5;
 /// Chords within this ratio are alike.
 const ALIKE: f32 = 1.01;
 
@@ -267,15 +269,22 @@ fn alike_chords(
     };
     let mut wanted: Vec<f32> =
         (0..=last).map(|k| k as f32 / last as f32 * spline.length()).collect();
-    // Where the skin makes a curve leap, more points make no shorter chords: the best round counts.
+    // Where the skin makes a curve leap, more points make no shorter chords: the best round counts, and after some that are no
+    // better there is an end.
     let mut best = (f32::MAX, wanted.clone());
+    let mut stale = 0;
     for round in 0..ROUNDS {
         let ratio = sample(&wanted, stops, points);
         if ratio <= ALIKE || readings_differ(points) <= AGREE {
             return;
         }
+        stale += 1;
         if ratio < best.0 {
             best = (ratio, wanted.clone());
+            stale = 0;
+        }
+        if stale == STALE {
+            break;
         }
         // What arc length has come where the chords have come to their even share.
         let total: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();

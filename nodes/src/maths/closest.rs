@@ -1,16 +1,13 @@
 //! The closest point of a triangle surface, rays against it, and which side of it a point is on.
 //!
-//! The tree is parry3d's; the triangle arithmetic is ours, so that ties are settled by rule (the lowest
-//! triangle wins) and the answer is the same bits on every machine. The side is told by the
+//! Ties are settled by rule (the lowest triangle wins), so that the answer is the same bits on every machine and for every tree. The
+//! side is told by the
 //! pseudo-normal of the closest feature (Baerentzen and Aanaes 2005, "Signed distance computation
 //! using the angle weighted pseudonormal"): exact for closed surfaces, and right near the surface for
 //! open ones. Far behind a hole the side is a matter of opinion and not promised.
 
+use super::triangle_tree::TriangleTree;
 use glam::{Vec2, Vec3};
-use parry3d::bounding_volume::Aabb;
-use parry3d::partitioning::{Bvh, BvhBuildStrategy, TraversalAction};
-use std::cell::Cell;
-use std::collections::BTreeMap;
 
 /// Triangles with their normals and their tree.
 pub struct Surface {
@@ -22,7 +19,7 @@ pub struct Surface {
     /// face has area.
     pub normals: Vec<Vec3>,
     edge_normals: Vec<[Vec3; 3]>,
-    tree: Bvh,
+    tree: TriangleTree,
     /// Which triangles nothing meets; empty where all are met.
     gone: Vec<bool>,
 }
@@ -40,158 +37,38 @@ pub struct Hit {
     pub distance: f32,
 }
 
-/// Triangles that are looked at together.
-const PACK: usize = 8;
-
-/// The most triangles of [`Around`]; a bust of 36,000 has 100 to 300 there. Among more, the tree is the faster way.
-const MOST: usize = 1024;
-
-/// One number of each triangle of a pack, and one vector.
-type Each = [f32; PACK];
-type Each3 = [Each; 3];
-
-/// Some of the triangles of [`Around`], made ready to be asked how far off they are.
-struct Pack {
-    /// The least distance of any of them from the ball's middle.
-    nearest: f32,
-    triangles: [u32; PACK],
-    corner: Each3,
-    /// From each corner to the next; one over the square of its length, or 0; and what points out of the triangle
-    /// there, in its plane.
-    edges: [Each3; 3],
-    per_square: [Each; 3],
-    out: [Each3; 3],
-    /// Unit, or zero where there is no area.
-    normal: Each3,
-}
-
-/// The triangles that may be closest to a point of a ball, those nearest to its middle first.
-pub struct Around<'a> {
-    surface: &'a Surface,
-    middle: Vec3,
-    slack: f32,
-    packs: Vec<Pack>,
-    /// The triangle that is closest to the middle.
-    pub nearest: u32,
-}
-
-impl Around<'_> {
-    /// What [`Surface::closest`] finds for a point of the ball, sooner when triangle `near`, which something may meet, is close to
-    /// it.
-    pub fn closest_from(&self, p: Vec3, near: u32) -> Hit {
-        let (bary, point) = closest_on_triangle(p, self.surface.corners(near));
-        let mut best = (point.distance_squared(p), near, bary, point);
-        let off = p.distance(self.middle) + self.slack;
-        let mut reach = best.0.sqrt();
-        for pack in &self.packs {
-            if pack.nearest > reach + off {
-                break;
-            }
-            let squares = pack.squares(p);
-            for (i, square) in squares.into_iter().enumerate() {
-                let limit = reach + self.slack;
-                // (A NaN is looked at.)
-                if square > limit * limit {
-                    continue;
-                }
-                let triangle = pack.triangles[i];
-                let (bary, point) = closest_on_triangle(p, self.surface.corners(triangle));
-                let d2 = point.distance_squared(p);
-                if d2 < best.0 || (d2 == best.0 && triangle < best.1) {
-                    best = (d2, triangle, bary, point);
-                    reach = d2.sqrt();
-                }
-            }
-        }
-        let (d2, triangle, bary, point) = best;
-        Hit { triangle, bary, point, distance: d2.sqrt() }
-    }
-}
-
-impl Pack {
-    /// Of triangles with their distances, 1 to [`PACK`] of them; the last fills what is left.
-    fn new(surface: &Surface, triangles: &[(f32, u32)]) -> Self {
-        let last = triangles.len() - 1;
-        let mut pack = Self {
-            nearest: triangles[0].0,
-            triangles: [0; PACK],
-            corner: Each3::default(),
-            edges: Default::default(),
-            per_square: Default::default(),
-            out: Default::default(),
-            normal: Each3::default(),
-        };
-        let put = |each: &mut Each3, i: usize, v: Vec3| {
-            each.iter_mut().zip(v.to_array()).for_each(|(each, v)| each[i] = v);
-        };
-        for i in 0..PACK {
-            let triangle = triangles[i.min(last)].1;
-            let corners = surface.corners(triangle);
-            let normal = surface.area_vector(triangle).normalize_or_zero();
-            pack.triangles[i] = triangle;
-            put(&mut pack.corner, i, corners[0]);
-            put(&mut pack.normal, i, normal);
-            for k in 0..3 {
-                let edge = corners[(k + 1) % 3] - corners[k];
-                let square = edge.length_squared();
-                put(&mut pack.edges[k], i, edge);
-                put(&mut pack.out[k], i, edge.cross(normal));
-                pack.per_square[k][i] = if square > 0.0 { 1.0 / square } else { 0.0 };
-            }
-        }
-        pack
-    }
-
-    /// The square of each triangle's distance from a point, but for rounding; 0 where there is no area. Without branches,
-    /// so that a compiler takes several at once.
-    #[inline]
-    fn squares(&self, p: Vec3) -> Each {
-        let mut squares = [0.0f32; PACK];
-        for (i, square) in squares.iter_mut().enumerate() {
-            let of = |each: &Each3| Vec3::new(each[0][i], each[1][i], each[2][i]);
-            let mut from = p - of(&self.corner);
-            let height = from.dot(of(&self.normal));
-            let (mut to_edge, mut is_over) = (f32::MAX, true);
-            for k in 0..3 {
-                let edge = of(&self.edges[k]);
-                let t = lesser(greater(from.dot(edge) * self.per_square[k][i], 0.0), 1.0);
-                to_edge = lesser(to_edge, (from - edge * t).length_squared());
-                is_over &= from.dot(of(&self.out[k])) <= 0.0;
-                from -= edge;
-            }
-            *square = if is_over { height * height } else { to_edge };
-        }
-        squares
-    }
-}
-
 impl Surface {
     /// Builds normals and tree. Triangles must name existing points.
     pub fn new(points: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
         let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
         let mut normals = vec![Vec3::ZERO; points.len()];
-        let mut edges: BTreeMap<(u32, u32), Vec3> = BTreeMap::new();
-        for t in &triangles {
+        // Each side of a triangle: its edge, and its place among all sides.
+        let mut sides: Vec<((u32, u32), u32)> = Vec::with_capacity(3 * triangles.len());
+        let mut faces = Vec::with_capacity(triangles.len());
+        for (t, n) in triangles.iter().zip(0u32..) {
             let [a, b, c] = corners(t);
-            let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
+            let normal = (b - a).cross(c - a).try_normalize();
+            faces.push(normal.unwrap_or_default());
+            sides.extend((0..3).map(|i| (edge(t[i], t[(i + 1) % 3]), 3 * n + i as u32)));
+            let Some(normal) = normal else { continue };
             for (i, (at, next, last)) in [(a, b, c), (b, c, a), (c, a, b)].into_iter().enumerate() {
                 let angle = super::transcendental::acos(
                     (next - at).normalize_or_zero().dot((last - at).normalize_or_zero()),
                 );
                 normals[t[i] as usize] += normal * angle;
-                *edges.entry(edge(t[i], t[(i + 1) % 3])).or_default() += normal;
             }
         }
         for normal in &mut normals {
             *normal = normal.normalize_or_zero();
         }
-        let edge_normals = triangles
-            .iter()
-            .map(|t| {
-                [0, 1, 2]
-                    .map(|i| edges.get(&edge(t[i], t[(i + 1) % 3])).copied().unwrap_or_default())
-            })
-            .collect();
+        sides.sort_unstable();
+        let mut edge_normals = vec![[Vec3::ZERO; 3]; triangles.len()];
+        for same in sides.chunk_by(|a, b| a.0 == b.0) {
+            let sum = same.iter().fold(Vec3::ZERO, |sum, (_, n)| sum + faces[*n as usize / 3]);
+            for (_, n) in same {
+                edge_normals[*n as usize / 3][*n as usize % 3] = sum;
+            }
+        }
         let tree = tree(&points, &triangles, |_| true);
         Self { points, triangles, normals, edge_normals, tree, gone: vec![] }
     }
@@ -241,66 +118,12 @@ impl Surface {
         self.search(p, d2.next_up(), (d2, near, bary, point))
     }
 
-    /// What [`Self::closest`] may find for points of the ball of `radius` about `middle`, gathered once for many of them; none where
-    /// that are no triangles or very many, or the ball is not finite.
-    pub fn around(&self, middle: Vec3, radius: f32, near: u32) -> Option<Around<'_>> {
-        let hit = self.closest_from(middle, near)?;
-        // Rounding must leave out nothing.
-        let slack = 1e-5 * (middle.abs().max_element() + radius + hit.distance);
-        let reach = hit.distance + 2.0 * radius + slack;
-        let mut found = vec![];
-        self.tree.traverse(|node| {
-            let (lo, hi) = (node.mins(), node.maxs());
-            let off = (lo - middle).max(middle - hi).max(Vec3::ZERO);
-            // (A NaN must not prune.)
-            if off.length_squared() > reach * reach {
-                return TraversalAction::Prune;
-            }
-            if let Some(triangle) = node.leaf_data() {
-                let (_, point) = closest_on_triangle(middle, self.corners(triangle));
-                let far = point.distance(middle);
-                if far <= reach {
-                    found.push((far, triangle));
-                }
-            }
-            if found.len() > MOST { TraversalAction::EarlyExit } else { TraversalAction::Continue }
-        });
-        if found.len() > MOST {
-            return None;
-        }
-        found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let packs = found.chunks(PACK).map(|pack| Pack::new(self, pack)).collect();
-        Some(Around { surface: self, middle, slack, packs, nearest: hit.triangle })
-    }
-
     /// The best of `best` and what lies within `limit` (squared).
     fn search(&self, p: Vec3, limit: f32, best: (f32, u32, Vec2, Vec3)) -> Option<Hit> {
         if !p.is_finite() {
             return None;
         }
-        let best = Cell::new(best);
-        // A box as far as the best so far is still opened: it may hold a lower triangle at the same distance.
-        self.tree.find_best(
-            limit,
-            |node, _| {
-                let (lo, hi) = (node.mins(), node.maxs());
-                let axis = |lo: f32, p: f32, hi: f32| greater(greater(lo - p, p - hi), 0.0);
-                let (x, y) = (axis(lo.x, p.x, hi.x), axis(lo.y, p.y, hi.y));
-                let z = axis(lo.z, p.z, hi.z);
-                // A little less than it is, and less than 0 at 0.
-                (x * x + y * y + z * z) * 0.999_999_8 - 1e-30
-            },
-            |triangle, _| {
-                let (bary, point) = closest_on_triangle(p, self.corners(triangle));
-                let d2 = point.distance_squared(p);
-                let (best_d2, best_triangle, ..) = best.get();
-                if d2 < best_d2 || (d2 == best_d2 && triangle < best_triangle) {
-                    best.set((d2, triangle, bary, point));
-                }
-                Some(d2)
-            },
-        );
-        let (d2, triangle, bary, point) = best.get();
+        let (d2, triangle, bary, point) = self.tree.nearest(p, limit, best);
         (triangle != u32::MAX && d2 <= limit).then(|| Hit {
             triangle,
             bary,
@@ -312,26 +135,14 @@ impl Surface {
     /// The first point that the ray meets, from either side, within `reach` times `direction`. `distance`
     /// is in multiples of `direction`'s length.
     pub fn ray(&self, origin: Vec3, direction: Vec3, reach: f32) -> Option<Hit> {
-        let inverse = Vec3::ONE / direction;
-        let mut best: Option<Hit> = None;
-        self.tree.traverse(|node| {
-            let limit = best.map_or(reach, |hit| hit.distance);
-            let (a, b) = ((node.mins() - origin) * inverse, (node.maxs() - origin) * inverse);
-            let (near, far) = (a.min(b).max_element(), a.max(b).min_element());
-            // A NaN (0 times infinity: the ray lies in a box's side) must not prune.
-            if far < 0.0 || near > limit || near > far {
-                return TraversalAction::Prune;
-            }
-            if let Some(triangle) = node.leaf_data()
-                && let Some((t, bary)) = ray_triangle(origin, direction, self.corners(triangle))
-                && t <= limit
-                && best.is_none_or(|hit| t < hit.distance || triangle < hit.triangle)
-            {
-                best = Some(Hit { triangle, bary, point: origin + direction * t, distance: t });
-            }
-            TraversalAction::Continue
-        });
-        best
+        let meets = |corners| ray_triangle(origin, direction, corners);
+        let (triangle, distance, bary) = self.tree.first(origin, direction, reach, meets)?;
+        Some(Hit { triangle, bary, point: origin + direction * distance, distance })
+    }
+
+    /// Whether the ray meets anything at all within `reach` times `direction`.
+    pub fn ray_meets(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
+        self.tree.any(origin, direction, reach, |corners| ray_triangle(origin, direction, corners))
     }
 
     /// The point at barycentric coordinates of a triangle.
@@ -382,11 +193,19 @@ impl Surface {
             Vec3::new(-0.27, -0.58, -0.77),
             Vec3::new(0.53, 0.39, -0.75),
         ];
-        let backs = WAYS.iter().filter(|way| {
-            let hit = self.ray(p, **way, 1e4);
-            hit.is_some_and(|hit| self.area_vector(hit.triangle).dot(**way) > 0.0)
-        });
-        2 * backs.count() > WAYS.len()
+        const MOST: usize = WAYS.len() / 2 + 1;
+        let (mut backs, mut others) = (0, 0);
+        for way in WAYS {
+            let hit = self.ray(p, way, 1e4);
+            match hit.is_some_and(|hit| self.area_vector(hit.triangle).dot(way) > 0.0) {
+                true => backs += 1,
+                false => others += 1,
+            }
+            if backs.max(others) == MOST {
+                break;
+            }
+        }
+        backs == MOST
     }
 
     fn pseudo_normal(&self, hit: &Hit) -> Vec3 {
@@ -410,33 +229,10 @@ const ON: f32 = 1e-5;
 /// Nearer than this (cm) edges and corners are believed.
 const DOUBTFUL: f32 = 0.2;
 
-/// The greater of two numbers that are no NaN: one instruction, where `f32::max` has to look for them.
-#[inline]
-fn greater(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// The lesser of two numbers that are no NaN.
-#[inline]
-fn lesser(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
 /// The tree of the triangles for which `stays` says so.
-fn tree(points: &[Vec3], triangles: &[[u32; 3]], stays: impl Fn(usize) -> bool) -> Bvh {
-    let around = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|v| points[v as usize]);
-        Aabb::new(a.min(b).min(c), a.max(b).max(c))
-    };
-    let leaves: Vec<usize> = (0..triangles.len()).filter(|t| stays(*t)).collect();
-    if leaves.len() > 2 {
-        let leaves = leaves.into_iter().map(|t| (t, around(&triangles[t])));
-        return Bvh::from_iter(BvhBuildStrategy::Binned, leaves);
-    }
-    // Of one or two leaves, `from_iter` takes only those that are numbered from 0.
-    let mut tree = Bvh::new();
-    leaves.into_iter().for_each(|t| tree.insert(around(&triangles[t]), t as u32));
-    tree
+fn tree(points: &[Vec3], triangles: &[[u32; 3]], stays: impl Fn(usize) -> bool) -> TriangleTree {
+    let numbered = triangles.iter().zip(0u32..).filter(|(_, n)| stays(*n as usize));
+    TriangleTree::new(numbered.map(|(t, n)| (n, t.map(|v| points[v as usize]))))
 }
 
 fn edge(a: u32, b: u32) -> (u32, u32) {
@@ -558,21 +354,107 @@ pub(crate) mod tests {
             for near in [hit.triangle, 0, id as u32] {
                 assert_eq!(surface.closest_from(p, near), Some(hit), "{p} from {near}");
             }
-            let aside = Vec3::new(dice.signed(id, 3), dice.signed(id, 4), dice.signed(id, 5)) * 0.5;
-            let around = surface.around(p + aside, 0.9, id as u32).unwrap();
-            for near in [around.nearest, 0] {
-                assert_eq!(around.closest_from(p, near), hit, "{p} from {near}");
-            }
+        }
+    }
+
+    /// Meshes of every kind that a tree may find hard, by name.
+    fn hard_meshes() -> Vec<(&'static str, Surface)> {
+        let dice = Dice::new(11, 0, "mesh");
+        let at = |id: u64, k: u64| Vec3::from([0, 1, 2].map(|axis| dice.signed(id, 3 * k + axis)));
+        let of = |triangles: Vec<[Vec3; 3]>| {
+            let numbers = (0..triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+            Surface::new(triangles.concat(), numbers.collect())
+        };
+        let scaled = |by: f32| {
+            let ball = sphere(1.0, 10);
+            Surface::new(ball.points.iter().map(|p| *p * by).collect(), ball.triangles)
+        };
+        let folded = {
+            let ball = sphere(1.0, 16);
+            let fold = |p: &Vec3| {
+                let (sin, _) = crate::maths::transcendental::sin_cos_turns(4.0 * p.x);
+                *p * (1.0 + 0.4 * sin)
+            };
+            Surface::new(ball.points.iter().map(fold).collect(), ball.triangles)
+        };
+        let bust = crate::scalp::bust::adult();
+        let ball = sphere(1.0, 8);
+        let layers = |count: u32, step: f32| {
+            let n = ball.points.len() as u32;
+            let points = (0..count).flat_map(|k| {
+                let larger = 1.0 + step * k as f32;
+                ball.points.iter().map(move |p| *p * larger)
+            });
+            let triangles =
+                (0..count).flat_map(|k| ball.triangles.iter().map(move |t| t.map(|v| v + k * n)));
+            Surface::new(points.collect(), triangles.collect())
+        };
+        vec![
+            ("built-in head", Surface::new(bust.points, bust.triangles)),
+            ("tiny", scaled(1e-4)),
+            ("huge", scaled(1e5)),
+            ("folded", folded),
+            ("hollow", layers(2, -0.05)),
+            ("many layers on one spot", layers(12, 0.0)),
+            ("strewn", of((0..600).map(|id| [at(id, 0), at(id, 1), at(id, 2)]).collect())),
+            (
+                "slivers",
+                of((0..600)
+                    .map(|id| [at(id, 0), at(id, 0) + Vec3::Y, at(id, 0) + at(id, 1) * 1e-4])
+                    .collect()),
+            ),
+            ("a plane", of(vec![[Vec3::ZERO, Vec3::X, Vec3::Z], [Vec3::X, Vec3::ONE, Vec3::Z]])),
+            ("one triangle", of(vec![[Vec3::ZERO, Vec3::X, Vec3::Z]])),
+        ]
+    }
+
+    /// `closest` and `closest_from` find what looking at every triangle finds, to the bit, and a ray the first of all that it meets.
+    fn check_every_triangle(name: &str, surface: &Surface, count: u64) {
+        let dice = Dice::new(12, 0, "query");
+        let (low, high) = surface.bounds();
+        let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
+        let numbers = 0..surface.triangles.len() as u32;
+        for id in 0..count {
+            let v = Vec3::new(dice.signed(id, 0), dice.signed(id, 1), dice.signed(id, 2));
+            // About the mesh, on it and near it.
+            let on = surface.points[dice.below(id, 3, surface.points.len() as u32) as usize];
+            let p = match id % 3 {
+                0 => middle + v * half * 1.5,
+                1 => on,
+                _ => on + v * half * 0.05,
+            };
+            let brute = numbers
+                .clone()
+                .map(|t| (closest_on_triangle(p, surface.corners(t)).1.distance_squared(p), t))
+                .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+                .unwrap();
+            let hit = surface.closest(p).unwrap();
+            assert_eq!((hit.distance, hit.triangle), (brute.0.sqrt(), brute.1), "{name}: {p}");
+            let near = dice.below(id, 4, numbers.end);
+            assert_eq!(surface.closest_from(p, near), Some(hit), "{name}: {p} from {near}");
+            let met = numbers
+                .clone()
+                .filter_map(|t| Some((ray_triangle(p, v, surface.corners(t))?.0, t)))
+                .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            let ray = surface.ray(p, v, f32::MAX).map(|hit| (hit.distance, hit.triangle));
+            assert_eq!(ray, met, "{name}: ray from {p} along {v}");
+            assert_eq!(surface.ray_meets(p, v, f32::MAX), met.is_some());
         }
     }
 
     #[test]
-    fn of_very_many_triangles_in_little_room_none_are_gathered() {
-        let surface = sphere(0.1, 64);
-        assert!(surface.triangles.len() > MOST);
-        assert!(surface.around(Vec3::X * 0.1, 0.7, 0).is_none());
-        // Where few of them may be closest they are.
-        assert!(surface.around(Vec3::X * 0.1, 0.003, 0).is_some());
+    fn on_any_mesh_what_is_found_is_what_looking_at_every_triangle_finds() {
+        for (name, surface) in hard_meshes() {
+            check_every_triangle(name, &surface, 90);
+        }
+    }
+
+    #[test]
+    #[ignore = "long"]
+    fn on_any_mesh_what_is_found_is_what_looking_at_every_triangle_finds_at_length() {
+        for (name, surface) in hard_meshes() {
+            check_every_triangle(name, &surface, 9000);
+        }
     }
 
     #[test]

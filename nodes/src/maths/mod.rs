@@ -15,3 +15,4 @@ pub mod rail;
 pub mod readings;
 pub mod spline;
 pub mod transcendental;
+mod triangle_tree;

@@ -49,6 +49,8 @@ const STILL: f32 = 1e-5;
 const CELL: f32 = 1.0 / 40.0;
 /// Most parts along a triangle's edge, so that a giant triangle cannot make millions of cells.
 const MOST_PARTS: f32 = 64.0;
+/// Most cells of a surface, about: for more, as long slivers by the thousand make, they are larger.
+const MOST_CELLS: usize = 400_000;
 
 /// Fits the cranium sphere; none where the mesh has no surface that a sphere fits to. `check` is called now and
 /// then and may stop the work.
@@ -119,18 +121,28 @@ fn judged(surface: &[Cell], centre: Vec3, radius: f32) -> Fit {
     Fit { centre, radius, p50: quantile(0.5), p95: quantile(0.95), inside_out: outward < 0.0 }
 }
 
-/// The surface above `low` in cells of at most `size`.
+/// The surface above `low` in cells of at most `size`, where that makes not too many.
 fn cells(points: &[Vec3], triangles: &[[u32; 3]], low: f32, size: f32) -> Vec<Cell> {
+    let above = || {
+        let corners = triangles.iter().map(|t| t.map(|v| points[v as usize]));
+        corners.filter(move |[a, b, c]| a.y.max(b.y).max(c.y) > low)
+    };
+    let parts = |[a, b, c]: [Vec3; 3], size: f32| {
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        (longest / size).ceil().clamp(1.0, MOST_PARTS) as usize
+    };
+    let count = |size: f32| above().map(|corners| parts(corners, size).pow(2)).sum::<usize>();
+    let few = above().count().max(MOST_CELLS);
+    let mut size = size;
+    while count(size) > few {
+        size *= 2.0;
+    }
     let mut out = vec![];
-    for t in triangles {
-        let [a, b, c] = t.map(|v| points[v as usize]);
-        if a.y.max(b.y).max(c.y) <= low {
-            continue;
-        }
+    for corners in above() {
+        let [a, b, c] = corners;
         let across = (b - a).cross(c - a);
         let Some(normal) = across.try_normalize() else { continue };
-        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-        let parts = (longest / size).ceil().clamp(1.0, MOST_PARTS) as usize;
+        let parts = parts(corners, size);
         let n = parts as f32;
         let area = 0.5 * across.length() / (n * n);
         let at = |i: f32, j: f32| a + (b - a) * (i / n) + (c - a) * (j / n);
@@ -314,5 +326,30 @@ pub(crate) fn unit_of_height(height: f32) -> (f32, &'static str) {
         h if h < 2.0 => (100.0, "m"),
         h if h < 200.0 => (1.0, "cm"),
         _ => (0.1, "mm"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slivers_by_the_thousand_make_no_more_cells_than_a_head() {
+        // The wall of a cylinder, 1 high and 2 pi round, of 2000 slivers as high as it is. Cut as finely as asked, each makes
+        // 64 x 64 cells: 8 million in all.
+        let at = |k: u32, high: f32| {
+            let (sin, cos) = sin_cos_turns(k as f32 / 1000.0);
+            Vec3::new(sin, high, cos)
+        };
+        let points: Vec<Vec3> = (0..1000).flat_map(|k| [at(k, 0.0), at(k, 1.0)]).collect();
+        let wall = |k: u32| {
+            let [low, high, next, next_high] = [2 * k, 2 * k + 1, 2 * k + 2, 2 * k + 3];
+            [[low, next, high], [high, next, next_high]].map(|t| t.map(|v| v % 2000))
+        };
+        let triangles: Vec<[u32; 3]> = (0..1000).flat_map(wall).collect();
+        let made = cells(&points, &triangles, -1.0, 0.001);
+        assert!(made.len() <= MOST_CELLS, "{}", made.len());
+        let area: f32 = made.iter().map(|cell| cell.area).sum();
+        assert!((area / TAU - 1.0).abs() < 1e-3, "{area}");
     }
 }

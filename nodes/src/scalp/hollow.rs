@@ -97,7 +97,7 @@ pub(crate) fn inner_wall(
 
 /// Whether a place sees a wall nearly all about it.
 fn closed(surface: &Surface, at: Vec3, radius: f32) -> bool {
-    let sees = |way: &Vec3| surface.ray(at, *way, FAR * radius).is_some();
+    let sees = |way: &Vec3| surface.ray_meets(at, *way, FAR * radius);
     round_about().filter(sees).count() >= CLOSED
 }
 
@@ -123,7 +123,7 @@ fn places(
             if far || found.contains(&next) {
                 continue;
             }
-            let free = surface.ray(at(here), at(next) - at(here), 1.0).is_none();
+            let free = !surface.ray_meets(at(here), at(next) - at(here), 1.0);
             if free && closed(surface, at(next), radius) {
                 found.push(next);
             }

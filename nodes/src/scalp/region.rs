@@ -98,7 +98,7 @@ fn ears(
         }
         looked += 1;
         let start = *p - *normal * (0.002 * frame.radius);
-        if surface.ray(start, -*normal, thin).is_some() {
+        if surface.ray_meets(start, -*normal, thin) {
             ears.push(*p);
         }
     }
@@ -184,7 +184,7 @@ fn outer(surface: &Surface, frame: &HeadFrame, vertex: usize) -> bool {
     });
     std::iter::once(out)
         .chain(leaning)
-        .any(|way| surface.ray(start, way, 8.0 * frame.radius).is_none())
+        .any(|way| !surface.ray_meets(start, way, 8.0 * frame.radius))
 }
 
 /// Azimuthal equidistant projection of a direction of the head frame about the up axis: radians from the

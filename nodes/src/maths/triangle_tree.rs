@@ -1,0 +1,411 @@
+//! Triangles in a tree of boxes, four to a node: the nearest to a point, the first that a ray meets.
+//!
+//! Guarantees: what is found is what looking at every triangle would find, whatever the tree, for rounding is allowed for and
+//! ties go to the lowest triangle; a tree of `n` triangles has log4(n) levels however they lie, in heaps on one spot or
+//! strewn, and two more where they are slivers; the same answers with any vectors of the processor, for boxes are compared in plain arrays that compilers turn into
+//! four at a time. Not promised: few visits where very many triangles are all as near as each other.
+
+use glam::{Vec2, Vec3};
+
+/// Children of a node.
+const WIDE: usize = 4;
+/// As many levels as 2^32 triangles make; on each, all but one child wait.
+const LEVELS: usize = 16;
+const WAITING: usize = (WIDE - 1) * LEVELS + WIDE;
+/// A child that is a triangle, and one that is not there.
+const LEAF: u32 = 1 << 31;
+const NONE: u32 = u32::MAX;
+/// Rounding of coordinates on the way to a distance, as a part of the largest of them.
+const ROUNDING: f32 = 1e-6;
+
+/// A triangle's box has no more than so many times its area on three sides, or it is halved: of a triangle with even sides it is
+/// 5 at most ...
+const AIRY: f32 = 16.0;
+/// ... up to so often.
+const PIECES: u32 = 4;
+
+/// One number of each child.
+type Each = [f32; WIDE];
+
+/// The boxes of four children; where there are fewer, those of none are farther than everything.
+struct Node {
+    low: [Each; 3],
+    high: [Each; 3],
+    children: [u32; WIDE],
+}
+
+struct Leaf {
+    corners: [Vec3; 3],
+    triangle: u32,
+}
+
+/// The triangles of a surface.
+pub(super) struct TriangleTree {
+    nodes: Vec<Node>,
+    leaves: Vec<Leaf>,
+    /// The largest coordinate.
+    largest: f32,
+}
+
+/// What was found for a point: the square of the distance, the triangle, the weights of its second and third corner, the point.
+pub(super) type Nearest = (f32, u32, Vec2, Vec3);
+
+/// A triangle on its way into the tree, with the middle of its box.
+struct Item {
+    middle: Vec3,
+    low: Vec3,
+    high: Vec3,
+    leaf: Leaf,
+}
+
+impl TriangleTree {
+    /// Of triangles with their numbers and corners.
+    pub(super) fn new(triangles: impl Iterator<Item = (u32, [Vec3; 3])>) -> Self {
+        let mut items = vec![];
+        for (triangle, corners) in triangles {
+            pieces(corners, PIECES, &mut |[a, b, c]| {
+                let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+                let leaf = Leaf { corners, triangle };
+                items.push(Item { middle: 0.5 * low + 0.5 * high, low, high, leaf });
+            });
+        }
+        let largest = |most: f32, i: &Item| most.max(i.low.abs().max(i.high.abs()).max_element());
+        let mut tree =
+            Self { nodes: vec![], leaves: vec![], largest: items.iter().fold(0.0, largest) };
+        if !items.is_empty() {
+            tree.leaves.reserve(items.len());
+            tree.nodes.reserve(items.len() / 2);
+            tree.add(&mut items);
+        }
+        tree
+    }
+
+    /// Adds a node of these triangles and all that is under it; gives its number.
+    fn add(&mut self, items: &mut [Item]) -> u32 {
+        let number = self.nodes.len();
+        self.nodes.push(Node {
+            low: [[f32::INFINITY; WIDE]; 3],
+            high: [[f32::INFINITY; WIDE]; 3],
+            children: [NONE; WIDE],
+        });
+        let mut child = 0;
+        let mut put = |tree: &mut Self, items: &mut [Item]| {
+            if items.is_empty() {
+                return;
+            }
+            let low = items.iter().fold(Vec3::INFINITY, |low, i| low.min(i.low));
+            let high = items.iter().fold(Vec3::NEG_INFINITY, |high, i| high.max(i.high));
+            // Of triangles on the very same spot only the lowest can be found: meshes come with layers that lie twice in a file.
+            let corners = items[0].leaf.corners;
+            let is = match items.iter().all(|i| i.leaf.corners == corners) {
+                true => {
+                    let numbers = items.iter().map(|i| i.leaf.triangle);
+                    let triangle = numbers.min().unwrap_or(items[0].leaf.triangle);
+                    tree.leaves.push(Leaf { corners, triangle });
+                    LEAF | (tree.leaves.len() - 1) as u32
+                }
+                false => tree.add(items),
+            };
+            let node = &mut tree.nodes[number];
+            for axis in 0..3 {
+                node.low[axis][child] = low[axis];
+                node.high[axis][child] = high[axis];
+            }
+            node.children[child] = is;
+            child += 1;
+        };
+        if items.len() <= WIDE {
+            items.chunks_mut(1).for_each(|one| put(self, one));
+        } else {
+            let (left, right) = halves(items);
+            for half in [left, right] {
+                let (left, right) = halves(half);
+                put(self, left);
+                put(self, right);
+            }
+        }
+        number as u32
+    }
+
+    /// The best of `best` and the triangle nearest to `p`, if that is within the square `limit` of a distance; of equally near ones
+    /// the lowest.
+    #[inline]
+    pub(super) fn nearest(&self, p: Vec3, limit: f32, mut best: Nearest) -> Nearest {
+        let rounding = ROUNDING * self.largest.max(p.abs().max_element());
+        // What is farther than this is not looked at.
+        let beyond = |square: f32| {
+            let far = square.sqrt() + rounding;
+            far * far
+        };
+        let reach = beyond(best.0.min(limit));
+        self.walk(
+            |node| node.squares(p),
+            |leaf| {
+                let (bary, point) = super::closest::closest_on_triangle(p, leaf.corners);
+                let square = point.distance_squared(p);
+                let nearer = square < best.0 || (square == best.0 && leaf.triangle < best.1);
+                if square <= limit && nearer {
+                    best = (square, leaf.triangle, bary, point);
+                }
+                beyond(best.0.min(limit))
+            },
+            reach,
+        );
+        best
+    }
+
+    /// The first triangle that a ray meets within `reach` times `direction`, of equally near ones the lowest: triangle, where as a
+    /// multiple of `direction`, and the weights of its second and third corner. `meets` tells of each triangle.
+    #[inline]
+    pub(super) fn first(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        reach: f32,
+        meets: impl Fn([Vec3; 3]) -> Option<(f32, Vec2)>,
+    ) -> Option<(u32, f32, Vec2)> {
+        let mut best: Option<(u32, f32, Vec2)> = None;
+        self.walk(
+            |node| node.entries(origin, direction),
+            |leaf| {
+                let limit = best.map_or(reach, |(_, t, _)| t);
+                if let Some((t, bary)) = meets(leaf.corners)
+                    && t <= limit
+                    && best.is_none_or(|(triangle, at, _)| t < at || leaf.triangle < triangle)
+                {
+                    best = Some((leaf.triangle, t, bary));
+                }
+                past(best.map_or(reach, |(_, t, _)| t))
+            },
+            past(reach),
+        );
+        best
+    }
+
+    /// Whether a ray meets any triangle within `reach` times `direction`.
+    #[inline]
+    pub(super) fn any(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        reach: f32,
+        meets: impl Fn([Vec3; 3]) -> Option<(f32, Vec2)>,
+    ) -> bool {
+        let mut any = false;
+        self.walk(
+            |node| node.entries(origin, direction),
+            |leaf| {
+                any = any || meets(leaf.corners).is_some_and(|(t, _)| t <= reach);
+                if any { f32::NEG_INFINITY } else { past(reach) }
+            },
+            past(reach),
+        );
+        any
+    }
+
+    /// Goes through the leaves, those first whose boxes are nearest, but for what is farther than `reach`. `far` tells how far the
+    /// children of a node are, `leaf` looks at a triangle and gives the new reach.
+    #[inline]
+    fn walk(
+        &self,
+        far: impl Fn(&Node) -> Each,
+        mut leaf: impl FnMut(&Leaf) -> f32,
+        mut reach: f32,
+    ) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let mut waiting = [(0.0f32, 0u32); WAITING];
+        let mut waits = 1;
+        while waits > 0 {
+            waits -= 1;
+            let (near, at) = waiting[waits];
+            if near > reach {
+                continue;
+            }
+            if at & LEAF != 0 {
+                reach = leaf(&self.leaves[(at & !LEAF) as usize]);
+                continue;
+            }
+            let node = &self.nodes[at as usize];
+            let first = waits;
+            for (far, child) in far(node).into_iter().zip(node.children) {
+                // (A NaN is looked at.)
+                if far > reach || child == NONE {
+                    continue;
+                }
+                // The nearest is on top.
+                let mut k = waits;
+                while k > first && waiting[k - 1].0 < far {
+                    waiting[k] = waiting[k - 1];
+                    k -= 1;
+                }
+                waiting[k] = (far, child);
+                waits += 1;
+            }
+        }
+    }
+
+    /// The most nodes from the root to a triangle.
+    #[cfg(test)]
+    pub(super) fn levels(&self) -> usize {
+        fn under(tree: &TriangleTree, node: u32) -> usize {
+            let children = tree.nodes[node as usize].children.iter();
+            let deeper = children.filter(|c| **c & LEAF == 0);
+            1 + deeper.map(|c| under(tree, *c)).max().unwrap_or(0)
+        }
+        if self.nodes.is_empty() { 0 } else { under(self, 0) }
+    }
+
+    /// How many nodes and triangles are looked at for the one nearest to `p`.
+    #[cfg(test)]
+    pub(super) fn visits(&self, p: Vec3) -> (usize, usize) {
+        let (nodes, mut leaves) = (std::cell::Cell::new(0), 0);
+        let mut best = f32::MAX;
+        self.walk(
+            |node| {
+                nodes.set(nodes.get() + 1);
+                node.squares(p)
+            },
+            |leaf| {
+                leaves += 1;
+                let (_, point) = super::closest::closest_on_triangle(p, leaf.corners);
+                best = best.min(point.distance_squared(p));
+                best
+            },
+            f32::MAX,
+        );
+        (nodes.get(), leaves)
+    }
+}
+
+/// The triangle, or where it is a sliver aslant that would fill its box with air, its pieces: halves across the longest side.
+fn pieces(corners: [Vec3; 3], halvings: u32, each: &mut impl FnMut([Vec3; 3])) {
+    let [a, b, c] = corners;
+    let size = a.max(b).max(c) - a.min(b).min(c);
+    let sides = size.x * size.y + size.y * size.z + size.z * size.x;
+    let area = 0.5 * (b - a).cross(c - a).length();
+    if halvings == 0 || sides <= AIRY * area {
+        return each(corners);
+    }
+    let long = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
+    let k = (0..3).fold(0, |best, k| if long[k] > long[best] { k } else { best });
+    let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+    let middle = 0.5 * a + 0.5 * b;
+    pieces([a, middle, c], halvings - 1, each);
+    pieces([middle, b, c], halvings - 1, each);
+}
+
+/// A little farther than `t` along a ray: boxes and triangles round differently.
+fn past(t: f32) -> f32 {
+    t + 1e-5 * t
+}
+
+/// The triangles halved across the longest side of what their middles take up.
+fn halves(items: &mut [Item]) -> (&mut [Item], &mut [Item]) {
+    let half = items.len() / 2;
+    if half == 0 {
+        return items.split_at_mut(half);
+    }
+    let low = items.iter().fold(Vec3::INFINITY, |low, i| low.min(i.middle));
+    let high = items.iter().fold(Vec3::NEG_INFINITY, |high, i| high.max(i.middle));
+    let size = high - low;
+    let axis = (0..3).fold(0, |best, axis| if size[axis] > size[best] { axis } else { best });
+    items.select_nth_unstable_by(half, |a, b| {
+        let along = a.middle[axis].total_cmp(&b.middle[axis]);
+        along.then(a.leaf.triangle.cmp(&b.leaf.triangle))
+    });
+    items.split_at_mut(half)
+}
+
+/// The greater of two numbers, the second if one is a NaN: one instruction, where `f32::max` has to look for them.
+#[inline]
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The lesser of two numbers, the second if one is a NaN.
+#[inline]
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+impl Node {
+    /// The square of each child's distance from a point.
+    #[inline]
+    fn squares(&self, p: Vec3) -> Each {
+        let mut squares = [0.0; WIDE];
+        for axis in 0..3 {
+            let (low, high) = (&self.low[axis], &self.high[axis]);
+            for (i, square) in squares.iter_mut().enumerate() {
+                let off = greater(greater(low[i] - p[axis], p[axis] - high[i]), 0.0);
+                *square += off * off;
+            }
+        }
+        squares
+    }
+
+    /// Where a ray enters each child, as a multiple of its direction; past everything where it does not.
+    #[inline]
+    fn entries(&self, origin: Vec3, direction: Vec3) -> Each {
+        let (mut near, mut far) = ([0.0f32; WIDE], [f32::MAX; WIDE]);
+        for axis in 0..3 {
+            // Finite, so that a ray in the side of a box is in the box.
+            let per = (1.0 / direction[axis]).clamp(-1e30, 1e30);
+            let (low, high) = (&self.low[axis], &self.high[axis]);
+            for i in 0..WIDE {
+                let (a, b) = ((low[i] - origin[axis]) * per, (high[i] - origin[axis]) * per);
+                near[i] = greater(lesser(a, b), near[i]);
+                far[i] = lesser(greater(a, b), far[i]);
+            }
+        }
+        let mut entries = near;
+        for i in 0..WIDE {
+            entries[i] = if near[i] > far[i] { f32::INFINITY } else { near[i] };
+        }
+        entries
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maths::hash::Dice;
+
+    fn of(corners: &[[Vec3; 3]]) -> TriangleTree {
+        TriangleTree::new((0u32..).zip(corners.iter().copied()))
+    }
+
+    #[test]
+    fn a_tree_has_no_more_levels_than_four_to_the_power_of_them_triangles_hold() {
+        let dice = Dice::new(8, 0, "tree");
+        let at = |id: u64, k: u64| Vec3::from([0, 1, 2].map(|axis| dice.signed(id, 3 * k + axis)));
+        // 1000 triangles: 4^5 = 1024. All on one spot, strewn, and slivers.
+        let spot = vec![[Vec3::ZERO, Vec3::X, Vec3::Y]; 1000];
+        let strewn: Vec<_> = (0..1000).map(|id| [at(id, 0), at(id, 1), at(id, 2)]).collect();
+        let slivers: Vec<_> =
+            (0..1000).map(|id| [at(id, 0), at(id, 0) + Vec3::Y * 30.0, at(id, 1) * 1e-3]).collect();
+        assert!((5..=7).contains(&of(&strewn).levels()));
+        // In up to 16 pieces each: 16,384 = 4^7.
+        assert!(of(&slivers).levels() <= 7);
+        assert_eq!(of(&spot).levels(), 1);
+    }
+
+    #[test]
+    fn on_one_spot_a_thousand_times_is_once_and_a_search_looks_at_few() {
+        let spot = of(&vec![[Vec3::ZERO, Vec3::X, Vec3::Y]; 1000]);
+        // The root's four children are one triangle each.
+        assert_eq!(spot.visits(Vec3::Z), (1, 4));
+        // A field of 64 x 64 squares: from close over it, 5 to 7 levels with a few nodes each, and what lies under it.
+        let corner = |x: u32, z: u32| Vec3::new(x as f32, 0.0, z as f32);
+        let field: Vec<_> = (0..64 * 64)
+            .flat_map(|k| {
+                let (x, z) = (k % 64, k / 64);
+                let [a, b] = [corner(x, z), corner(x + 1, z + 1)];
+                [[a, corner(x, z + 1), b], [a, b, corner(x + 1, z)]]
+            })
+            .collect();
+        let (nodes, leaves) = of(&field).visits(Vec3::new(20.3, 0.5, 41.6));
+        assert!(nodes <= 20 && leaves <= 12, "{nodes} nodes, {leaves} triangles");
+    }
+}
