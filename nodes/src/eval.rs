@@ -32,9 +32,6 @@ pub enum Quality {
     Final,
 }
 
-/// Runs `f(0)..f(n)` in any order, maybe at once.
-pub type ForEach<'a> = &'a dyn Fn(usize, &(dyn Fn(usize) + Sync));
-
 /// A result as the cache keeps it.
 pub type Kept = Arc<dyn Any + Send + Sync>;
 

@@ -21,7 +21,7 @@ use coif_nodes::data::attributes::DRIFT;
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{NodeError, Type, Value};
-use coif_nodes::eval::Quality;
+use coif_nodes::eval::{Host, Quality};
 use coif_nodes::formats::conform::{Conformed, FEW, conform, over_partings};
 use coif_nodes::formats::export;
 use std::path::{Path, PathBuf};
@@ -265,7 +265,9 @@ impl Opened {
         let (mut groups, mut empty) = (vec![], vec![]);
         for (output, value) in outputs.iter().zip(outcome.targets) {
             let Some(Value::Curves(curves)) = value else { continue };
-            let group = output.group(curves, (&scalps, &parted), &evaluator, report);
+            let host = evaluator.host(cancel);
+            let group = output.group(curves, (&scalps, &parted), &host, report);
+            let group = group.ok_or_else(Stop::interrupted)?;
             match group.curves.curve_count() {
                 0 => empty.push(output),
                 _ => groups.push(group),
@@ -292,22 +294,21 @@ impl Opened {
 }
 
 impl Wanted {
-    /// The output's curves as files have them.
+    /// The output's curves as files have them; none where somebody asked to stop.
     fn group(
         &self,
         curves: Curves,
         (scalps, parted): (&[Arc<Scalp>], &[Arc<Scalp>]),
-        evaluator: &Evaluator,
+        host: &dyn Host,
         report: &mut Report,
-    ) -> export::Group {
+    ) -> Option<export::Group> {
         // The skin that keeps points added by export outside: of the only head, if there is one.
         let skin = match scalps {
             [only] => Some(only.skin()),
             _ => None,
         };
-        let each = |n: usize, f: &(dyn Fn(usize) + Sync)| evaluator.for_each(n, f);
         let Conformed { curves: conformed, changes } =
-            conform(&curves, skin, parted, self.guides, &each);
+            conform(&curves, skin, parted, self.guides, host)?;
         drop(curves);
         let socket = &self.socket;
         if changes.left_out > 0 {
@@ -326,7 +327,7 @@ impl Wanted {
         }
         let curves = conformed;
         if !self.guides {
-            let [over, looked] = over_partings(&curves, parted, LOOKED_AT, &each);
+            let [over, looked] = over_partings(&curves, parted, LOOKED_AT, host)?;
             // Single hairs are no fault: one in a thousand is left out of files for less.
             if over * FEW > looked {
                 report.warnings.push(format!(
@@ -349,7 +350,7 @@ impl Wanted {
             reading_difference: changes.difference,
             root_drift_cm: root_drift(&curves),
         });
-        export::Group { name: self.group.clone(), guides: self.guides, curves }
+        Some(export::Group { name: self.group.clone(), guides: self.guides, curves })
     }
 }
 

@@ -108,9 +108,9 @@ impl Evaluator {
         self.cache.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Runs `f` on all of the evaluator's threads.
-    pub fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
-        for_each_on(&self.pool, n, f);
+    /// Lends all of the evaluator's threads to work beside nodes, until cancelled.
+    pub fn host<'a>(&'a self, cancel: &'a CancelToken) -> impl Host + 'a {
+        PoolHost { evaluator: self, pool: &self.pool, cancel, progress: &Quiet, node: "" }
     }
 
     /// Runs a plan to its end, to the first failure on every way, or until cancelled.

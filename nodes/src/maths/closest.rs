@@ -40,6 +40,9 @@ pub struct Hit {
     pub distance: f32,
 }
 
+/// Points farther off (cm) are taken for nearer ones on the same side.
+const FARAWAY: f32 = 1e5;
+
 /// Triangles that are looked at together.
 const PACK: usize = 8;
 
@@ -274,9 +277,30 @@ impl Surface {
     }
 
     /// The best of `best` and what lies within `limit` (squared).
+    /// A point that sees the triangles from the same side as `p`, but from no farther than [`FARAWAY`]; none where `p` does so
+    /// itself. From farther all are equally far in single precision, and each would be looked at.
+    fn seen_from_nearer(&self, p: Vec3) -> Option<Vec3> {
+        let bounds = self.tree.root_aabb();
+        let middle = (bounds.mins + bounds.maxs) * 0.5;
+        let size = (bounds.maxs - bounds.mins).length();
+        // (By halves: squares of what is that far may have no number.)
+        let off = (p - middle) / FARAWAY;
+        let far = off.length() * FARAWAY;
+        let most = FARAWAY.max(1e3 * size);
+        (far > 1.01 * most && far.is_finite()).then(|| middle + off.normalize_or_zero() * most)
+    }
+
     fn search(&self, p: Vec3, limit: f32, best: (f32, u32, Vec2, Vec3)) -> Option<Hit> {
         if !p.is_finite() {
             return None;
+        }
+        if p.abs().max_element() > FARAWAY
+            && let Some(nearer) = self.seen_from_nearer(p)
+        {
+            let hit = self.search(nearer, f32::MAX, (f32::MAX, u32::MAX, Vec2::ZERO, Vec3::ZERO))?;
+            let distance = hit.point.distance(p);
+            let is_within = distance * distance <= limit || limit == f32::MAX;
+            return is_within.then_some(Hit { distance, ..hit });
         }
         let best = Cell::new(best);
         // A box as far as the best so far is still opened: it may hold a lower triangle at the same distance.

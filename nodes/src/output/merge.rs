@@ -51,12 +51,15 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     }
     let mut fresh: Vec<(u32, u32, u64)> = vec![];
     let mut given = std::collections::BTreeSet::new();
-    for (id, tuft, curve, nth) in &repeated {
-        let taken = |id: u64| seen.binary_search_by(|one| one.0.cmp(&id)).is_ok();
-        let mut new = curve_id(*id, MERGED, *nth);
-        while taken(new) || !given.insert(new) {
-            new = curve_id(new, MERGED, *nth);
+    for (n, (id, tuft, curve, nth)) in repeated.iter().enumerate() {
+        if n.is_multiple_of(4096) {
+            cx.check()?;
         }
+        let taken = |id: u64| seen.binary_search_by(|one| one.0.cmp(&id)).is_ok();
+        // Each try asks for another id of this curve. The next of the id that was taken would be taken, too, where lots were
+        // merged with themselves again and again: a walk along all that were given.
+        let mut tries = (0..).map(|k| curve_id(*id, MERGED + k, *nth));
+        let new = tries.find(|new| !taken(*new) && given.insert(*new)).unwrap_or_default();
         fresh.push((*tuft, *curve, new));
     }
     fresh.sort_unstable();
@@ -82,7 +85,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves: Curves::new(out) })
 }
 
-/// Stands for "made by merging" among seed tags.
+/// Stands for "made by merging" among seed tags; the tries of one curve follow.
 const MERGED: u64 = 0x6D65_7267_6500;
 
 #[cfg(test)]
