@@ -8,6 +8,9 @@
 //! state). Each derives the key of a piece of work from the node, its values and the tufts it reads, and asks the host
 //! for that piece before doing it.
 //!
+//! Before any piece runs, a node says how much all of them will make ([`Size`]); what is more than its [`Room`] ends there, with
+//! the inputs that make the number.
+//!
 //! Pieces that ask a parted scalp about places only may run by place ([`EvalCx::by_place`]): where a parting moves, those run
 //! again that read what is there.
 
@@ -19,7 +22,7 @@ use crate::define::NodeError;
 use crate::maths::hash::{Dice, Key, KeyBuilder};
 use std::any::Any;
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// How much hair is made.
@@ -35,8 +38,57 @@ pub enum Quality {
 /// A result as the cache keeps it.
 pub type Kept = Arc<dyn Any + Send + Sync>;
 
+/// The most points that one node makes where nobody has allowed more: what all hair of a groom is to have.
+pub const MOST_POINTS: u64 = 1 << 24;
+/// Bytes that a point takes while a node works, its share of attributes and of room to grow counted in.
+const BYTES_A_POINT: u64 = 32;
+/// Fewer points than this are made without asking for room.
+const FEW_POINTS: u64 = 1 << 20;
+/// Bytes that are left to others.
+const SPARE: u64 = 128 << 20;
+
+/// How much one node may make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Room {
+    /// Points; none: as many as memory holds.
+    pub points: Option<u64>,
+    /// Bytes of memory that are free; none where that is not known.
+    pub bytes: Option<u64>,
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Self { points: Some(MOST_POINTS), bytes: None }
+    }
+}
+
+/// How many points a node is about to make, and what makes the number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Size {
+    points: f64,
+    of: String,
+}
+
+impl Size {
+    /// The product of numbers, each with the name of its input or of what there is so many of.
+    pub fn of(factors: &[(&str, f64)]) -> Self {
+        let points = factors.iter().map(|(_, n)| n.max(0.0)).product();
+        let of: Vec<String> = factors.iter().map(|(name, n)| format!("{name} {n:.0}")).collect();
+        Self { points, of: of.join(" x ") }
+    }
+    /// As many as come in.
+    pub fn as_many<'a>(lots: impl IntoIterator<Item = &'a Curves>) -> Self {
+        let points: usize = lots.into_iter().map(Curves::point_count).sum();
+        Self::of(&[("points that come in", points as f64)])
+    }
+}
+
 /// What the surroundings of an evaluation lend to nodes.
 pub trait Host: Sync {
+    /// How much a node may make.
+    fn room(&self) -> Room {
+        Room::default()
+    }
     /// Runs `f(0)..f(n)`, in any order, maybe at once.
     fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync));
     /// Whether somebody asked to stop.
@@ -72,9 +124,6 @@ impl std::fmt::Display for Message {
     }
 }
 
-/// The most points that one node may make: four times what all hair of a film groom has.
-const MOST_POINTS: usize = 1 << 26;
-
 /// What an evaluation of one node counted and said.
 #[derive(Debug, Default)]
 pub struct Log {
@@ -101,6 +150,11 @@ impl Log {
             None => all.push(message),
         }
     }
+}
+
+/// A number of points in words.
+fn millions(points: f64) -> String {
+    format!("{:.1} million points", points / 1e6)
 }
 
 /// How many curves a message names.
@@ -223,23 +277,52 @@ impl<'a> EvalCx<'a> {
         if self.host.cancelled() { Err(NodeError::Cancelled) } else { Ok(()) }
     }
 
-    /// Tufts to tufts: each output tuft reads one input tuft and nothing else that varies.
+    /// Fails where so much is more than may be made. To be asked before anything is made, so that the answer costs nothing.
+    pub fn may_make(&self, size: &Size) -> Result<(), NodeError> {
+        if size.points <= FEW_POINTS as f64 {
+            return Ok(());
+        }
+        let room = self.host.room();
+        let Size { points, of } = size;
+        if room.points.is_some_and(|most| *points > most as f64) {
+            return Err(NodeError::TooLarge(format!("would make {} ({of})", millions(*points))));
+        }
+        let bytes = points * BYTES_A_POINT as f64;
+        match room.bytes {
+            Some(free) if bytes > free.saturating_sub(SPARE) as f64 => {
+                Err(NodeError::failed(format!(
+                    "would take some {:.1} GB of memory for {} ({of}), and {:.1} are free: ask for less hair, or for fewer \
+                     points on each",
+                    bytes / 1e9,
+                    millions(*points),
+                    free as f64 / 1e9
+                )))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Tufts to tufts: each output tuft reads one input tuft and nothing else that varies. As many points as come in are
+    /// foreseen; who makes more asks [`Self::may_make`] first.
     pub fn each_tuft<const N: usize>(
         &self,
         curves: &Curves,
         make: impl Fn(&Tuft, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
     ) -> Result<[Curves; N], NodeError> {
+        self.may_make(&Size::as_many([curves]))?;
         let tufts = curves.tufts();
         let key = |i: usize| KeyBuilder::new("tuft").key(tufts[i].key());
         self.pieces(tufts.len(), key, |i, piece| make(&tufts[i], piece))
     }
 
-    /// One tuft from each curve.
+    /// One tuft from each curve, all of them of this size.
     pub fn each_curve<const N: usize>(
         &self,
         curves: &Curves,
+        size: &Size,
         make: impl Fn(&Tuft, usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
     ) -> Result<[Curves; N], NodeError> {
+        self.may_make(size)?;
         let all: Vec<(&Tuft, usize)> = curves.each().collect();
         let key = |i: usize| {
             let (tuft, curve) = all[i];
@@ -250,7 +333,7 @@ impl<'a> EvalCx<'a> {
 
     /// Tufts that read other tufts: `needs` names, by number, the tufts of `sources` that an output reads; they are
     /// handed to `make` in that order. An output is made again only when its own tuft or one of these
-    /// changes.
+    /// changes. As many points as come in are foreseen.
     pub fn each_tuft_with<const N: usize>(
         &self,
         curves: &Curves,
@@ -258,6 +341,7 @@ impl<'a> EvalCx<'a> {
         needs: impl Fn(usize, &Tuft) -> Vec<u32>,
         make: impl Fn(&Tuft, &[&Tuft], &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
     ) -> Result<[Curves; N], NodeError> {
+        self.may_make(&Size::as_many([curves]))?;
         let tufts = curves.tufts();
         let needed: Vec<Vec<u32>> = tufts.iter().enumerate().map(|(i, t)| needs(i, t)).collect();
         let key = |i: usize| {
@@ -271,14 +355,16 @@ impl<'a> EvalCx<'a> {
         })
     }
 
-    /// `n` tufts each told by the key of its own item (a stroke, a region of the scalp). The key names all that
-    /// the item reads of curves, too.
+    /// `n` tufts, all of them of this size, each told by the key of its own item (a stroke, a region of the scalp). The key names
+    /// all that the item reads of curves, too.
     pub fn each_item<const N: usize>(
         &self,
         n: usize,
+        size: &Size,
         item: impl Fn(usize) -> Key + Sync,
         make: impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
     ) -> Result<[Curves; N], NodeError> {
+        self.may_make(size)?;
         self.pieces(n, |i| KeyBuilder::new("item").key(item(i)), make)
     }
 
@@ -291,21 +377,32 @@ impl<'a> EvalCx<'a> {
         let made: Vec<OnceLock<Result<Arc<Made>, NodeError>>> =
             (0..n).map(|_| OnceLock::new()).collect();
         let node = self.by_place.map_or(self.node, |(node, _)| node);
-        let (done, points) = (AtomicU32::new(0), AtomicUsize::new(0));
+        // What could not be foreseen is found when it is made: so much is, or not, whatever the order of pieces.
+        let most = self.host.room().points.unwrap_or(u64::MAX);
+        let (done, points, is_full) =
+            (AtomicU32::new(0), AtomicU64::new(0), AtomicBool::new(false));
         self.host.for_each(n, &|i| {
-            if points.load(Ordering::Relaxed) <= MOST_POINTS {
+            if points.load(Ordering::Relaxed) <= most && !is_full.load(Ordering::Relaxed) {
                 let piece = self.piece(key(i).key(node).finish(), i, &make);
                 let tufts = piece.iter().flat_map(|made| made.tufts.iter().flatten());
-                points.fetch_add(tufts.map(|t| t.points().len()).sum(), Ordering::Relaxed);
+                let more = tufts.map(|t| t.points().len() as u64).sum();
+                let before = points.fetch_add(more, Ordering::Relaxed);
+                if before / FEW_POINTS != (before + more) / FEW_POINTS
+                    && self.host.room().bytes.is_some_and(|free| free < SPARE)
+                {
+                    is_full.store(true, Ordering::Relaxed);
+                }
                 let _ = made[i].set(piece);
             }
             self.host.progress(done.fetch_add(1, Ordering::Relaxed) as usize + 1, n);
         });
-        // So much is made, or not, whatever the order of pieces.
-        if points.into_inner() > MOST_POINTS {
+        if points.into_inner() > most {
+            let said = format!("would make more than {}", millions(most as f64));
+            return Err(NodeError::TooLarge(said));
+        }
+        if is_full.into_inner() {
             return Err(NodeError::failed(
-                "it would make more than 64 million points, which no memory is sure to hold: ask for less hair, or for \
-                 fewer points on each",
+                "there is no memory left for what it makes: ask for less hair, or for fewer points on each",
             ));
         }
         let mut outputs = [const { Vec::new() }; N];

@@ -297,7 +297,8 @@ impl Surface {
         if p.abs().max_element() > FARAWAY
             && let Some(nearer) = self.seen_from_nearer(p)
         {
-            let hit = self.search(nearer, f32::MAX, (f32::MAX, u32::MAX, Vec2::ZERO, Vec3::ZERO))?;
+            let hit =
+                self.search(nearer, f32::MAX, (f32::MAX, u32::MAX, Vec2::ZERO, Vec3::ZERO))?;
             let distance = hit.point.distance(p);
             let is_within = distance * distance <= limit || limit == f32::MAX;
             return is_within.then_some(Hit { distance, ..hit });

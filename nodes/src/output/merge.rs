@@ -6,7 +6,7 @@
 use crate::data::attributes::{Domain, ID};
 use crate::data::curves::{Curves, Tuft};
 use crate::define::{NodeError, node};
-use crate::eval::EvalCx;
+use crate::eval::{EvalCx, Size};
 use crate::maths::hash::curve_id;
 use std::sync::Arc;
 
@@ -27,6 +27,7 @@ node! {
 }
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    cx.may_make(&Size::as_many(&inputs.curves))?;
     let tufts: Vec<&Arc<Tuft>> = inputs.curves.iter().flat_map(|c| c.tufts()).collect();
     let mut seen: Vec<(u64, u32, u32)> = vec![];
     for (t, tuft) in (0..).zip(&tufts) {
