@@ -539,6 +539,7 @@ impl Host for PlainHost {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::define::Value;
     use crate::testing::Memory;
 
     /// Replays numbers on a sum; gives the sum, and how many steps ran and were reused.
@@ -570,6 +571,70 @@ mod tests {
         let said: Vec<String> = log.messages().iter().map(ToString::to_string).collect();
         assert_eq!(said, ["was left out (20 curves, first 0000000000000001)"]);
         assert_eq!(log.messages()[0].curves.len(), MOST_NAMED);
+    }
+
+    /// Lends so much room.
+    struct Lends(Room);
+    impl Host for Lends {
+        fn room(&self) -> Room {
+            self.0
+        }
+        fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+            PlainHost.for_each(n, f);
+        }
+        fn cancelled(&self) -> bool {
+            false
+        }
+        fn find(&self, _: Key) -> Option<Kept> {
+            None
+        }
+        fn keep(&self, _: Key, _: Kept, _: usize) {}
+        fn progress(&self, _: usize, _: usize) {}
+    }
+
+    #[test]
+    fn what_is_more_than_may_be_made_is_told_before_any_piece_runs() {
+        let scalp = || crate::data::scalp::tests::shared_ball().into();
+        let hair = |points: i64| {
+            let set = [("scalp", scalp()), ("count", 30i32.into()), ("points", Value::Int(points))];
+            let made = crate::testing::run(crate::by_id("scatter_guides").unwrap(), &set);
+            ("curves", made.0.into_iter().next().unwrap())
+        };
+        let int = |name, n: i64| (name, Value::Int(n));
+        let check = |id: &str, room: Room, mut set: Vec<(&str, Value)>, said: &str| {
+            let node = crate::by_id(id).unwrap();
+            if node.input("scalp").is_some() {
+                set.push(("scalp", scalp()));
+            }
+            let (host, log) = (Lends(room), Log::default());
+            let failed = crate::testing::run_on(node, &set, &host, &log, Quality::Final);
+            let failed = failed.map(|_| ()).unwrap_err().to_string();
+            assert!(failed.starts_with(said), "{id}: {failed}");
+            assert_eq!(log.tufts_run.into_inner(), 0, "{id}");
+        };
+        let usual = Room::default();
+        // 30 clusters x 65,536 strands x 1,000 points.
+        let most = int("most_points", 1000);
+        let set = vec![hair(9), int("count", 65_536), int("points", 1000), most];
+        let said = "would make 1966.1 million points (clusters 30 x count 65536 x points 1000)";
+        check("cluster_to_strands", usual, set.clone(), said);
+        // All that is allowed still has to be held: 1.97 x 10^9 x 32 bytes.
+        let full = Room { points: None, bytes: Some(8_000_000_000) };
+        check("cluster_to_strands", full, set, "would take some 62.9 GB of memory for 1966.1");
+        let set = vec![int("count", 1_000_000), int("points", 1000)];
+        let said = "would make 1000.0 million points (puffs 1 x count 1000000 x points 1000)";
+        check("sphere_puff", usual, set, said);
+        let (_, guides) = hair(9);
+        let set = vec![("guides", guides), int("count", 2_000_000), int("points", 1024)];
+        let said = "would make 2048.0 million points (count 2000000 x points 1024)";
+        check("interpolate", usual, set, said);
+        let set = vec![int("count", 100_000), int("points", 1024)];
+        let said = "would make 102.4 million points (count 100000 x points 1024)";
+        check("scatter_guides", usual, set, said);
+        // 40 lots of 30 curves of 1,000 points.
+        let few = Room { points: Some(100_000), bytes: None };
+        let lots: Vec<(&str, Value)> = (0..40).map(|_| hair(1000)).collect();
+        check("merge", few, lots, "would make 1.2 million points (points that come in 1200000)");
     }
 
     #[test]

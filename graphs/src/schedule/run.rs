@@ -464,6 +464,7 @@ mod tests {
     use crate::document::{Document, NodeId, Socket};
     use crate::schedule::files::DiskFiles;
     use crate::schedule::request::plan;
+    use coif_nodes::data::curves::Curves;
 
     fn guides() -> Document {
         let text = r#"(format: 1, nodes: {"head": (kind: "head"),
@@ -474,6 +475,31 @@ mod tests {
         let target = Socket::new(NodeId::new("on").unwrap(), "curves");
         let plan = plan(&guides(), &[target], quality, &DiskFiles::default()).unwrap();
         evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet)
+    }
+
+    #[test]
+    fn a_node_that_is_given_curves_and_gives_none_says_what_came_in() {
+        let curves = |n: usize| {
+            let mut b = coif_nodes::data::curves::TuftBuilder::new();
+            (0..n).for_each(|_| b.push_curve(&[glam::Vec3::ZERO, glam::Vec3::Y]));
+            Value::Curves(Curves::new(vec![Arc::new(b.build())]))
+        };
+        let step = |id: &str| {
+            let def = coif_nodes::by_id(id).unwrap();
+            Step { name: "a".to_owned(), def, bypass: false, inputs: vec![] }
+        };
+        let check = |id: &str, inputs: &[Vec<Value>], given: &[usize], said: Option<&str>| {
+            let given: Vec<Value> = given.iter().map(|n| curves(*n)).collect();
+            let found = vanished(&step(id), inputs, &given, &[]).map(|message| message.text);
+            assert_eq!(found.as_deref(), said);
+        };
+        let two = [vec![curves(2), curves(3)]];
+        check("merge", &two, &[0], Some("curves came in (5 at curves), and none come out"));
+        check("merge", &two, &[1], None);
+        check("merge", &[vec![curves(0)]], &[0], None);
+        check("merge", &[vec![]], &[0], None);
+        let told = Message { warning: true, text: "so".to_owned(), count: 0, curves: vec![] };
+        assert_eq!(vanished(&step("merge"), &two, &[curves(0)], &[told]), None);
     }
 
     #[test]

@@ -243,7 +243,7 @@ pub const MOST_POINTS: usize = 255;
 
 /// What trying on all curves may take together, in points placed: some ten seconds of one core. Where the skin holds thousands that
 /// find no way out, as under a braid that was sunk into the head, each would be tried for most of a second.
-const MOST_TRIED: u64 = 200_000_000;
+const MOST_TRIED: u64 = 600_000_000;
 
 /// What is known of a tuft.
 struct Looked {
@@ -573,6 +573,69 @@ mod tests {
         let along = |k: usize| k.saturating_sub(on_way) as f32;
         assert_eq!(judged((0..braided.len()).map(along).collect()), 1);
         assert_eq!(judged(vec![0.0; braided.len()]), 0, "what lay over a parting may");
+    }
+
+    /// Asks to stop when it was asked so often whether somebody does.
+    struct Stops(std::sync::atomic::AtomicUsize);
+    impl Host for Stops {
+        fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+            PlainHost.for_each(n, f);
+        }
+        fn cancelled(&self) -> bool {
+            use std::sync::atomic::Ordering::Relaxed;
+            self.0.fetch_update(Relaxed, Relaxed, |n| Some(n.saturating_sub(1))) == Ok(0)
+        }
+        fn find(&self, _: crate::maths::hash::Key) -> Option<crate::eval::Kept> {
+            None
+        }
+        fn keep(&self, _: crate::maths::hash::Key, _: crate::eval::Kept, _: usize) {}
+        fn progress(&self, _: usize, _: usize) {}
+    }
+
+    /// Coils so narrow and coarse that no points of them are read alike, half in the ball.
+    fn hopeless(count: usize) -> Curves {
+        let coil = |n: usize| -> Vec<Vec3> {
+            let turn = |k: i32| crate::maths::transcendental::sin_cos_turns(0.41 * k as f32);
+            let at = |k: i32| {
+                let ((sin, cos), (x, y)) = (turn(k), arc(k / 3 + k % 3, 8.85));
+                Vec3::new(x, y, 0.3 * n as f32) + Vec3::new(0.2 * sin, 0.6 * cos, 0.6 * sin)
+            };
+            (-60..=60).map(at).collect()
+        };
+        let coils: Vec<Vec<Vec3>> = (0..count).map(coil).collect();
+        curves(&coils.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn stopping_is_heard_within_one_curve() {
+        let ball = crate::data::scalp::tests::shared_ball();
+        let coil = hopeless(1);
+        let ends = |asked: usize| {
+            conform(&coil, Some(ball.skin()), &[], false, &Stops(asked.into())).is_some()
+        };
+        assert!(!ends(3) && !ends(20) && !ends(60), "it is asked as each curve is tried");
+        assert!(ends(usize::MAX));
+    }
+
+    #[test]
+    fn all_curves_together_take_no_more_than_is_allowed_each_its_share() {
+        let ball = crate::data::scalp::tests::shared_ball();
+        let coils = hopeless(6);
+        let skin = ball.skin();
+        let land = Land { skin: Some(&skin), sections: &[] };
+        let tuft = coils.tufts()[0].clone();
+        let looked = || vec![look_at(&tuft, &land, &|| false)];
+        let polls = |most: u64| {
+            let (host, mut looked) = (Stops(usize::MAX.into()), looked());
+            let tufts = [tuft.clone()];
+            try_again(&mut looked, &tufts, (&land, Effort::Moved), most, &host).unwrap();
+            usize::MAX - host.0.into_inner()
+        };
+        assert!(looked()[0].changed.iter().all(|one| one.astray));
+        // Each is asked about once a round of at least 121 points, and twice in between.
+        let asked = [0, 60_000, 600_000].map(polls);
+        assert_eq!(asked[0], 0);
+        assert!(asked[1] < asked[2] && asked[1] <= 3 * 60_000 / 121 + 20, "{asked:?}");
     }
 
     #[test]

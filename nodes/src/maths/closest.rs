@@ -567,6 +567,20 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn what_is_very_far_off_still_sees_the_near_side() {
+        let ball = sphere(9.0, 24);
+        for far in [1e4, 1e6, 2e9, 1e18] {
+            for way in [Vec3::X, Vec3::new(-0.6, 0.8, 0.0), Vec3::new(0.48, -0.6, 0.64)] {
+                let hit = ball.closest(way * far).unwrap();
+                // Faces of 24 rings are up to 1.2 cm wide.
+                assert!(hit.point.distance(way * 9.0) < 1.2, "{far} {way}: {}", hit.point);
+                assert!((0.99..=1.0).contains(&(hit.distance / far)), "{far}: {}", hit.distance);
+            }
+        }
+        assert!(ball.closest_within(Vec3::X * 2e9, 1e9).is_none());
+    }
+
+    #[test]
     fn the_closest_point_is_the_closest_of_all_triangles_and_ties_take_the_lowest() {
         let surface = sphere(2.0, 12);
         let dice = Dice::new(3, 0, "query");

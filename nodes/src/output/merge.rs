@@ -57,10 +57,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             cx.check()?;
         }
         let taken = |id: u64| seen.binary_search_by(|one| one.0.cmp(&id)).is_ok();
-        // Each try asks for another id of this curve. The next of the id that was taken would be taken, too, where lots were
-        // merged with themselves again and again: a walk along all that were given.
-        let mut tries = (0..).map(|k| curve_id(*id, MERGED + k, *nth));
-        let new = tries.find(|new| !taken(*new) && given.insert(*new)).unwrap_or_default();
+        let new = fresh_id(*id, *nth, |new| !taken(*new) && given.insert(*new));
         fresh.push((*tuft, *curve, new));
     }
     fresh.sort_unstable();
@@ -84,6 +81,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
     }
     Ok(Outputs { curves: Curves::new(out) })
+}
+
+/// A new id for the `nth` curve of one id: the first that `takes` takes. Each try is another id of this curve. The new id of the
+/// one that was taken would be taken, too, where lots were merged with themselves again and again: a walk along all of them.
+fn fresh_id(id: u64, nth: u64, takes: impl FnMut(&u64) -> bool) -> u64 {
+    (0..).map(|k| curve_id(id, MERGED + k, nth)).find(takes).unwrap_or_default()
 }
 
 /// Stands for "made by merging" among seed tags; the tries of one curve follow.
@@ -134,6 +137,24 @@ mod tests {
         check(&[&[1, 2, 3], &[1, 2], &[1, 2]], &[many]);
         check(&[&[0, 2], &[0]], &["2 curves had no id and got new ones"]);
         check(&[], &[]);
+    }
+
+    #[test]
+    fn lots_merged_with_themselves_again_and_again_find_new_ids_in_as_many_tries_as_merges() {
+        let mut ids = BTreeSet::from([1u64, 2, 3]);
+        let (mut tries, mut asked) = (0, 0);
+        for merge in 0..10 {
+            for id in ids.clone() {
+                fresh_id(id, 1, |new| {
+                    tries += 1;
+                    ids.insert(*new)
+                });
+                asked += 1;
+            }
+            assert_eq!(ids.len(), 3 << (merge + 1));
+        }
+        // An id of the first lot has had a new one made of it in each merge before, 9 at most.
+        assert!(tries <= 10 * asked, "{tries} tries for {asked} ids");
     }
 
     #[test]
