@@ -10,7 +10,7 @@
 //! they are one in [`FEW`] or less, and kept where they are more. Hair of a braid keeps to its side of a parting on its way to it;
 //! its braid may hang over any. Not promised: that those are read alike; the report gives the difference that is left. How hard is
 //! tried hangs from how many of the curves given at once ask for it, so what few curves get, many may not: all together may take
-//! no more than [`MOST_TRIED`]. Stopping is heard within any curve.
+//! no more than `Effort::most_tried` says. Stopping is heard within any curve.
 
 use super::mend::{Mender, Patience, Read};
 use crate::data::attributes::{self as a, Domain};
@@ -77,7 +77,7 @@ pub fn conform(
     // How hard each curve that still differs is tried hangs from how many there are: not on how many threads find them.
     let effort = Effort::of(looked.iter().map(is_astray).sum());
     if effort != Effort::None {
-        try_again(&mut looked, tufts, (&land, effort), MOST_TRIED, host)?;
+        try_again(&mut looked, tufts, (&land, effort), effort.most_tried(), host)?;
     }
     let astray: usize = looked.iter().map(is_astray).sum();
     let few = !all_stay && skin.is_some() && astray * FEW <= curves.curve_count();
@@ -235,15 +235,22 @@ impl Effort {
             Self::None
         }
     }
+
+    /// What trying on all curves may take together, in points placed: some ten seconds of one core. Where the skin holds thousands
+    /// that find no way out, as under a braid that was sunk into the head, each would be tried for most of a second. Where they
+    /// are too many to be led, what is deep in the skin is asked about most, which costs more.
+    fn most_tried(self) -> u64 {
+        match self {
+            Self::None => 0,
+            Self::Moved => 150_000_000,
+            Self::Led => 600_000_000,
+        }
+    }
 }
 
 /// The most points that resampling gives a curve: what game engines take. Where that is not enough, the difference that is
 /// left is told.
 pub const MOST_POINTS: usize = 255;
-
-/// What trying on all curves may take together, in points placed: some ten seconds of one core. Where the skin holds thousands that
-/// find no way out, as under a braid that was sunk into the head, each would be tried for most of a second.
-const MOST_TRIED: u64 = 600_000_000;
 
 /// What is known of a tuft.
 struct Looked {
