@@ -387,6 +387,12 @@ pub enum NodeError {
         /// Place and reason.
         reason: String,
     },
+    /// More than a node makes where nobody has allowed it.
+    #[error(
+        "{0}, and 16.8 million are the most unless more are allowed: ask for less hair or fewer points on each, or allow it \
+         (--allow-large; in the editor, Make it all the same)"
+    )]
+    TooLarge(String),
     /// Somebody asked to stop.
     #[error("cancelled")]
     Cancelled,

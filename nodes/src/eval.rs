@@ -8,6 +8,9 @@
 //! state). Each derives the key of a piece of work from the node, its values and the tufts it reads, and asks the host
 //! for that piece before doing it.
 //!
+//! Before any piece runs, a node says how much all of them will make ([`Size`]); what is more than its [`Room`] ends there, with
+//! the inputs that make the number.
+//!
 //! Pieces that ask a parted scalp about places only may run by place ([`EvalCx::by_place`]): where a parting moves, those run
 //! again that read what is there.
 
@@ -19,7 +22,7 @@ use crate::define::NodeError;
 use crate::maths::hash::{Dice, Key, KeyBuilder};
 use std::any::Any;
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// How much hair is made.
@@ -32,14 +35,60 @@ pub enum Quality {
     Final,
 }
 
-/// Runs `f(0)..f(n)` in any order, maybe at once.
-pub type ForEach<'a> = &'a dyn Fn(usize, &(dyn Fn(usize) + Sync));
-
 /// A result as the cache keeps it.
 pub type Kept = Arc<dyn Any + Send + Sync>;
 
+/// The most points that one node makes where nobody has allowed more: what all hair of a groom is to have.
+pub const MOST_POINTS: u64 = 1 << 24;
+/// Bytes that a point takes while a node works, its share of attributes and of room to grow counted in.
+const BYTES_A_POINT: u64 = 32;
+/// Fewer points than this are made without asking for room.
+const FEW_POINTS: u64 = 1 << 20;
+/// Bytes that are left to others.
+const SPARE: u64 = 128 << 20;
+
+/// How much one node may make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Room {
+    /// Points; none: as many as memory holds.
+    pub points: Option<u64>,
+    /// Bytes of memory that are free; none where that is not known.
+    pub bytes: Option<u64>,
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Self { points: Some(MOST_POINTS), bytes: None }
+    }
+}
+
+/// How many points a node is about to make, and what makes the number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Size {
+    points: f64,
+    of: String,
+}
+
+impl Size {
+    /// The product of numbers, each with the name of its input or of what there is so many of.
+    pub fn of(factors: &[(&str, f64)]) -> Self {
+        let points = factors.iter().map(|(_, n)| n.max(0.0)).product();
+        let of: Vec<String> = factors.iter().map(|(name, n)| format!("{name} {n:.0}")).collect();
+        Self { points, of: of.join(" x ") }
+    }
+    /// As many as come in.
+    pub fn as_many<'a>(lots: impl IntoIterator<Item = &'a Curves>) -> Self {
+        let points: usize = lots.into_iter().map(Curves::point_count).sum();
+        Self::of(&[("points that come in", points as f64)])
+    }
+}
+
 /// What the surroundings of an evaluation lend to nodes.
 pub trait Host: Sync {
+    /// How much a node may make.
+    fn room(&self) -> Room {
+        Room::default()
+    }
     /// Runs `f(0)..f(n)`, in any order, maybe at once.
     fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync));
     /// Whether somebody asked to stop.
@@ -75,9 +124,6 @@ impl std::fmt::Display for Message {
     }
 }
 
-/// The most points that one node may make: four times what all hair of a film groom has.
-const MOST_POINTS: usize = 1 << 26;
-
 /// What an evaluation of one node counted and said.
 #[derive(Debug, Default)]
 pub struct Log {
@@ -104,6 +150,11 @@ impl Log {
             None => all.push(message),
         }
     }
+}
+
+/// A number of points in words.
+fn millions(points: f64) -> String {
+    format!("{:.1} million points", points / 1e6)
 }
 
 /// How many curves a message names.
@@ -226,23 +277,52 @@ impl<'a> EvalCx<'a> {
         if self.host.cancelled() { Err(NodeError::Cancelled) } else { Ok(()) }
     }
 
-    /// Tufts to tufts: each output tuft reads one input tuft and nothing else that varies.
+    /// Fails where so much is more than may be made. To be asked before anything is made, so that the answer costs nothing.
+    pub fn may_make(&self, size: &Size) -> Result<(), NodeError> {
+        if size.points <= FEW_POINTS as f64 {
+            return Ok(());
+        }
+        let room = self.host.room();
+        let Size { points, of } = size;
+        if room.points.is_some_and(|most| *points > most as f64) {
+            return Err(NodeError::TooLarge(format!("would make {} ({of})", millions(*points))));
+        }
+        let bytes = points * BYTES_A_POINT as f64;
+        match room.bytes {
+            Some(free) if bytes > free.saturating_sub(SPARE) as f64 => {
+                Err(NodeError::failed(format!(
+                    "would take some {:.1} GB of memory for {} ({of}), and {:.1} are free: ask for less hair, or for fewer \
+                     points on each",
+                    bytes / 1e9,
+                    millions(*points),
+                    free as f64 / 1e9
+                )))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Tufts to tufts: each output tuft reads one input tuft and nothing else that varies. As many points as come in are
+    /// foreseen; who makes more asks [`Self::may_make`] first.
     pub fn each_tuft<const N: usize>(
         &self,
         curves: &Curves,
         make: impl Fn(&Tuft, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
     ) -> Result<[Curves; N], NodeError> {
+        self.may_make(&Size::as_many([curves]))?;
         let tufts = curves.tufts();
         let key = |i: usize| KeyBuilder::new("tuft").key(tufts[i].key());
         self.pieces(tufts.len(), key, |i, piece| make(&tufts[i], piece))
     }
 
-    /// One tuft from each curve.
+    /// One tuft from each curve, all of them of this size.
     pub fn each_curve<const N: usize>(
         &self,
         curves: &Curves,
+        size: &Size,
         make: impl Fn(&Tuft, usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
     ) -> Result<[Curves; N], NodeError> {
+        self.may_make(size)?;
         let all: Vec<(&Tuft, usize)> = curves.each().collect();
         let key = |i: usize| {
             let (tuft, curve) = all[i];
@@ -253,7 +333,7 @@ impl<'a> EvalCx<'a> {
 
     /// Tufts that read other tufts: `needs` names, by number, the tufts of `sources` that an output reads; they are
     /// handed to `make` in that order. An output is made again only when its own tuft or one of these
-    /// changes.
+    /// changes. As many points as come in are foreseen.
     pub fn each_tuft_with<const N: usize>(
         &self,
         curves: &Curves,
@@ -261,6 +341,7 @@ impl<'a> EvalCx<'a> {
         needs: impl Fn(usize, &Tuft) -> Vec<u32>,
         make: impl Fn(&Tuft, &[&Tuft], &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
     ) -> Result<[Curves; N], NodeError> {
+        self.may_make(&Size::as_many([curves]))?;
         let tufts = curves.tufts();
         let needed: Vec<Vec<u32>> = tufts.iter().enumerate().map(|(i, t)| needs(i, t)).collect();
         let key = |i: usize| {
@@ -274,14 +355,16 @@ impl<'a> EvalCx<'a> {
         })
     }
 
-    /// `n` tufts each told by the key of its own item (a stroke, a region of the scalp). The key names all that
-    /// the item reads of curves, too.
+    /// `n` tufts, all of them of this size, each told by the key of its own item (a stroke, a region of the scalp). The key names
+    /// all that the item reads of curves, too.
     pub fn each_item<const N: usize>(
         &self,
         n: usize,
+        size: &Size,
         item: impl Fn(usize) -> Key + Sync,
         make: impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
     ) -> Result<[Curves; N], NodeError> {
+        self.may_make(size)?;
         self.pieces(n, |i| KeyBuilder::new("item").key(item(i)), make)
     }
 
@@ -294,21 +377,32 @@ impl<'a> EvalCx<'a> {
         let made: Vec<OnceLock<Result<Arc<Made>, NodeError>>> =
             (0..n).map(|_| OnceLock::new()).collect();
         let node = self.by_place.map_or(self.node, |(node, _)| node);
-        let (done, points) = (AtomicU32::new(0), AtomicUsize::new(0));
+        // What could not be foreseen is found when it is made: so much is, or not, whatever the order of pieces.
+        let most = self.host.room().points.unwrap_or(u64::MAX);
+        let (done, points, is_full) =
+            (AtomicU32::new(0), AtomicU64::new(0), AtomicBool::new(false));
         self.host.for_each(n, &|i| {
-            if points.load(Ordering::Relaxed) <= MOST_POINTS {
+            if points.load(Ordering::Relaxed) <= most && !is_full.load(Ordering::Relaxed) {
                 let piece = self.piece(key(i).key(node).finish(), i, &make);
                 let tufts = piece.iter().flat_map(|made| made.tufts.iter().flatten());
-                points.fetch_add(tufts.map(|t| t.points().len()).sum(), Ordering::Relaxed);
+                let more = tufts.map(|t| t.points().len() as u64).sum();
+                let before = points.fetch_add(more, Ordering::Relaxed);
+                if before / FEW_POINTS != (before + more) / FEW_POINTS
+                    && self.host.room().bytes.is_some_and(|free| free < SPARE)
+                {
+                    is_full.store(true, Ordering::Relaxed);
+                }
                 let _ = made[i].set(piece);
             }
             self.host.progress(done.fetch_add(1, Ordering::Relaxed) as usize + 1, n);
         });
-        // So much is made, or not, whatever the order of pieces.
-        if points.into_inner() > MOST_POINTS {
+        if points.into_inner() > most {
+            let said = format!("would make more than {}", millions(most as f64));
+            return Err(NodeError::TooLarge(said));
+        }
+        if is_full.into_inner() {
             return Err(NodeError::failed(
-                "it would make more than 64 million points, which no memory is sure to hold: ask for less hair, or for \
-                 fewer points on each",
+                "there is no memory left for what it makes: ask for less hair, or for fewer points on each",
             ));
         }
         let mut outputs = [const { Vec::new() }; N];
@@ -445,6 +539,7 @@ impl Host for PlainHost {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::define::Value;
     use crate::testing::Memory;
 
     /// Replays numbers on a sum; gives the sum, and how many steps ran and were reused.
@@ -476,6 +571,70 @@ mod tests {
         let said: Vec<String> = log.messages().iter().map(ToString::to_string).collect();
         assert_eq!(said, ["was left out (20 curves, first 0000000000000001)"]);
         assert_eq!(log.messages()[0].curves.len(), MOST_NAMED);
+    }
+
+    /// Lends so much room.
+    struct Lends(Room);
+    impl Host for Lends {
+        fn room(&self) -> Room {
+            self.0
+        }
+        fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+            PlainHost.for_each(n, f);
+        }
+        fn cancelled(&self) -> bool {
+            false
+        }
+        fn find(&self, _: Key) -> Option<Kept> {
+            None
+        }
+        fn keep(&self, _: Key, _: Kept, _: usize) {}
+        fn progress(&self, _: usize, _: usize) {}
+    }
+
+    #[test]
+    fn what_is_more_than_may_be_made_is_told_before_any_piece_runs() {
+        let scalp = || crate::data::scalp::tests::shared_ball().into();
+        let hair = |points: i64| {
+            let set = [("scalp", scalp()), ("count", 30i32.into()), ("points", Value::Int(points))];
+            let made = crate::testing::run(crate::by_id("scatter_guides").unwrap(), &set);
+            ("curves", made.0.into_iter().next().unwrap())
+        };
+        let int = |name, n: i64| (name, Value::Int(n));
+        let check = |id: &str, room: Room, mut set: Vec<(&str, Value)>, said: &str| {
+            let node = crate::by_id(id).unwrap();
+            if node.input("scalp").is_some() {
+                set.push(("scalp", scalp()));
+            }
+            let (host, log) = (Lends(room), Log::default());
+            let failed = crate::testing::run_on(node, &set, &host, &log, Quality::Final);
+            let failed = failed.map(|_| ()).unwrap_err().to_string();
+            assert!(failed.starts_with(said), "{id}: {failed}");
+            assert_eq!(log.tufts_run.into_inner(), 0, "{id}");
+        };
+        let usual = Room::default();
+        // 30 clusters x 65,536 strands x 1,000 points.
+        let most = int("most_points", 1000);
+        let set = vec![hair(9), int("count", 65_536), int("points", 1000), most];
+        let said = "would make 1966.1 million points (clusters 30 x count 65536 x points 1000)";
+        check("cluster_to_strands", usual, set.clone(), said);
+        // All that is allowed still has to be held: 1.97 x 10^9 x 32 bytes.
+        let full = Room { points: None, bytes: Some(8_000_000_000) };
+        check("cluster_to_strands", full, set, "would take some 62.9 GB of memory for 1966.1");
+        let set = vec![int("count", 1_000_000), int("points", 1000)];
+        let said = "would make 1000.0 million points (puffs 1 x count 1000000 x points 1000)";
+        check("sphere_puff", usual, set, said);
+        let (_, guides) = hair(9);
+        let set = vec![("guides", guides), int("count", 2_000_000), int("points", 1024)];
+        let said = "would make 2048.0 million points (count 2000000 x points 1024)";
+        check("interpolate", usual, set, said);
+        let set = vec![int("count", 100_000), int("points", 1024)];
+        let said = "would make 102.4 million points (count 100000 x points 1024)";
+        check("scatter_guides", usual, set, said);
+        // 40 lots of 30 curves of 1,000 points.
+        let few = Room { points: Some(100_000), bytes: None };
+        let lots: Vec<(&str, Value)> = (0..40).map(|_| hair(1000)).collect();
+        check("merge", few, lots, "would make 1.2 million points (points that come in 1200000)");
     }
 
     #[test]

@@ -198,7 +198,7 @@ fn ctrl_c_leaves_what_was_there() {
     std::fs::write(&out, "what was there").unwrap();
     // Much more hair than can be made before the signal comes.
     let mut child = coif_tests::coif()
-        .args(["eval", "start", "--set", "hair.count=2000000", "--out"])
+        .args(["eval", "start", "--set", "hair.count=2000000", "--allow-large", "--out"])
         .arg(&out)
         .spawn()
         .unwrap();
@@ -209,6 +209,58 @@ fn ctrl_c_leaves_what_was_there() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(folder.names(), ["hair.usda"]);
     assert_eq!(std::fs::read_to_string(&out).unwrap(), "what was there");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_is_heard_at_any_moment_and_leaves_nothing() {
+    // Strands four times as wide as a head, so that most of its time goes to hair that looks for a way out of the skin.
+    let folder = Folder::new("interrupt-anywhere");
+    let out = folder.path("hair.usdc");
+    let begin = || {
+        coif_tests::coif()
+            .args(["eval", "cornrows", "--set", "braid.width=100", "--out"])
+            .arg(&out)
+            .stderr(std::process::Stdio::null())
+            .spawn()
+            .unwrap()
+    };
+    // Later each time, by a third of what has come.
+    let mut after = Duration::from_millis(150);
+    for _ in 0..8 {
+        let mut child = begin();
+        std::thread::sleep(after);
+        after = after * 4 / 3;
+        let asked = Instant::now();
+        let kill = ["-INT", &child.id().to_string()].map(str::to_owned);
+        if !std::process::Command::new("kill").args(kill).status().unwrap().success() {
+            child.wait().unwrap();
+            break;
+        }
+        let code = child.wait().unwrap().code();
+        if code == Some(0) {
+            // It was done already.
+            std::fs::remove_file(&out).unwrap();
+            break;
+        }
+        assert_eq!(code, Some(130), "{after:?}");
+        assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
+        assert!(folder.names().is_empty(), "{:?}", folder.names());
+    }
+}
+
+#[test]
+fn what_would_be_too_large_is_told_before_it_is_made_and_made_when_allowed() {
+    let large = GUIDES
+        .replace("50", "100000")
+        .replace("},\n        ),", "    \"points\": 1024,\n            },\n        ),");
+    let text = graph(&[HEAD, &large, OUT].concat(), WIRES);
+    let said =
+        ["hair: would make 102.4 million points (count 100000 x points 1024)", "--allow-large"];
+    check("large", &text, &[], 1, &said);
+    // Little, but the threads of a farm.
+    let text = graph(&[HEAD, GUIDES, OUT].concat(), WIRES);
+    check("threads", &text, &["--threads", "65536", "--allow-large"], 0, &["--threads 65536: "]);
 }
 
 #[test]

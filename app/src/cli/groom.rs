@@ -6,6 +6,7 @@
 
 use super::files::write_text;
 use super::measure::MOST_POINTS;
+use super::memory;
 use super::progress::Bar;
 use super::report::{ContentHash, Head, Output, Report, peak_rss_mib, rounded};
 use super::{Exit, complain, print};
@@ -21,7 +22,7 @@ use coif_nodes::data::attributes::DRIFT;
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{NodeError, Type, Value};
-use coif_nodes::eval::Quality;
+use coif_nodes::eval::{Host, Quality};
 use coif_nodes::formats::conform::{Conformed, FEW, conform, over_partings};
 use coif_nodes::formats::export;
 use std::path::{Path, PathBuf};
@@ -48,6 +49,9 @@ pub(crate) struct GroomArgs {
     /// Number of threads; 0: one for each core
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     pub(crate) threads: usize,
+    /// Also make more than 16 million points, as many as memory holds
+    #[arg(long)]
+    pub(crate) allow_large: bool,
     /// How much hair is made
     #[arg(long, value_enum, default_value_t = QualityArg::Final)]
     pub(crate) quality: QualityArg,
@@ -140,6 +144,7 @@ pub(crate) struct Opened {
     pub(crate) outputs: Vec<Wanted>,
     folder: PathBuf,
     graph: String,
+    allow_large: bool,
 }
 
 /// What an evaluation gave.
@@ -169,7 +174,7 @@ impl GroomArgs {
         report.seed = document.seed;
         let outputs = outputs(&document, &self.output)?;
         let graph = self.graph.display().to_string();
-        Ok(Opened { document, outputs, folder, graph })
+        Ok(Opened { document, outputs, folder, graph, allow_large: self.allow_large })
     }
 
     /// Evaluates the outputs, and `more` besides.
@@ -199,15 +204,32 @@ impl GroomArgs {
             QualityArg::Preview => Quality::Preview,
             QualityArg::Final => Quality::Final,
         };
-        opened.evaluate(quality, self.threads, more, cancel, progress, report)
+        // More would only wait for each other; thousands take longer to begin than the work.
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let threads = self.threads.min(cores.max(MOST_THREADS));
+        if threads < self.threads {
+            report.warnings.push(format!(
+                "--threads {}: {threads} threads work, for there are {cores} cores",
+                self.threads
+            ));
+        }
+        opened.evaluate(quality, threads, more, cancel, progress, report)
     }
 }
 
+/// So many threads are to be had on any machine.
+const MOST_THREADS: usize = 4;
+
 impl Opened {
     /// A graph as somebody has it open, with all of its outputs.
-    pub(crate) fn of(document: Document, folder: PathBuf, graph: String) -> Result<Self, Stop> {
+    pub(crate) fn of(
+        document: Document,
+        folder: PathBuf,
+        graph: String,
+        allow_large: bool,
+    ) -> Result<Self, Stop> {
         let outputs = outputs(&document, &[])?;
-        Ok(Self { document, outputs, folder, graph })
+        Ok(Self { document, outputs, folder, graph, allow_large })
     }
 
     /// Evaluates the outputs, and `more` besides.
@@ -220,15 +242,17 @@ impl Opened {
         progress: &dyn Progress,
         report: &mut Report,
     ) -> Result<Evaluated, Stop> {
-        let Opened { document, outputs, folder, graph } = self;
+        let Opened { document, outputs, folder, graph, allow_large } = self;
         let mut targets: Vec<Socket> = outputs.iter().map(|o| o.socket.clone()).collect();
         targets.extend_from_slice(more);
         let heads = of_kind(document, &targets, "head");
         let parted = of_kind(document, &targets, "partings");
         let wanted: Vec<Socket> = targets.iter().chain(&heads).chain(&parted).cloned().collect();
-        let plan = plan(document, &wanted, quality, &DiskFiles::new(folder))
+        let mut plan = plan(document, &wanted, quality, &DiskFiles::new(folder))
             .map_err(|err| Stop::refused(format!("{graph}: {err}")))?;
+        plan.allow_large = *allow_large;
         let evaluator = Evaluator::new(threads, 0).map_err(Stop::failed)?;
+        let evaluator = evaluator.with_memory(memory::free);
         let mut outcome = evaluator.run(&plan, OnFailure::Stop, cancel, progress);
         drop(plan);
         report.add_nodes(&outcome.nodes);
@@ -263,7 +287,9 @@ impl Opened {
         let (mut groups, mut empty) = (vec![], vec![]);
         for (output, value) in outputs.iter().zip(outcome.targets) {
             let Some(Value::Curves(curves)) = value else { continue };
-            let group = output.group(curves, (&scalps, &parted), &evaluator, report);
+            let host = evaluator.host(cancel);
+            let group = output.group(curves, (&scalps, &parted), (&host, cancel), report);
+            let group = group.ok_or_else(Stop::interrupted)?;
             match group.curves.curve_count() {
                 0 => empty.push(output),
                 _ => groups.push(group),
@@ -290,22 +316,21 @@ impl Opened {
 }
 
 impl Wanted {
-    /// The output's curves as files have them.
+    /// The output's curves as files have them; none where somebody asked to stop.
     fn group(
         &self,
         curves: Curves,
         (scalps, parted): (&[Arc<Scalp>], &[Arc<Scalp>]),
-        evaluator: &Evaluator,
+        (host, cancel): (&dyn Host, &CancelToken),
         report: &mut Report,
-    ) -> export::Group {
+    ) -> Option<export::Group> {
         // The skin that keeps points added by export outside: of the only head, if there is one.
         let skin = match scalps {
             [only] => Some(only.skin()),
             _ => None,
         };
-        let each = |n: usize, f: &(dyn Fn(usize) + Sync)| evaluator.for_each(n, f);
         let Conformed { curves: conformed, changes } =
-            conform(&curves, skin, parted, self.guides, &each);
+            conform(&curves, skin, parted, self.guides, host)?;
         drop(curves);
         let socket = &self.socket;
         if changes.left_out > 0 {
@@ -324,7 +349,7 @@ impl Wanted {
         }
         let curves = conformed;
         if !self.guides {
-            let [over, looked] = over_partings(&curves, parted, LOOKED_AT, &each);
+            let [over, looked] = over_partings(&curves, parted, LOOKED_AT, host)?;
             // Single hairs are no fault: one in a thousand is left out of files for less.
             if over * FEW > looked {
                 report.warnings.push(format!(
@@ -340,14 +365,14 @@ impl Wanted {
             curves: curves.curve_count(),
             points: curves.point_count(),
             bounds: curves.bounds().map(|(lo, hi)| [lo.to_array(), hi.to_array()]),
-            hash: ContentHash::of(&curves),
+            hash: ContentHash::of(&curves, cancel),
             resampled: changes.resampled,
             moved: changes.moved,
             farthest_cm: changes.farthest,
             reading_difference: changes.difference,
             root_drift_cm: root_drift(&curves),
         });
-        export::Group { name: self.group.clone(), guides: self.guides, curves }
+        Some(export::Group { name: self.group.clone(), guides: self.guides, curves })
     }
 }
 

@@ -10,6 +10,7 @@ pub(crate) mod eval;
 pub(crate) mod files;
 pub(crate) mod groom;
 mod measure;
+pub(crate) mod memory;
 mod nodes;
 pub(crate) mod progress;
 #[cfg(feature = "render")]

@@ -1,6 +1,7 @@
 //! The report of an evaluation, as JSON that other tools read. Its fields are a contract.
 
-use coif_graphs::schedule::result::{NodeReport, content_hash};
+use coif_graphs::schedule::result::{NodeReport, content_hash_until};
+use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::curves::Curves;
 use serde::{Serialize, Serializer};
 use std::fmt;
@@ -67,7 +68,7 @@ pub(crate) struct Output {
     pub(crate) points: usize,
     /// Lowest and highest corner, cm.
     pub(crate) bounds: Option<[[f32; 3]; 2]>,
-    /// Content hash: the same on every machine.
+    /// Content hash: the same on every machine. Null where somebody ended it first.
     pub(crate) hash: ContentHash,
     /// Curves resampled because other tools would have read another curve.
     pub(crate) resampled: usize,
@@ -85,32 +86,33 @@ pub(crate) struct Output {
 /// where there was no thread to be had.
 pub(crate) struct ContentHash(Arc<Lazy>);
 
-type Lazy = LazyLock<String, Box<dyn FnOnce() -> String + Send>>;
+type Lazy = LazyLock<Option<String>, Box<dyn FnOnce() -> Option<String> + Send>>;
 
 impl ContentHash {
     /// Begins to find it.
-    pub(crate) fn of(curves: &Curves) -> Self {
-        let curves = curves.clone();
-        let hash: Arc<Lazy> = Arc::new(LazyLock::new(Box::new(move || content_hash(&curves))));
+    pub(crate) fn of(curves: &Curves, cancel: &CancelToken) -> Self {
+        let (curves, cancel) = (curves.clone(), cancel.clone());
+        let find = move || content_hash_until(&curves, &|| cancel.is_cancelled());
+        let hash: Arc<Lazy> = Arc::new(LazyLock::new(Box::new(find)));
         let found = hash.clone();
-        let _ = std::thread::Builder::new().spawn(move || found.len());
+        let _ = std::thread::Builder::new().spawn(move || found.is_some());
         Self(hash)
     }
-    /// Waits until it is found.
-    pub(crate) fn wait(&self) -> &str {
-        self.0.as_str()
+    /// Waits until it is found, or given up.
+    pub(crate) fn wait(&self) -> Option<&str> {
+        (**self.0).as_deref()
     }
 }
 
 impl fmt::Display for ContentHash {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(self.wait())
+        f.write_str(self.wait().unwrap_or("unknown"))
     }
 }
 
 impl Serialize for ContentHash {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.wait())
+        self.wait().serialize(serializer)
     }
 }
 

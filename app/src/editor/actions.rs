@@ -121,6 +121,18 @@ const ACTIONS: &[Action] = &[
         run: |editor| editor.apply(Event::Evaluate),
     },
     Action {
+        id: "evaluate.allow_large",
+        label: "Make it all the same",
+        tip: "Makes more hair than a groom is to have, as much as memory holds, until another document is opened.",
+        words: "allow large many points limit memory",
+        menu: "View",
+        when: |editor| match editor.state.is_too_large() {
+            true => Ok(()),
+            false => Err("no node would make too much"),
+        },
+        run: |editor| editor.apply(Event::AllowLarge),
+    },
+    Action {
         id: "help.tour",
         label: "Tour",
         tip: "Five minutes on this groom: every step is done by you.",

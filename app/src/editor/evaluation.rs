@@ -34,6 +34,8 @@ pub struct Request {
     pub also: Vec<Socket>,
     /// How much hair is made.
     pub quality: Quality,
+    /// Whether nodes may make more than a groom is to have.
+    pub allow_large: bool,
 }
 
 /// What came out, ready to be looked at.
@@ -178,7 +180,7 @@ impl Evaluation {
         cache_bytes: usize,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Result<Self, String> {
-        let evaluator = Evaluator::new(0, cache_bytes)?;
+        let evaluator = Evaluator::new(0, cache_bytes)?.with_memory(crate::cli::memory::free);
         let shared =
             Arc::new(Shared { desk: Mutex::default(), work: Condvar::new(), wake: Box::new(wake) });
         let theirs = shared.clone();
@@ -366,7 +368,7 @@ fn evaluate(
             targets.push(socket.clone());
         }
     }
-    let (planned, refused) = plan_possible(document, &targets, request.quality, files);
+    let (mut planned, refused) = plan_possible(document, &targets, request.quality, files);
     let mut possible = refused.iter().map(Option::is_none);
     targets.retain(|_| possible.next().unwrap_or(false));
     for bad in refused.into_iter().flatten() {
@@ -374,6 +376,7 @@ fn evaluate(
             reports.refused.push(bad);
         }
     }
+    planned.allow_large = request.allow_large;
     let told = Told { shared };
     let Outcome { targets: values, nodes, cancelled } =
         evaluator.run(&planned, OnFailure::PassThrough, cancel, &told);

@@ -55,6 +55,8 @@ pub enum Event {
     Hush,
     /// The graph is evaluated now.
     Evaluate,
+    /// The graph is evaluated now, and nodes may make more than a groom is to have.
+    AllowLarge,
     /// Whatever runs stops; the last picture stays.
     Stop,
     /// Something happens to the document as a whole.

@@ -36,6 +36,8 @@ pub struct Message {
     pub ids: Vec<u64>,
     /// The input whose file is missing.
     pub missing: Option<String>,
+    /// Whether a node would make more than it may.
+    pub too_large: bool,
 }
 
 impl Message {
@@ -49,6 +51,7 @@ impl Message {
             curves: (0, 0),
             ids: vec![],
             missing: None,
+            too_large: false,
         }
     }
 
@@ -107,7 +110,9 @@ pub fn all(state: &State) -> Vec<Message> {
             && *error != NodeError::Cancelled
             && !told.contains(id)
         {
-            all.push(about(&state.document, id, Gravity::Error, &error.to_string()));
+            let mut message = about(&state.document, id, Gravity::Error, &error.to_string());
+            message.too_large = matches!(error, NodeError::TooLarge(_)) && !state.allow_large;
+            all.push(message);
         }
         for said in &report.messages {
             let gravity = if said.warning { Gravity::Warning } else { Gravity::Note };
@@ -251,6 +256,14 @@ fn row(message: &Message, ui: &mut egui::Ui, out: &mut Vec<Event>) {
                 if ui.small_button(word).on_hover_text("Selects them in the viewport").clicked() {
                     let ids = message.ids.iter().copied().collect();
                     out.push(Event::Select(Select::Curves(ids)));
+                }
+            }
+            if message.too_large {
+                let action = super::actions::by_id("evaluate.allow_large");
+                for action in action.into_iter() {
+                    if ui.small_button(action.label).on_hover_text(action.tip).clicked() {
+                        out.push(Event::Act(action.id));
+                    }
                 }
             }
             if let (Some(node), Some(input)) = (&message.node, &message.missing) {

@@ -288,6 +288,7 @@ impl Editor {
             Event::Say(note) => state.notes.say(note),
             Event::Hush => state.notes.clear(),
             Event::Evaluate => self.forced = true,
+            Event::AllowLarge => (state.allow_large, self.forced) = (true, true),
             // The hand is taken back first; what runs for it is stopped by what comes next.
             Event::Stop if state.gesture => self.apply(Event::Abort),
             Event::Stop => {
@@ -395,6 +396,7 @@ impl Editor {
                 folder: wanted.folder.clone(),
                 also: wanted.also.clone(),
                 quality: wanted.quality,
+                allow_large: self.state.allow_large,
             });
         }
         self.asked = Some(wanted);

@@ -8,6 +8,7 @@ use super::settings::Settings;
 use super::visibility::Visibility;
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, NodeId, Socket};
+use coif_nodes::define::NodeError;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -44,6 +45,8 @@ pub struct State {
     pub run: RunStatus,
     /// Preferences.
     pub settings: Settings,
+    /// Whether nodes may make more than a groom is to have: somebody said so since this document was opened.
+    pub allow_large: bool,
     /// What was said.
     pub notes: Notes,
     /// The room that keys are for.
@@ -69,6 +72,7 @@ impl State {
             traced: vec![],
             run: RunStatus::default(),
             settings,
+            allow_large: false,
             notes: Notes::default(),
             focus: Room::Viewport,
         }
@@ -77,6 +81,13 @@ impl State {
     /// Whether something is dragged that changes hair: previews are enough. A node that is moved on the canvas changes none.
     pub fn drags_hair(&self) -> bool {
         self.gesture && self.changes_hair
+    }
+
+    /// Whether a node would make more than a groom is to have, and is not allowed to.
+    pub fn is_too_large(&self) -> bool {
+        let mut nodes = self.run.reports.nodes.values();
+        !self.allow_large
+            && nodes.any(|report| matches!(report.error, Some(NodeError::TooLarge(_))))
     }
 
     /// Whether what is shown is not what the document says now.

@@ -268,10 +268,9 @@ fn read_upgraded(old: &str, new: &str, format: u32, at: usize) -> Result<Loaded,
     let kept: BTreeSet<String> = loaded.document.comments.values().flatten().cloned().collect();
     let before = scan(old);
     let comments = before.comments.into_values().flatten().chain(before.dropped);
-    loaded.dropped_comments = comments
-        .filter(|comment| !kept.contains(&comment.text))
-        .map(|comment| error_at(old, comment.at, comment.text))
-        .collect();
+    let dropped = comments.filter(|comment| !kept.contains(&comment.text));
+    let dropped = dropped.map(|comment| (comment.at, comment.text)).collect();
+    loaded.dropped_comments = errors_at(old, dropped);
     Ok(loaded)
 }
 

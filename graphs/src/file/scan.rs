@@ -73,15 +73,37 @@ pub(super) fn error_at(text: &str, at: usize, message: String) -> FileError {
 /// The messages at bytes of a text, in its order, in one pass: a file can earn thousands.
 pub(super) fn errors_at(text: &str, mut said: Vec<(usize, String)>) -> Vec<FileError> {
     said.sort_by_key(|(at, _)| *at);
-    let (mut lines, mut line_start, mut errors) = (0, 0, vec![]);
-    for (at, message) in said {
-        let passed = &text[line_start..at];
-        lines += passed.matches('\n').count();
-        line_start += passed.rfind('\n').map_or(0, |i| i + 1);
-        let column = text[line_start..at].chars().count() + 1;
-        errors.push(FileError { line: lines + 1, column, message });
+    let mut here = Here { rest: text, line: 1, column: 1 };
+    let mut come = 0;
+    let place = |(at, message): (usize, String)| {
+        here.pass(at - come);
+        come = at;
+        FileError { line: here.line, column: here.column, message }
+    };
+    said.into_iter().map(place).collect()
+}
+
+/// A place in a text that goes on: what it has passed is not looked at again, however many messages one line earns.
+struct Here<'a> {
+    rest: &'a str,
+    line: usize,
+    column: usize,
+}
+
+impl Here<'_> {
+    fn pass(&mut self, bytes: usize) {
+        let (passed, rest) = self.rest.split_at(bytes);
+        self.rest = rest;
+        let on_line = match passed.rfind('\n') {
+            Some(i) => {
+                self.line += passed.matches('\n').count();
+                self.column = 1;
+                &passed[i + 1..]
+            }
+            None => passed,
+        };
+        self.column += on_line.chars().count();
     }
-    errors
 }
 
 /// RON text without white space and comments around it.
@@ -332,4 +354,22 @@ fn place(inside: Inside, key: &str) -> Option<Place> {
         Inside::Views => Place::View(key.to_owned()),
         Inside::Layout => Place::Layout(NodeId::new(key).ok()?),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_on_one_line_are_placed_as_one_by_one_and_the_line_is_passed_once() {
+        let text = "ä, b, \u{1F9F6}c,\n\nd, e\nf";
+        let all: Vec<usize> = text.char_indices().map(|(at, _)| at).collect();
+        let said = all.iter().rev().chain(&all).map(|at| (*at, String::new())).collect();
+        for (n, found) in errors_at(text, said).into_iter().enumerate() {
+            assert_eq!(found, error_at(text, all[n / 2], String::new()));
+        }
+        let mut here = Here { rest: text, line: 1, column: 1 };
+        here.pass(4);
+        assert_eq!((here.rest.len(), here.line, here.column), (text.len() - 4, 1, 4));
+    }
 }

@@ -40,6 +40,8 @@ pub struct Plan {
     pub seed: u64,
     /// How much hair is made.
     pub quality: Quality,
+    /// Whether a node may make more points than a groom is to have, as many as memory holds. No key knows it.
+    pub allow_large: bool,
     /// **Invariant:** a step's wires lead to earlier steps only.
     pub steps: Vec<Step>,
     /// Steps and outputs that are asked for.

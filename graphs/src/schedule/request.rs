@@ -57,6 +57,7 @@ pub fn plan_possible(
     let mut plan = Plan {
         seed: document.seed,
         quality,
+        allow_large: false,
         steps: planner.steps,
         targets: found.iter().flatten().copied().collect(),
     };

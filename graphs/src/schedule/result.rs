@@ -52,6 +52,11 @@ pub struct Outcome {
 /// Independent of tuft borders, of how values are shared, and of the machine: a missing attribute counts as its declared
 /// default where other tufts have it, -0.0 as 0.0.
 pub fn content_hash(curves: &Curves) -> String {
+    content_hash_until(curves, &|| false).unwrap_or_default()
+}
+
+/// [`content_hash`], or none once somebody asks to stop.
+pub fn content_hash_until(curves: &Curves, is_cancelled: &dyn Fn() -> bool) -> Option<String> {
     let mut hash = blake3::Hasher::new();
     let mut buffer = Vec::new();
     hash.update(b"coif curves 1");
@@ -61,6 +66,9 @@ pub fn content_hash(curves: &Curves) -> String {
         put(&mut hash, &mut buffer, counts.flat_map(u32::to_le_bytes));
     }
     for tuft in curves.tufts() {
+        if is_cancelled() {
+            return None;
+        }
         put_all(&mut hash, &mut buffer, tuft.points());
     }
     // A column that varies over points anywhere is hashed by points everywhere.
@@ -77,10 +85,13 @@ pub fn content_hash(curves: &Curves) -> String {
         hash.update(ty.as_bytes());
         hash.update(&[domain as u8]);
         for tuft in curves.tufts() {
+            if is_cancelled() {
+                return None;
+            }
             column(&mut hash, &mut buffer, tuft, tuft.attribute(name), domain, name, sample);
         }
     }
-    hash.finalize().to_hex()[..32].to_owned()
+    Some(hash.finalize().to_hex()[..32].to_owned())
 }
 
 /// Hash of what a document means, as 32 hexadecimal digits: moving nodes, writing notes and displaying another node changes

@@ -9,7 +9,7 @@ use super::cache::Cache;
 use super::plan::{Plan, Source, Step};
 use super::result::{NodeReport, Outcome};
 use coif_nodes::define::{NodeError, Type, Value};
-use coif_nodes::eval::{EvalCx, Host, Kept, Log, Quality};
+use coif_nodes::eval::{EvalCx, Host, Kept, Log, MOST_POINTS, Message, Quality, Room};
 use coif_nodes::maths::hash::{Key, KeyBuilder};
 use rayon::prelude::*;
 use std::panic::AssertUnwindSafe;
@@ -64,6 +64,7 @@ pub struct Evaluator {
     /// what draws the window. None where that would leave a single thread.
     polite: Option<rayon::ThreadPool>,
     cache: Mutex<Cache>,
+    free_memory: fn() -> Option<u64>,
 }
 
 impl Evaluator {
@@ -83,7 +84,19 @@ impl Evaluator {
             threads if threads > 2 && cache_bytes > 0 => Some(pool(threads - 1)?),
             _ => None,
         };
-        Ok(Self { pool: all, polite, cache: Mutex::new(Cache::new(cache_bytes)) })
+        Ok(Self {
+            pool: all,
+            polite,
+            cache: Mutex::new(Cache::new(cache_bytes)),
+            free_memory: || None,
+        })
+    }
+
+    /// Tells how many bytes are free, where that is known: nodes that would take more fail before they do.
+    #[must_use]
+    pub fn with_memory(mut self, free: fn() -> Option<u64>) -> Self {
+        self.free_memory = free;
+        self
     }
 
     /// Bytes that the cache holds, and its budget.
@@ -108,9 +121,16 @@ impl Evaluator {
         self.cache.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Runs `f` on all of the evaluator's threads.
-    pub fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
-        for_each_on(&self.pool, n, f);
+    /// Lends all of the evaluator's threads to work beside nodes, until cancelled.
+    pub fn host<'a>(&'a self, cancel: &'a CancelToken) -> impl Host + 'a {
+        PoolHost {
+            evaluator: self,
+            pool: &self.pool,
+            cancel,
+            progress: &Quiet,
+            node: "",
+            most: None,
+        }
     }
 
     /// Runs a plan to its end, to the first failure on every way, or until cancelled.
@@ -238,7 +258,8 @@ impl Evaluator {
             Err(NodeError::Cancelled)
         } else {
             let pool = self.pool(plan.quality);
-            let host = PoolHost { evaluator: self, pool, cancel, progress, node: &step.name };
+            let most = (!plan.allow_large).then_some(MOST_POINTS);
+            let host = PoolHost { evaluator: self, pool, cancel, progress, node: &step.name, most };
             let mut cx = EvalCx::new(plan.seed, plan.quality, keys.node, &host, &log);
             // Who keeps nothing need not know what was read.
             cx.node_by_place = keys.node_by_place.filter(|_| !self.cache().is_off());
@@ -255,6 +276,7 @@ impl Evaluator {
             report.tufts_reused = log.tufts_reused.load(Ordering::Relaxed);
             report.messages = log.messages();
             if let Ok(values) = &result {
+                report.messages.extend(vanished(step, &inputs, values, &report.messages));
                 let bytes = values.iter().map(Value::bytes).sum::<usize>() + 256;
                 let known = Known {
                     values: values.clone(),
@@ -367,6 +389,36 @@ fn passed_through(step: &Step, inputs: &[Vec<Value>]) -> Option<Vec<Value>> {
     all.then(|| vec![curves.clone(); step.def.outputs.len()])
 }
 
+/// What there is to say of a node that was given curves and gives none, where it has not said why.
+fn vanished(
+    step: &Step,
+    inputs: &[Vec<Value>],
+    outputs: &[Value],
+    said: &[Message],
+) -> Option<Message> {
+    let curves = |value: &Value| match value {
+        Value::Curves(curves) => Some(curves.curve_count()),
+        _ => None,
+    };
+    let mut given = outputs.iter().filter_map(curves).peekable();
+    let is_told = said.iter().any(|message| message.warning);
+    if is_told || given.peek().is_none() || given.any(|count| count > 0) {
+        return None;
+    }
+    let came: Vec<String> = step
+        .def
+        .inputs
+        .iter()
+        .zip(inputs)
+        .filter_map(|(def, values)| {
+            let count: usize = values.iter().filter_map(curves).sum();
+            (count > 0).then(|| format!("{count} at {}", def.name))
+        })
+        .collect();
+    let text = format!("curves came in ({}), and none come out", came.join(", "));
+    (!came.is_empty()).then(|| Message { warning: true, text, count: 0, curves: vec![] })
+}
+
 fn for_each_on(pool: &rayon::ThreadPool, n: usize, f: &(dyn Fn(usize) + Sync)) {
     if pool.current_num_threads() == 1 || n < 2 {
         (0..n).for_each(f);
@@ -381,9 +433,13 @@ struct PoolHost<'a> {
     cancel: &'a CancelToken,
     progress: &'a dyn Progress,
     node: &'a str,
+    most: Option<u64>,
 }
 
 impl Host for PoolHost<'_> {
+    fn room(&self) -> Room {
+        Room { points: self.most, bytes: (self.evaluator.free_memory)() }
+    }
     fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
         for_each_on(self.pool, n, f);
     }
@@ -408,6 +464,7 @@ mod tests {
     use crate::document::{Document, NodeId, Socket};
     use crate::schedule::files::DiskFiles;
     use crate::schedule::request::plan;
+    use coif_nodes::data::curves::Curves;
 
     fn guides() -> Document {
         let text = r#"(format: 1, nodes: {"head": (kind: "head"),
@@ -418,6 +475,31 @@ mod tests {
         let target = Socket::new(NodeId::new("on").unwrap(), "curves");
         let plan = plan(&guides(), &[target], quality, &DiskFiles::default()).unwrap();
         evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet)
+    }
+
+    #[test]
+    fn a_node_that_is_given_curves_and_gives_none_says_what_came_in() {
+        let curves = |n: usize| {
+            let mut b = coif_nodes::data::curves::TuftBuilder::new();
+            (0..n).for_each(|_| b.push_curve(&[glam::Vec3::ZERO, glam::Vec3::Y]));
+            Value::Curves(Curves::new(vec![Arc::new(b.build())]))
+        };
+        let step = |id: &str| {
+            let def = coif_nodes::by_id(id).unwrap();
+            Step { name: "a".to_owned(), def, bypass: false, inputs: vec![] }
+        };
+        let check = |id: &str, inputs: &[Vec<Value>], given: &[usize], said: Option<&str>| {
+            let given: Vec<Value> = given.iter().map(|n| curves(*n)).collect();
+            let found = vanished(&step(id), inputs, &given, &[]).map(|message| message.text);
+            assert_eq!(found.as_deref(), said);
+        };
+        let two = [vec![curves(2), curves(3)]];
+        check("merge", &two, &[0], Some("curves came in (5 at curves), and none come out"));
+        check("merge", &two, &[1], None);
+        check("merge", &[vec![curves(0)]], &[0], None);
+        check("merge", &[vec![]], &[0], None);
+        let told = Message { warning: true, text: "so".to_owned(), count: 0, curves: vec![] };
+        assert_eq!(vanished(&step("merge"), &two, &[curves(0)], &[told]), None);
     }
 
     #[test]

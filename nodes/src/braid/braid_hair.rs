@@ -20,7 +20,7 @@ use crate::data::attributes::{
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, choice, node};
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{KeyBuilder, curve_id};
 use crate::maths::transcendental::sin_cos_turns;
 use glam::{Vec2, Vec3};
@@ -208,31 +208,34 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         needed.iter().fold(key, |key, n| key.key(all.tufts()[*n as usize].key())).finish()
     };
     let tied = if band.is_some() { of_strands } else { 0 };
-    let [bands] = placed.each_item(tied, of_band, |n, piece| {
-        let (tuft, mut out) = (&all.tufts()[n], TuftBuilder::new());
-        // A braid in several tufts is tied once.
-        let row = if tuft.is_empty() { None } else { Some(row_of(tuft, 0)) };
-        let row = row.filter(|row| strands_of(*row) == Some(n));
-        let (Some(band), Some(braid)) = (band, row.and_then(&of_row)) else {
-            return Ok([out.build()]);
-        };
-        match &braid.waist {
-            None => piece.trouble(braid.id, "a braid without a tuft behind its tie has no band"),
-            Some(waist) if waist.limited => piece.trouble(
-                braid.id,
-                "a band is lower than band_height: the braid or its tuft is too short for it",
-            ),
-            Some(_) => {}
-        }
-        if let Some((points, radius, front)) = band.round(braid, skin) {
-            out.push_curve(&points);
-            out.set(ID, Domain::Curve, vec![curve_id(braid.id, inputs.seed as u64, BANDS)]);
-            out.set(PARENT, Domain::Curve, vec![braid.id]);
-            out.set(RADIUS, Domain::Curve, vec![radius]);
-            out.set(NORMAL, Domain::Curve, vec![front]);
-        }
-        Ok([out.build()])
-    })?;
+    let [bands] =
+        placed.each_item(tied, &Size::of(&[("bands", tied as f64)]), of_band, |n, piece| {
+            let (tuft, mut out) = (&all.tufts()[n], TuftBuilder::new());
+            // A braid in several tufts is tied once.
+            let row = if tuft.is_empty() { None } else { Some(row_of(tuft, 0)) };
+            let row = row.filter(|row| strands_of(*row) == Some(n));
+            let (Some(band), Some(braid)) = (band, row.and_then(&of_row)) else {
+                return Ok([out.build()]);
+            };
+            match &braid.waist {
+                None => {
+                    piece.trouble(braid.id, "a braid without a tuft behind its tie has no band")
+                }
+                Some(waist) if waist.limited => piece.trouble(
+                    braid.id,
+                    "a band is lower than band_height: the braid or its tuft is too short for it",
+                ),
+                Some(_) => {}
+            }
+            if let Some((points, radius, front)) = band.round(braid, skin) {
+                out.push_curve(&points);
+                out.set(ID, Domain::Curve, vec![curve_id(braid.id, inputs.seed as u64, BANDS)]);
+                out.set(PARENT, Domain::Curve, vec![braid.id]);
+                out.set(RADIUS, Domain::Curve, vec![radius]);
+                out.set(NORMAL, Domain::Curve, vec![front]);
+            }
+            Ok([out.build()])
+        })?;
     Ok(Outputs { curves, extension, bands })
 }
 

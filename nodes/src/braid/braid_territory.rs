@@ -19,7 +19,7 @@ use crate::data::field::Sampler;
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::define::{FieldInput, NodeError, node};
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, Size};
 use crate::guides::even_roots::EvenRoots;
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::low_discrepancy::r2;
@@ -180,6 +180,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     // So many of the list of even roots are hair; the probes may be more.
     let density = inputs.density / (unit * unit);
     let last = cx.thinned((f64::from(density) * maker.even.area()).min(20e6) as usize);
+    cx.may_make(&Size::of(&[
+        ("hairs of the whole scalp", last as f64),
+        ("cvs", inputs.cvs as f64),
+    ]))?;
     let (places, probes) = maker.places(cx, last)?;
     let mut counted = vec![];
     for (i, (tuft, curve, _)) in rows.iter().enumerate() {
@@ -229,7 +233,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
         key.finish()
     };
-    let [curves] = cx.each_item(parts.len(), key, |n, piece| {
+    let hairs: usize = parts.iter().map(|(_, from, to, _)| to - from).sum();
+    let size = Size::of(&[("hairs", hairs as f64), ("cvs", inputs.cvs as f64)]);
+    let [curves] = cx.each_item(parts.len(), &size, key, |n, piece| {
         let (i, from, to, fed) = parts[n];
         if fed {
             return Ok([maker.extension(

@@ -20,7 +20,7 @@ use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, Value, choice, node, unless};
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::spline::Spline;
 use glam::Vec3;
@@ -232,14 +232,31 @@ const STITCHES: u64 = BRAID_ITSELF + 1;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let plan = Plan::new(cx, &inputs);
-    let [curves, stitches, flyaways] =
-        cx.by_place(inputs.scalp.as_deref()).each_curve(&inputs.source, |tuft, curve, piece| {
-            match braid(&plan, tuft, curve, piece)? {
-                Some(made) => Ok(made),
-                None => Ok([const { TuftBuilder::new }; 3].map(|new| new().build())),
-            }
-        })?;
+    let size = foreseen(&inputs);
+    let [curves, stitches, flyaways] = cx.by_place(inputs.scalp.as_deref()).each_curve(
+        &inputs.source,
+        &size,
+        |tuft, curve, piece| match braid(&plan, tuft, curve, piece)? {
+            Some(made) => Ok(made),
+            None => Ok([const { TuftBuilder::new }; 3].map(|new| new().build())),
+        },
+    )?;
     Ok(Outputs { curves, stitches, flyaways })
+}
+
+/// The points of all strands, where stitches are as many on each source.
+fn foreseen(inputs: &Inputs) -> Size {
+    let sources = inputs.source.curve_count() as f64;
+    let stitches = match (inputs.stitches_by, inputs.stitches.constant()) {
+        (StitchesBy::Count, Some(stitches)) => stitches,
+        _ => 1.0,
+    };
+    Size::of(&[
+        ("sources", sources),
+        ("strands", inputs.strands as f64),
+        ("stitches", f64::from(stitches)),
+        ("cvs_per_stitch", inputs.cvs_per_stitch as f64),
+    ])
 }
 
 /// What all braids of one evaluation share.

@@ -8,7 +8,7 @@
 //! promised: that strands keep clear of each other, or that points of strands pushed off the skin or
 //! frizzed are as evenly spaced as the cluster's.
 
-use super::sections::{Section, Sections, reads_attribute};
+use super::sections::{Section, Sections, open_radius, reads_attribute};
 use super::shape::Shape;
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, COLOUR, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY,
@@ -19,7 +19,7 @@ use crate::data::field::Field;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Scalp, Skin};
 use crate::define::{Colour, FieldInput, NodeError, node};
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::disc;
 use crate::maths::transcendental::sin_cos_turns;
@@ -48,7 +48,7 @@ node! {
         /// Exactly so many strands in every cluster, whatever its density and radius. 0: as density and radius ask.
         count: i64 = 0, hard(0.0, 65536.0), soft(0.0, 2000.0), unit(Count), words("amount number");
         /// Radius of the cross-section. May vary along the cluster, which makes tapered locks; the radius at the
-        /// root decides where roots lie and how many.
+        /// root decides where roots lie and how many, or where a cluster begins in a point, the first radius that holds a strand.
         radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()),
             hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), words("thickness size"), handle(Handle::Radius);
         /// Multiplies the radius from root to tip: let it fall for locks that end in a point.
@@ -135,12 +135,75 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         skin,
         shape: Shape::asked(&inputs, unit, cx.dice(inputs.seed, "shape")),
     };
-    let [curves] = cx.by_place(scalp).each_curve(&inputs.curves, |tuft, curve, piece| {
+    // How many strands a cluster of a density and radius (cm) asks for.
+    let strands_in = |density: f32, radius: f32| match inputs.count {
+        0 => inputs.strands as f32 * density * (radius / unit) * (radius / unit),
+        count => count as f32,
+    };
+    // The least radius at which there are any.
+    let least = |density: f32| match inputs.count {
+        0 => unit * (0.5 / (inputs.strands as f32 * density)).sqrt(),
+        _ => 0.0,
+    };
+    // Beforehand: of all clusters, the radius, density and strands of that which asks for most, and how many all ask for.
+    let (mut most, mut all) = ((0.0, 0.0, 0.0), 0.0);
+    for tuft in inputs.curves.tufts() {
+        cx.check()?;
+        let [radius, density, other] =
+            [&inputs.radius, &inputs.density, &inputs.flatness].map(|field| field.on(tuft, scalp));
+        let (radius, density, other) = (radius?, density?, other?);
+        for curve in (0..tuft.len()).filter(|curve| !tuft.curve(*curve).is_empty()) {
+            let density = density.at(curve, tuft.range(curve).start, 0.0);
+            let asked = super::sections::Asked {
+                points: 0,
+                most_points: 0,
+                radius: &radius,
+                radius_unit,
+                profile: &inputs.profile,
+                flatness: &other,
+                flat_angle: 0.0,
+                frizz: &other,
+                frizz_step: 0.0,
+                least: least(density),
+                twist: &other,
+            };
+            let last = (tuft.range(curve).len() - 1).max(1) as f32;
+            let radius = open_radius(tuft, curve, &asked, |cv| cv as f32 / last);
+            let strands = strands_in(density, radius);
+            if strands > most.2 || radius > most.0 && most.2 == 0.0 {
+                most = (radius, density, strands);
+            }
+            // What asks for more is left out.
+            if strands <= MOST && strands * inputs.points as f32 <= MOST_POINTS {
+                all += cx.thinned(strands.round() as usize) as f64;
+            }
+        }
+    }
+    let points = inputs.points.min(inputs.most_points) as f64;
+    let size = match inputs.count {
+        0 => Size::of(&[("strands of all clusters", all), ("points", points)]),
+        count => Size::of(&[
+            ("clusters", inputs.curves.curve_count() as f64),
+            ("count", cx.thinned(count as usize) as f64),
+            ("points", points),
+        ]),
+    };
+    if most.2 < 0.5 && inputs.curves.curve_count() > 0 {
+        let (radius, density, strands) = most;
+        cx.warn(format!(
+            "no cluster holds a strand: at their widest, radius {radius:.4} cm and density {density:.2} ask for {strands:.2} \
+             (strands {}): raise radius, density or strands, or set count",
+            inputs.strands
+        ));
+    }
+    let [curves] = cx.by_place(scalp).each_curve(&inputs.curves, &size, |tuft, curve, piece| {
         let id = tuft.id(curve);
         let mut left_out = |why: &str| {
             piece.trouble(id, why);
             Ok([TuftBuilder::new().build()])
         };
+        let first = tuft.range(curve).start;
+        let density = inputs.density.on(tuft, scalp)?.at(curve, first, 0.0);
         let sampled = super::sections::Asked {
             points: inputs.points as usize,
             most_points: inputs.most_points as usize,
@@ -151,18 +214,14 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             flat_angle: inputs.flat_angle,
             frizz: &inputs.frizz.on(tuft, scalp)?,
             frizz_step: inputs.frizz_step * unit,
+            least: least(density),
             twist: &inputs.twist.on(tuft, scalp)?,
         };
         let sections = match Sections::new(tuft, curve, &sampled, skin.zip(scalp)) {
             Ok(sections) => sections,
             Err(fault) => return left_out(&fault.to_string()),
         };
-        let radius = sections.root_radius / unit;
-        let density = inputs.density.on(tuft, scalp)?.at(curve, tuft.range(curve).start, 0.0);
-        let wanted = match inputs.count {
-            0 => inputs.strands as f32 * density * radius * radius,
-            count => count as f32,
-        };
+        let wanted = strands_in(density, sections.root_radius);
         if wanted > MOST {
             return left_out("a cluster that asks for more than 262144 strands was left out");
         }

@@ -18,7 +18,7 @@ use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Scalp, Skin};
 use crate::define::{FieldInput, NodeError, choice, node};
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::smallest_rotation;
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::spline::Spline;
@@ -96,6 +96,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         reach: inputs.reach * unit,
         seed: inputs.seed,
     };
+    if let (Some(count), Some(1.0)) = (asked.count, inputs.mask.constant()) {
+        let count = cx.thinned(count) as f64;
+        cx.may_make(&Size::of(&[("count", count), ("points", inputs.points as f64)]))?;
+    }
     let plan = Plan::of(cx, &guides, scalp, &asked)?;
     if plan.led_by_none > 0 {
         let n = plan.led_by_none;
@@ -120,7 +124,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let make = || Shape::new(&guides[guide], plan.normals[guide], inputs.points as usize);
         shapes[guide].get_or_init(make)
     };
-    let [curves] = cx.each_item(plan.groups.len(), key, |i, piece| {
+    let hairs: usize = plan.groups.iter().map(|group| cx.thinned(group.hairs.len())).sum();
+    let size = Size::of(&[("hairs", hairs as f64), ("points", inputs.points as f64)]);
+    let [curves] = cx.each_item(plan.groups.len(), &size, key, |i, piece| {
         let group = &plan.groups[i];
         let own = group.guides[0];
         // Hairs lie in the list in the order in which density adds them.

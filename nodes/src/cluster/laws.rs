@@ -445,3 +445,36 @@ fn strands_wave_as_far_as_asked_and_are_cut_as_much() {
         );
     }
 }
+
+#[test]
+fn a_cluster_that_begins_in_a_point_is_filled_as_where_it_is_open_first() {
+    let check = |radii: [f32; 4], strands: usize, root: f32| {
+        let mut b = TuftBuilder::new();
+        b.push_curve(&[9.0, 11.0, 13.0, 15.0].map(|y| Vec3::Y * y));
+        b.set(ID, Domain::Curve, vec![7u64]);
+        b.set(DENSITY, Domain::Curve, vec![1.0]);
+        b.set(RADIUS, Domain::Point, radii.to_vec());
+        let cluster: Curves = Curves::new(vec![Arc::new(b.build())]);
+        let set = [("curves", cluster.into()), ("push_out", false.into())];
+        let (out, said) = run(&NODE, &set);
+        let hair = curves_of(&out[0]);
+        assert_eq!(hair.curve_count(), strands, "{radii:?}");
+        let far = hair.each().map(|(tuft, i)| tuft.curve(i)[0].distance(Vec3::Y * 9.0));
+        let far = far.fold(0.0, f32::max);
+        assert!(far <= root * 1.001 && far >= 0.9 * root, "{radii:?}: {far}");
+        assert_eq!(said.is_empty(), strands > 0, "{said:?}");
+        said
+    };
+    // 512 strands at 1 cm: 512 x 0.5 x 0.5 = 128, and 0.02 cm holds 0.2 of one, which is none.
+    check([0.5, 0.3, 0.3, 0.1], 128, 0.5);
+    check([0.0, 0.5, 0.7, 0.1], 128, 0.5);
+    check([1e-4, 0.02, 0.5, 0.1], 128, 0.5);
+    let said = check([0.0, 0.01, 0.02, 0.0], 0, 0.0);
+    assert_eq!(
+        said,
+        [
+            "no cluster holds a strand: at their widest, radius 0.0200 cm and density 1.00 ask for 0.20 (strands 512): raise \
+          radius, density or strands, or set count"
+        ]
+    );
+}

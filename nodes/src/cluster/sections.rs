@@ -34,6 +34,8 @@ pub(super) struct Asked<'a> {
     pub frizz: &'a Sampler<'a>,
     /// cm; 0: one step at each CV.
     pub frizz_step: f32,
+    /// The least radius, cm, that holds a strand.
+    pub least: f32,
     /// Degrees at each CV but the root.
     pub twist: &'a Sampler<'a>,
 }
@@ -42,6 +44,7 @@ pub(super) struct Asked<'a> {
 pub(super) struct Sections {
     /// Where the cluster starts.
     pub root: Vec3,
+    /// Where the cluster is open first: see [`open_radius`].
     pub root_radius: f32,
     /// Length of the cluster, cm.
     pub length: f32,
@@ -115,7 +118,7 @@ impl Sections {
         let radius_at = |place: Place, u: f32| {
             sample(asked.radius, place, u) * asked.radius_unit * asked.profile.at(u).max(0.0)
         };
-        let root_radius = radius_at(places[0], 0.0);
+        let root_radius = open_radius(tuft, curve, asked, |cv| spline.u_of_cv(cv));
         let hit = head.and_then(|(skin, scalp)| Some((skin.closest(root)?, scalp)));
         let normal = match hit {
             Some((hit, scalp)) => scalp.surface().smooth_normal(hit.triangle, hit.bary),
@@ -185,6 +188,24 @@ impl Sections {
             other => vec![other.at(curve, 0)],
         }
     }
+}
+
+/// The radius (cm) by which roots lie, and strands are counted: at the first CV where it holds a strand. A tube that begins in a point
+/// is no empty cluster. Where none does, the root's. `u` tells how far along a CV is.
+pub(super) fn open_radius(
+    tuft: &Tuft,
+    curve: usize,
+    asked: &Asked,
+    u: impl Fn(usize) -> f32,
+) -> f32 {
+    let cvs = tuft.range(curve);
+    let at = |cv: usize| {
+        let u = u(cv);
+        let radius = asked.radius.at(curve, cvs.start + cv, u);
+        radius * asked.radius_unit * asked.profile.at(u).max(0.0)
+    };
+    let mut radii = (0..cvs.len()).map(at);
+    radii.find(|radius| *radius > asked.least).unwrap_or_else(|| at(0))
 }
 
 /// Which way cross-sections are flat.

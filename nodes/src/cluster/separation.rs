@@ -17,7 +17,7 @@ use crate::data::field::{Field, Sampler};
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::box_tree::{Block, BoxTree, Rod};
 use crate::maths::hash::{KeyBuilder, mix};
 use glam::Vec3;
@@ -178,7 +178,7 @@ fn pass(cx: &EvalCx, inputs: &Inputs, curves: &Curves) -> Result<[Curves; 2], No
         let key = KeyBuilder::new("apart").key(tufts[i].key());
         near[i].iter().fold(key, |key, n| key.key(tufts[*n as usize].key())).finish()
     };
-    cx.each_item(tufts.len(), key, |i, piece| {
+    cx.each_item(tufts.len(), &Size::as_many([curves]), key, |i, piece| {
         let around: Vec<&Laid> = near[i].iter().map(|n| &laid[*n as usize]).collect();
         apart(cx, inputs, &laid[i], &around, piece)
     })

@@ -524,10 +524,6 @@ pub(crate) mod tests {
         BALL.get_or_init(|| ball().into()).clone()
     }
 
-    pub(crate) fn in_order(n: usize, f: &(dyn Fn(usize) + Sync)) {
-        (0..n).for_each(f);
-    }
-
     #[test]
     fn nothing_stays_deeper_than_allowed_and_nothing_else_moves() {
         let scalp = ball();

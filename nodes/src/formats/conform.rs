@@ -9,13 +9,15 @@
 //! tip where it is too. A curve is astray where folds leave it no way, or none but over a parting: such curves are left out where
 //! they are one in [`FEW`] or less, and kept where they are more. Hair of a braid keeps to its side of a parting on its way to it;
 //! its braid may hang over any. Not promised: that those are read alike; the report gives the difference that is left. How hard is
-//! tried hangs from how many of the curves given at once ask for it, so what few curves get, many may not.
+//! tried hangs from how many of the curves given at once ask for it, so what few curves get, many may not: all together may take
+//! no more than `Effort::most_tried` says. Stopping is heard within any curve.
 
-use super::mend::{Mender, Read};
+use super::mend::{Mender, Patience, Read};
 use crate::data::attributes::{self as a, Domain};
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
+use crate::eval::Host;
 use crate::maths::readings::{AGREE, readings_differ};
 use crate::maths::spline::{Place, Spline};
 use crate::shape::resample::between;
@@ -50,80 +52,124 @@ pub struct Changes {
     pub keeps_astray: bool,
 }
 
-impl Changes {
-    fn join(&mut self, other: Self) {
-        self.resampled += other.resampled;
-        self.moved += other.moved;
-        self.farthest = self.farthest.max(other.farthest);
-        self.difference = self.difference.max(other.difference);
-        self.left_out += other.left_out;
-        self.astray += other.astray;
-    }
-}
-
 /// Of so many curves one that is astray is left out: nobody misses a hair, and everybody a guide.
 pub const FEW: usize = 1000;
 
 /// Resamples the curves whose uneven CVs would be read as another curve elsewhere: the root stays, all other points are new
 /// ones of the same curve, as far out of `skin` as it allows. A curve that the skin makes uneven, such as one that passes
 /// through an ear between its CVs, is moved out of it as a whole or led round it, its tip too, but over no parting of the scalps
-/// `parted`. No curve is left out where `all_stay`, as guides must, or where there is no skin to lead it astray.
+/// `parted`. No curve is left out where `all_stay`, as guides must, or where there is no skin to lead it astray. None where
+/// somebody asked to stop.
 pub fn conform(
     curves: &Curves,
     skin: Option<Skin>,
     parted: &[Arc<Scalp>],
     all_stay: bool,
-    for_each: crate::eval::ForEach,
-) -> Conformed {
+    host: &dyn Host,
+) -> Option<Conformed> {
     let sections: Vec<&Sections> = parted.iter().filter_map(|scalp| scalp.sections()).collect();
     let land = Land { skin: skin.as_ref(), sections: &sections };
-    let all = |tufts: &[usize], effort: Effort| -> Vec<Done> {
-        let cells: Vec<OnceLock<Done>> = tufts.iter().map(|_| OnceLock::new()).collect();
-        for_each(cells.len(), &|i| {
-            let _ = cells[i].set(conform_tuft(&curves.tufts()[tufts[i]], &land, effort));
-        });
-        cells.into_iter().filter_map(|cell| cell.into_inner()).collect()
-    };
-    let every: Vec<usize> = (0..curves.tufts().len()).collect();
-    let mut done = all(&every, Effort::None);
+    let tufts = curves.tufts();
+    let is_cancelled = || host.cancelled();
+    let mut looked: Vec<Looked> =
+        each(host, tufts.len(), |i| look_at(&tufts[i], &land, &is_cancelled))?;
+    let is_astray = |looked: &Looked| looked.changed.iter().filter(|one| one.astray).count();
     // How hard each curve that still differs is tried hangs from how many there are: not on how many threads find them.
-    let effort = Effort::of(done.iter().map(|done| done.differ).sum());
-    let differ: Vec<usize> = every.into_iter().filter(|i| done[*i].differ > 0).collect();
+    let effort = Effort::of(looked.iter().map(is_astray).sum());
     if effort != Effort::None {
-        for (i, again) in differ.iter().zip(all(&differ, effort)) {
-            done[*i] = again;
-        }
+        try_again(&mut looked, tufts, (&land, effort), effort.most_tried(), host)?;
     }
-    let astray: usize = done.iter().map(|done| done.astray.len()).sum();
+    let astray: usize = looked.iter().map(is_astray).sum();
     let few = !all_stay && skin.is_some() && astray * FEW <= curves.curve_count();
-    let mut changes = Changes::default();
-    let mut tufts = vec![];
-    for done in done {
-        changes.join(done.changes);
-        if few && !done.astray.is_empty() {
-            let stays = |i: &u32| !done.astray.contains(i);
-            let kept: Vec<u32> = (0..done.tuft.len() as u32).filter(stays).collect();
-            tufts.push(Arc::new(done.tuft.gather(&kept).build()));
-        } else {
-            changes.difference = changes.difference.max(done.difference_astray);
-            tufts.push(done.tuft);
+    let mut changes = Changes { astray, keeps_astray: astray > 0 && !few, ..Changes::default() };
+    for looked in &looked {
+        changes.left_out += looked.left_out;
+        changes.difference = changes.difference.max(looked.difference);
+        for Mended { read, astray, .. } in &looked.changed {
+            changes.resampled += 1;
+            changes.moved += usize::from(read.moved > 0.0);
+            changes.farthest = changes.farthest.max(read.moved);
+            if !(*astray && few) {
+                changes.difference = changes.difference.max(read.left);
+            }
         }
     }
-    (changes.astray, changes.keeps_astray) = (astray, astray > 0 && !few);
-    Conformed { curves: Curves::new(tufts), changes }
+    let tufts = each(host, tufts.len(), |i| conformed(&tufts[i], &looked[i], few))?;
+    Some(Conformed { curves: Curves::new(tufts), changes })
+}
+
+/// `f(0)..f(n)` on all of a host's threads; none where somebody asked to stop.
+fn each<T: Send + Sync>(
+    host: &dyn Host,
+    n: usize,
+    f: impl Fn(usize) -> T + Sync,
+) -> Option<Vec<T>> {
+    let cells: Vec<OnceLock<T>> = (0..n).map(|_| OnceLock::new()).collect();
+    host.for_each(n, &|i| {
+        if !host.cancelled() {
+            let _ = cells[i].set(f(i));
+        }
+    });
+    let all = cells.into_iter().map(OnceLock::into_inner).collect();
+    if host.cancelled() { None } else { all }
+}
+
+/// Tries harder on all curves that are astray, one as hard as the other: each may take its even share of `most` points. What some
+/// leave is shared among those who found no end, as long as that is twice as much as they have had.
+fn try_again(
+    looked: &mut [Looked],
+    tufts: &[Arc<Tuft>],
+    (land, effort): (&Land, Effort),
+    most: u64,
+    host: &dyn Host,
+) -> Option<()> {
+    let mut open: Vec<(usize, usize)> = (0..)
+        .zip(looked.iter())
+        .flat_map(|(t, looked)| {
+            let astray = (0..).zip(&looked.changed).filter(|(_, one)| one.astray);
+            astray.map(move |(k, _)| (t, k))
+        })
+        .collect();
+    let (mut left, mut had) = (most, 0);
+    while !open.is_empty() {
+        let share = left / open.len() as u64;
+        if share < 2 * had || share == 0 {
+            break;
+        }
+        let again = each(host, open.len(), |n| {
+            let (t, k) = open[n];
+            let is_cancelled = || host.cancelled();
+            let patience = Patience::new(Some(share), &is_cancelled);
+            let curve = looked[t].changed[k].curve;
+            let mended = mend(&tufts[t], curve, land, effort, &patience, &mut Room::default());
+            (mended, share - patience.left())
+        })?;
+        let mut cut = vec![];
+        for ((t, k), (mended, spent)) in open.into_iter().zip(again) {
+            left -= spent;
+            if let Some(mended) = mended {
+                if mended.astray && spent == share {
+                    cut.push((t, k));
+                }
+                looked[t].changed[k] = mended;
+            }
+        }
+        (open, had) = (cut, share);
+    }
+    Some(())
 }
 
 /// Of every so many curves one, how many lead over a parting of the scalps `parted`, and how many were looked at. Hair of a braid
-/// counts up to where it joins that, hair that is held by a tie up to that.
+/// counts up to where it joins that, hair that is held by a tie up to that. None where somebody asked to stop.
 pub fn over_partings(
     curves: &Curves,
     parted: &[Arc<Scalp>],
     every: usize,
-    for_each: crate::eval::ForEach,
-) -> [usize; 2] {
+    host: &dyn Host,
+) -> Option<[usize; 2]> {
     let sections: Vec<&Sections> = parted.iter().filter_map(|scalp| scalp.sections()).collect();
     if sections.is_empty() {
-        return [0; 2];
+        return Some([0; 2]);
     }
     let land = Land { skin: None, sections: &sections };
     let tufts = curves.tufts();
@@ -131,22 +177,21 @@ pub fn over_partings(
         .iter()
         .scan(0, |next, tuft| Some(std::mem::replace(next, *next + tuft.len())))
         .collect();
-    let found: Vec<OnceLock<[usize; 2]>> = (0..tufts.len()).map(|_| OnceLock::new()).collect();
-    for_each(tufts.len(), &|n| {
+    let found = each(host, tufts.len(), |n| {
         let tuft = &tufts[n];
         let first = starts[n].next_multiple_of(every.max(1)) - starts[n];
         let (mut over, mut looked) = (0, 0);
-        for i in (first..tuft.len()).step_by(every.max(1)) {
+        for i in (first..tuft.len()).step_by(every.max(1)).take_while(|_| !host.cancelled()) {
             let points = tuft.curve(i);
             let free = joins(tuft, i).or_else(|| passes_its_tie(tuft, i));
             let until = free.map_or(points.len(), |last| last + 1);
             over += usize::from(land.is_over_a_parting(&points[..until]));
             looked += 1;
         }
-        let _ = found[n].set([over, looked]);
-    });
-    let found = found.into_iter().filter_map(OnceLock::into_inner);
-    found.fold([0; 2], |sum, [over, looked]| [sum[0] + over, sum[1] + looked])
+        [over, looked]
+    })?;
+    let sum = |sum: [usize; 2], [over, looked]: [usize; 2]| [sum[0] + over, sum[1] + looked];
+    Some(found.into_iter().fold([0; 2], sum))
 }
 
 /// What curves keep clear of.
@@ -190,22 +235,39 @@ impl Effort {
             Self::None
         }
     }
+
+    /// What trying on all curves may take together, in points placed: some ten seconds of one core. Where the skin holds thousands
+    /// that find no way out, as under a braid that was sunk into the head, each would be tried for most of a second. Where they
+    /// are too many to be led, what is deep in the skin is asked about most, which costs more.
+    fn most_tried(self) -> u64 {
+        match self {
+            Self::None => 0,
+            Self::Moved => 150_000_000,
+            Self::Led => 600_000_000,
+        }
+    }
 }
 
 /// The most points that resampling gives a curve: what game engines take. Where that is not enough, the difference that is
 /// left is told.
 pub const MOST_POINTS: usize = 255;
 
-/// What [`conform`] has made of a tuft.
-struct Done {
-    tuft: Arc<Tuft>,
-    /// Without the difference of curves astray.
-    changes: Changes,
-    /// Curves of which the two readings still differ, or that were led over a parting.
-    differ: usize,
-    /// Places in the tuft of curves astray, and the largest difference between their readings.
-    astray: Vec<u32>,
-    difference_astray: f32,
+/// What is known of a tuft.
+struct Looked {
+    left_out: usize,
+    /// The largest difference between the readings of curves that stay as they are, cm.
+    difference: f32,
+    /// Those that do not, in order.
+    changed: Vec<Mended>,
+}
+
+/// A curve that gets other points.
+struct Mended {
+    /// Its number in the tuft.
+    curve: u32,
+    read: Read,
+    /// Whether its readings still differ, or it was led over a parting.
+    astray: bool,
 }
 
 /// The last point of a hair on its way to its braid, where it is of one. The step to that is the braid's: it leads into the
@@ -242,94 +304,106 @@ fn passes_its_tie(tuft: &Tuft, i: usize) -> Option<usize> {
     (far <= radius + 0.2).then_some(at)
 }
 
-fn conform_tuft(tuft: &Arc<Tuft>, land: &Land, effort: Effort) -> Done {
-    let mut changes = Changes::default();
-    let mut change = vec![false; tuft.len()];
-    for (i, change) in change.iter_mut().enumerate() {
+/// Looks at a tuft, and resamples what is uneven.
+fn look_at(tuft: &Tuft, land: &Land, is_cancelled: &dyn Fn() -> bool) -> Looked {
+    let mut looked = Looked { left_out: 0, difference: 0.0, changed: vec![] };
+    let mut room = Room::default();
+    let patience = Patience::new(None, is_cancelled);
+    for i in (0..tuft.len()).take_while(|_| !patience.is_out()) {
         let points = tuft.curve(i);
         if points.len() < 2 {
-            changes.left_out += 1;
+            looked.left_out += 1;
             continue;
         }
         let difference = readings_differ(points);
         if difference > AGREE {
-            *change = true;
+            let mended = mend(tuft, i as u32, land, Effort::None, &patience, &mut room);
+            looked.changed.extend(mended);
         } else {
-            changes.difference = changes.difference.max(difference);
+            looked.difference = looked.difference.max(difference);
         }
     }
-    if changes.left_out == 0 && !change.contains(&true) {
-        return Done {
-            tuft: tuft.clone(),
-            changes,
-            differ: 0,
-            astray: vec![],
-            difference_astray: 0.0,
-        };
-    }
+    looked
+}
+
+/// Memory that one curve after another uses.
+#[derive(Default)]
+struct Room {
+    spline: Spline,
+    led: Spline,
+}
+
+/// Other points for a curve; none where it has no course.
+fn mend(
+    tuft: &Tuft,
+    curve: u32,
+    land: &Land,
+    effort: Effort,
+    patience: &Patience,
+    Room { spline, led }: &mut Room,
+) -> Option<Mended> {
+    let i = curve as usize;
+    let old = tuft.curve(i);
+    spline.rebuild(old).ok()?;
+    let first = tuft.range(i).start;
     let allowed = tuft.view(a::ALLOW_DEPTH);
+    // As the attribute will be read at the new points.
+    let depth = |place: Place| {
+        let at = |k: usize| allowed.at(i, first + place.span + k);
+        at(0) + (at(1) - at(0)) * place.t
+    };
+    // What lay over a parting before may after.
+    let joins = joins(tuft, i);
+    let is_barred = |read: &Read| {
+        let on_way = |last: &usize| {
+            let still = |(_, place): &&(f32, Place)| place.span as f32 + place.t <= *last as f32;
+            read.stops.iter().take_while(still).count() - 1
+        };
+        land.is_over_a_parting(&read.points[..joins.as_ref().map_or(read.points.len(), on_way)])
+            && !land.is_over_a_parting(&old[..joins.unwrap_or(old.len())])
+    };
+    let mut mender = Mender {
+        old,
+        spline,
+        led,
+        skin: land.skin,
+        depth: &depth,
+        is_barred: &is_barred,
+        patience,
+    };
+    let read = mender.read_alike(effort);
+    let astray = read.left > AGREE || is_barred(&read);
+    Some(Mended { curve, read, astray })
+}
+
+/// A tuft with what has changed in it, without what is astray where that is left out.
+fn conformed(tuft: &Arc<Tuft>, looked: &Looked, leaves_astray: bool) -> Arc<Tuft> {
+    if looked.left_out == 0 && looked.changed.is_empty() {
+        return tuft.clone();
+    }
     let mut out = TuftBuilder::new();
     let (mut kept, mut places) = (vec![], vec![]);
-    let (mut spline, mut led) = (Spline::default(), Spline::default());
-    let (mut differ, mut astray, mut difference_astray) = (0, vec![], 0.0f32);
-    for (i, change) in change.into_iter().enumerate() {
-        let old = tuft.curve(i);
-        if old.len() < 2 {
-            continue;
+    let mut changed = looked.changed.iter().peekable();
+    for i in 0..tuft.len() {
+        let (old, first) = (tuft.curve(i), tuft.offsets()[i]);
+        match changed.next_if(|one| one.curve as usize == i) {
+            Some(one) if one.astray && leaves_astray => continue,
+            Some(Mended { read, .. }) => {
+                let stops = read.stops.iter();
+                places.extend(stops.map(|(_, place)| (first + place.span as u32, place.t)));
+                out.push_curve(&read.points);
+            }
+            None if old.len() < 2 => continue,
+            None => {
+                let last = old.len() - 1;
+                places.extend((0..=last).map(|k| {
+                    let span = k.min(last - 1);
+                    (first + span as u32, (k - span) as f32)
+                }));
+                out.push_curve(old);
+            }
         }
         kept.push(i as u32);
-        let first = tuft.offsets()[i];
-        if !change || spline.rebuild(old).is_err() {
-            let last = old.len() - 1;
-            places.extend((0..=last).map(|k| {
-                let span = k.min(last - 1);
-                (first + span as u32, (k - span) as f32)
-            }));
-            out.push_curve(old);
-            continue;
-        }
-        // As the attribute will be read at the new points.
-        let depth = |place: Place| {
-            let at = |k: usize| allowed.at(i, first as usize + place.span + k);
-            at(0) + (at(1) - at(0)) * place.t
-        };
-        // What lay over a parting before may after.
-        let joins = joins(tuft, i);
-        let is_barred = |read: &Read| {
-            let on_way = |last: &usize| {
-                let still =
-                    |(_, place): &&(f32, Place)| place.span as f32 + place.t <= *last as f32;
-                read.stops.iter().take_while(still).count() - 1
-            };
-            land.is_over_a_parting(&read.points[..joins.as_ref().map_or(read.points.len(), on_way)])
-                && !land.is_over_a_parting(&old[..joins.unwrap_or(old.len())])
-        };
-        let mut mender = Mender {
-            old,
-            spline: &spline,
-            led: &mut led,
-            skin: land.skin,
-            depth: &depth,
-            is_barred: &is_barred,
-        };
-        let read = mender.read_alike(effort);
-        let is_astray = read.left > AGREE || is_barred(&read);
-        let Read { left, points, stops, moved } = read;
-        places.extend(stops.iter().map(|(_, place)| (first + place.span as u32, place.t)));
-        changes.join(Changes {
-            resampled: 1,
-            moved: usize::from(moved > 0.0),
-            farthest: moved,
-            ..Changes::default()
-        });
-        differ += usize::from(is_astray);
-        if is_astray {
-            astray.push(kept.len() as u32 - 1);
-            difference_astray = difference_astray.max(left);
-        } else {
-            changes.difference = changes.difference.max(left);
-        }
-        out.push_curve(&points);
     }
     for attribute in tuft.attributes() {
         let values = match attribute.domain {
@@ -338,14 +412,14 @@ fn conform_tuft(tuft: &Arc<Tuft>, land: &Land, effort: Effort) -> Done {
         };
         out.set_column(a::Attribute { values, ..attribute.clone() });
     }
-    Done { tuft: Arc::new(out.build()), changes, differ, astray, difference_astray }
+    Arc::new(out.build())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::data::attributes::ID;
-    use crate::data::scalp::tests::in_order;
+    use crate::eval::PlainHost;
 
     fn curves(lists: &[&[Vec3]]) -> Curves {
         let mut b = TuftBuilder::new();
@@ -360,7 +434,7 @@ mod tests {
         let even = [0.0, 1.0, 2.0, 3.0f32].map(|x| Vec3::new(x, x * 0.1, 0.0));
         let before = curves(&[&uneven, &even, &[Vec3::ONE]]);
         assert!(readings_differ(&uneven) > 0.05);
-        let after = conform(&before, None, &[], false, &in_order);
+        let after = conform(&before, None, &[], false, &PlainHost).unwrap();
         assert_eq!(
             (after.changes.resampled, after.changes.moved, after.changes.left_out),
             (1, 0, 1)
@@ -372,7 +446,7 @@ mod tests {
             (tuft.curve(0)[0], tuft.curve(0)[tuft.curve(0).len() - 1]),
             (uneven[0], uneven[4])
         );
-        let again = conform(&after.curves, None, &[], false, &in_order);
+        let again = conform(&after.curves, None, &[], false, &PlainHost).unwrap();
         assert!(Arc::ptr_eq(&again.curves.tufts()[0], tuft), "what agrees is not copied");
     }
 
@@ -390,7 +464,7 @@ mod tests {
             .collect();
         for curve in [hairpin, coil] {
             assert!(readings_differ(&curve) > 3.0 * AGREE, "{}", readings_differ(&curve));
-            let after = conform(&curves(&[&curve]), None, &[], false, &in_order);
+            let after = conform(&curves(&[&curve]), None, &[], false, &PlainHost).unwrap();
             assert!(after.changes.difference <= AGREE, "{}", after.changes.difference);
             let points = after.curves.tufts()[0].curve(0);
             assert!(points.len() <= MOST_POINTS && points[0] == curve[0], "{}", points.len());
@@ -434,7 +508,7 @@ mod tests {
             b.set(a::TIE, Domain::Curve, vec![tie]);
             b.set(a::TIE_RADIUS, Domain::Curve, vec![radius]);
             let curves = Curves::new(vec![Arc::new(b.build())]);
-            let found = over_partings(&curves, &parted_ball(), 1, &in_order);
+            let found = over_partings(&curves, &parted_ball(), 1, &PlainHost).unwrap();
             assert_eq!(found, [over, 1], "{tie} {radius}");
         };
         let before = hair[3] + Vec3::Y * 0.4;
@@ -467,7 +541,8 @@ mod tests {
                 let mut lists: Vec<&[Vec3]> = vec![&beside; others];
                 lists.push(&hair);
                 let curves = curves(&lists);
-                let after = conform(&curves, Some(ball.skin()), parted, all_stay, &in_order);
+                let after =
+                    conform(&curves, Some(ball.skin()), parted, all_stay, &PlainHost).unwrap();
                 let Changes { astray: found, keeps_astray, difference, .. } = after.changes;
                 assert_eq!((found, keeps_astray), (astray, keeps), "{others}");
                 let left_out = if keeps { 0 } else { astray };
@@ -500,11 +575,74 @@ mod tests {
             b.set(a::BRAID, Domain::Curve, vec![7u64]);
             b.set(a::ALONG, Domain::Point, along);
             let one = Curves::new(vec![Arc::new(b.build())]);
-            conform(&one, Some(ball.skin()), &parted, false, &in_order).changes.astray
+            conform(&one, Some(ball.skin()), &parted, false, &PlainHost).unwrap().changes.astray
         };
         let along = |k: usize| k.saturating_sub(on_way) as f32;
         assert_eq!(judged((0..braided.len()).map(along).collect()), 1);
         assert_eq!(judged(vec![0.0; braided.len()]), 0, "what lay over a parting may");
+    }
+
+    /// Asks to stop when it was asked so often whether somebody does.
+    struct Stops(std::sync::atomic::AtomicUsize);
+    impl Host for Stops {
+        fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+            PlainHost.for_each(n, f);
+        }
+        fn cancelled(&self) -> bool {
+            use std::sync::atomic::Ordering::Relaxed;
+            self.0.fetch_update(Relaxed, Relaxed, |n| Some(n.saturating_sub(1))) == Ok(0)
+        }
+        fn find(&self, _: crate::maths::hash::Key) -> Option<crate::eval::Kept> {
+            None
+        }
+        fn keep(&self, _: crate::maths::hash::Key, _: crate::eval::Kept, _: usize) {}
+        fn progress(&self, _: usize, _: usize) {}
+    }
+
+    /// Coils so narrow and coarse that no points of them are read alike, half in the ball.
+    fn hopeless(count: usize) -> Curves {
+        let coil = |n: usize| -> Vec<Vec3> {
+            let turn = |k: i32| crate::maths::transcendental::sin_cos_turns(0.41 * k as f32);
+            let at = |k: i32| {
+                let ((sin, cos), (x, y)) = (turn(k), arc(k / 3 + k % 3, 8.85));
+                Vec3::new(x, y, 0.3 * n as f32) + Vec3::new(0.2 * sin, 0.6 * cos, 0.6 * sin)
+            };
+            (-60..=60).map(at).collect()
+        };
+        let coils: Vec<Vec<Vec3>> = (0..count).map(coil).collect();
+        curves(&coils.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn stopping_is_heard_within_one_curve() {
+        let ball = crate::data::scalp::tests::shared_ball();
+        let coil = hopeless(1);
+        let ends = |asked: usize| {
+            conform(&coil, Some(ball.skin()), &[], false, &Stops(asked.into())).is_some()
+        };
+        assert!(!ends(3) && !ends(20) && !ends(60), "it is asked as each curve is tried");
+        assert!(ends(usize::MAX));
+    }
+
+    #[test]
+    fn all_curves_together_take_no_more_than_is_allowed_each_its_share() {
+        let ball = crate::data::scalp::tests::shared_ball();
+        let coils = hopeless(6);
+        let skin = ball.skin();
+        let land = Land { skin: Some(&skin), sections: &[] };
+        let tuft = coils.tufts()[0].clone();
+        let looked = || vec![look_at(&tuft, &land, &|| false)];
+        let polls = |most: u64| {
+            let (host, mut looked) = (Stops(usize::MAX.into()), looked());
+            let tufts = [tuft.clone()];
+            try_again(&mut looked, &tufts, (&land, Effort::Moved), most, &host).unwrap();
+            usize::MAX - host.0.into_inner()
+        };
+        assert!(looked()[0].changed.iter().all(|one| one.astray));
+        // Each is asked about once a round of at least 121 points, and twice in between.
+        let asked = [0, 60_000, 600_000].map(polls);
+        assert_eq!(asked[0], 0);
+        assert!(asked[1] < asked[2] && asked[1] <= 3 * 60_000 / 121 + 20, "{asked:?}");
     }
 
     #[test]

@@ -7,7 +7,8 @@
 //! as a way over a parting, is not taken.
 //!
 //! Guarantees: the root stays, and the tip but for curves that are moved as a whole, whose tips go along; no other point is
-//! deeper in the skin than allowed by more than [`NEAR`] cm. Not promised: that readings agree at the end, which
+//! deeper in the skin than allowed by more than [`NEAR`] cm; no more is tried than its [`Patience`] allows, counted in points
+//! and not by a clock, so that the result is the same everywhere. Not promised: that readings agree at the end, which
 //! [`Read::left`] tells.
 
 use super::conform::{Effort, MOST_POINTS};
@@ -16,6 +17,7 @@ use crate::data::scalp::Skin;
 use crate::maths::readings::{AGREE, each_span, readings_differ};
 use crate::maths::spline::{Place, Spline};
 use glam::Vec3;
+use std::cell::Cell;
 
 /// How many times as many segments a resampled curve is given, in turn.
 const FINER: [f32; 2] = [1.0, 1.25];
@@ -59,6 +61,40 @@ const STALE: usize = 5;
 /// Chords within this ratio are alike.
 const ALIKE: f32 = 1.01;
 
+/// To ask the skin about a point costs as much as so many that are only placed.
+const ASKED: u64 = 8;
+/// What it costs to lead a curve round what tears it, in points placed: ways through the air are looked for.
+const LED: u64 = 100_000;
+
+/// How much may be tried yet, in points placed.
+pub(super) struct Patience<'a> {
+    left: Cell<u64>,
+    is_cancelled: &'a dyn Fn() -> bool,
+}
+
+impl<'a> Patience<'a> {
+    /// Without end where `most` is none; it ends at once when somebody asks to stop.
+    pub(super) fn new(most: Option<u64>, is_cancelled: &'a dyn Fn() -> bool) -> Self {
+        Self { left: Cell::new(most.unwrap_or(u64::MAX)), is_cancelled }
+    }
+    /// What is left.
+    pub(super) fn left(&self) -> u64 {
+        self.left.get()
+    }
+    pub(super) fn is_out(&self) -> bool {
+        self.left.get() == 0
+    }
+    /// Takes something off; whether there is patience for it.
+    fn has(&self, points: u64) -> bool {
+        self.left.set(if (self.is_cancelled)() {
+            0
+        } else {
+            self.left.get().saturating_sub(points)
+        });
+        !self.is_out()
+    }
+}
+
 /// Points that stand for a curve.
 #[derive(Clone, Default)]
 pub(super) struct Read {
@@ -93,6 +129,7 @@ pub(super) struct Mender<'a> {
     pub(super) depth: &'a dyn Fn(Place) -> f32,
     /// Whether it may not be moved to these points.
     pub(super) is_barred: &'a dyn Fn(&Read) -> bool,
+    pub(super) patience: &'a Patience<'a>,
 }
 
 impl Mender<'_> {
@@ -113,6 +150,9 @@ impl Mender<'_> {
             for manner in MANNERS {
                 for k in 0..=leads.len() {
                     if k == starts.len() {
+                        if !self.patience.has(LED) {
+                            break;
+                        }
                         let led = self.led_round(skin, leads[k - 1]);
                         if led.agrees() && !(self.is_barred)(&led) {
                             return led;
@@ -153,6 +193,9 @@ impl Mender<'_> {
     /// How far the deepest point of the curve would have to go to be clear of the skin, cm: at as many as four a segment.
     fn deepest(&self) -> f32 {
         let steps = 4 * (self.old.len() - 1);
+        if !self.patience.has(ASKED * steps as u64) {
+            return 0.0;
+        }
         let way = |k: usize| {
             let place = self.spline.locate_length(self.spline.length() * k as f32 / steps as f32);
             let p = self.spline.point(place);
@@ -171,7 +214,7 @@ impl Mender<'_> {
     fn resampled(&self, finer: f32) -> Read {
         let last = self.segments(self.old.len() - 1, finer);
         let mut read = Read::default();
-        alike_chords(self.spline, last, &mut read, |k, place| match k {
+        alike_chords(self.spline, last, &mut read, self.patience, |k, place| match k {
             0 => self.old[0],
             k if k == last => self.old[self.old.len() - 1],
             _ => self.clear(self.spline.point(place), place),
@@ -183,7 +226,9 @@ impl Mender<'_> {
     fn led_round(&mut self, skin: &Skin, torn: Torn) -> Read {
         let last = self.segments(self.old.len() - 1, 1.0);
         let mut read = Read::default();
-        alike_chords(self.spline, last, &mut read, |_, place| self.spline.point(place));
+        alike_chords(self.spline, last, &mut read, self.patience, |_, place| {
+            self.spline.point(place)
+        });
         let Read { points, stops, .. } = &mut read;
         skin.clear_beyond(torn, points, |k| Some((self.depth)(stops[k].1)));
         self.even(&mut read, last, true);
@@ -202,7 +247,7 @@ impl Mender<'_> {
             let (a, b) = (was[place.span], was[place.span + 1]);
             a + (b - a) * place.t
         };
-        alike_chords(self.led, last, read, |k, place| match k {
+        alike_chords(self.led, last, read, self.patience, |k, place| match k {
             0 => self.old[0],
             k if k == last => tip,
             _ if clears => {
@@ -223,7 +268,8 @@ impl Mender<'_> {
         let mut read = from.clone();
         let last = self.segments(from.points.len() - 1, finer);
         for round in 0..MOVES {
-            if !self.even(&mut read, last, false) {
+            let has = self.patience.has(ASKED * read.points.len() as u64);
+            if !has || !self.even(&mut read, last, false) {
                 return None;
             }
             let stops = &read.stops;
@@ -253,6 +299,7 @@ fn alike_chords(
     spline: &Spline,
     last: usize,
     read: &mut Read,
+    patience: &Patience,
     point: impl Fn(usize, Place) -> Vec3,
 ) {
     let Read { points, stops, .. } = read;
@@ -275,7 +322,8 @@ fn alike_chords(
     let mut stale = 0;
     for round in 0..ROUNDS {
         let ratio = sample(&wanted, stops, points);
-        if ratio <= ALIKE || readings_differ(points) <= AGREE {
+        if ratio <= ALIKE || readings_differ(points) <= AGREE || !patience.has(points.len() as u64)
+        {
             return;
         }
         stale += 1;
@@ -390,8 +438,10 @@ mod tests {
         spline: &'a Spline,
         led: &'a mut Spline,
         skin: &'a Skin<'a>,
+        patience: &'a Patience<'a>,
     ) -> Mender<'a> {
-        Mender { old, spline, led, skin: Some(skin), depth: &|_| 0.0, is_barred: &|_| false }
+        let (depth, is_barred) = (&|_| 0.0, &|_: &Read| false);
+        Mender { old, spline, led, skin: Some(skin), depth, is_barred, patience }
     }
 
     #[test]
@@ -409,7 +459,8 @@ mod tests {
             let coil: Vec<Vec3> = hair.into_iter().enumerate().map(push).collect();
             let spline = Spline::new(&coil).unwrap();
             let mut led = Spline::default();
-            let mut mender = mender(&coil, &spline, &mut led, &skin);
+            let patience = Patience::new(None, &|| false);
+            let mut mender = mender(&coil, &spline, &mut led, &skin, &patience);
             let read = mender.read_alike(Effort::Led);
             if read.moved > 0.0 {
                 torn += 1;
@@ -440,7 +491,8 @@ mod tests {
             .collect();
         let spline = Spline::new(&coil).unwrap();
         let mut led = Spline::default();
-        let mut mender = mender(&coil, &spline, &mut led, &skin);
+        let patience = Patience::new(None, &|| false);
+        let mut mender = mender(&coil, &spline, &mut led, &skin, &patience);
         let deepest = |points: &[Vec3]| points.iter().map(|p| 8.9 - p.length()).fold(0.0, f32::max);
         let mut from = mender.resampled(1.0);
         for (p, stop) in from.points.iter_mut().zip(&from.stops) {

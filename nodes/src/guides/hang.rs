@@ -15,7 +15,7 @@ use crate::data::attributes::{
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
 use crate::define::{FieldInput, NodeError, choice, node};
-use crate::eval::EvalCx;
+use crate::eval::{EvalCx, Size};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Key, curve_id};
 use crate::maths::spline::CurveFault;
@@ -109,6 +109,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         stray: (inputs.variation.to_radians(), cx.dice(inputs.seed, "stray")),
         points: inputs.points as usize,
     };
+    let size = [("roots", threads.len() as f64), ("points", inputs.points as f64)];
+    cx.may_make(&Size::of(&size))?;
     let start = (inputs.roots.key(), || Ok(vec![]));
     let bytes = |fallen: &Vec<Vec<Vec3>>| fallen.iter().map(|c| c.len() * 12 + 24).sum();
     let fallen = cx.fold(start, &[(Key(0), ())], |_, ()| fall.all(&threads, cx), bytes)?;

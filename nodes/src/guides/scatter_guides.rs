@@ -11,7 +11,7 @@ use crate::data::attributes::{
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp, Skin};
 use crate::define::{FieldInput, NodeError, choice, node};
-use crate::eval::EvalCx;
+use crate::eval::{EvalCx, Size};
 use crate::maths::frame::{across, any_normal, smallest_rotation};
 use crate::maths::hash::{KeyBuilder, curve_id};
 use crate::maths::spline::Spline;
@@ -123,7 +123,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let (index, root) = &roots[i];
         KeyBuilder::new("guide").int(u64::from(*index)).vec3(root.point).vec3(root.normal).finish()
     };
-    let [curves] = cx.each_item(roots.len(), key, |i, piece| {
+    let size = Size::of(&[("guides", roots.len() as f64), ("points", inputs.points as f64)]);
+    let [curves] = cx.each_item(roots.len(), &size, key, |i, piece| {
         piece.tick()?;
         let (id, (_, root)) = (bound.id(i), &roots[i]);
         let shorter = 1.0 - inputs.length_variation * vary.unit(id, 0);
@@ -158,6 +159,9 @@ fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, No
         By::Density => (f64::from(inputs.density / (unit * unit)) * even.area()).min(1e5),
     };
     let wanted = wanted.round() as usize;
+    if inputs.mask.constant() == Some(1.0) {
+        cx.may_make(&Size::of(&[("count", wanted as f64), ("points", inputs.points as f64)]))?;
+    }
     let keep = cx.dice(inputs.seed, "mask");
     let mut apart = Apart::new(even.area() as f32, inputs.min_distance * unit);
     let mut out: Vec<(u32, Root)> = vec![];

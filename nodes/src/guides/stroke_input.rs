@@ -12,7 +12,7 @@ use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::data::strokes::{Stroke, Strokes};
 use crate::define::{FieldInput, NodeError, choice, node};
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{KeyBuilder, curve_id};
 use crate::maths::spline::{Place, Spline};
 use crate::scalp::lay::{self, Polyline};
@@ -94,7 +94,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let (stroke, mirrored) = drawn[i];
         KeyBuilder::new("drawn").key(stroke.key()).int(u64::from(mirrored)).finish()
     };
-    let [curves] = cx.each_item(drawn.len(), key, |i, piece| {
+    let samples: usize = drawn.iter().map(|(stroke, _)| stroke.samples.len()).sum();
+    let size = Size::of(&[("samples of strokes", samples as f64)]);
+    let [curves] = cx.each_item(drawn.len(), &size, key, |i, piece| {
         let (stroke, mirrored) = drawn[i];
         Ok([drawn_curve(&inputs, stroke, mirrored, &skin, piece)?])
     })?;

@@ -37,6 +37,9 @@ pub struct Hit {
     pub distance: f32,
 }
 
+/// Points farther off (cm) are taken for nearer ones on the same side.
+const FARAWAY: f32 = 1e5;
+
 impl Surface {
     /// Builds normals and tree. Triangles must name existing points.
     pub fn new(points: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
@@ -119,9 +122,31 @@ impl Surface {
     }
 
     /// The best of `best` and what lies within `limit` (squared).
+    /// A point that sees the triangles from the same side as `p`, but from no farther than [`FARAWAY`]; none where `p` does so
+    /// itself. From farther all are equally far in single precision, and each would be looked at.
+    fn seen_from_nearer(&self, p: Vec3) -> Option<Vec3> {
+        let (low, high) = self.tree.bounds()?;
+        let middle = 0.5 * low + 0.5 * high;
+        let size = (high - low).length();
+        // (By halves: squares of what is that far may have no number.)
+        let off = (p - middle) / FARAWAY;
+        let far = off.length() * FARAWAY;
+        let most = FARAWAY.max(1e3 * size);
+        (far > 1.01 * most && far.is_finite()).then(|| middle + off.normalize_or_zero() * most)
+    }
+
     fn search(&self, p: Vec3, limit: f32, best: (f32, u32, Vec2, Vec3)) -> Option<Hit> {
         if !p.is_finite() {
             return None;
+        }
+        if p.abs().max_element() > FARAWAY
+            && let Some(nearer) = self.seen_from_nearer(p)
+        {
+            let hit =
+                self.search(nearer, f32::MAX, (f32::MAX, u32::MAX, Vec2::ZERO, Vec3::ZERO))?;
+            let distance = hit.point.distance(p);
+            let is_within = distance * distance <= limit || limit == f32::MAX;
+            return is_within.then_some(Hit { distance, ..hit });
         }
         let (d2, triangle, bary, point) = self.tree.nearest(p, limit, best);
         (triangle != u32::MAX && d2 <= limit).then(|| Hit {
@@ -335,6 +360,20 @@ pub(crate) mod tests {
             }
         }
         Surface::new(points, triangles)
+    }
+
+    #[test]
+    fn what_is_very_far_off_still_sees_the_near_side() {
+        let ball = sphere(9.0, 24);
+        for far in [1e4, 1e6, 2e9, 1e18] {
+            for way in [Vec3::X, Vec3::new(-0.6, 0.8, 0.0), Vec3::new(0.48, -0.6, 0.64)] {
+                let hit = ball.closest(way * far).unwrap();
+                // Faces of 24 rings are up to 1.2 cm wide.
+                assert!(hit.point.distance(way * 9.0) < 1.2, "{far} {way}: {}", hit.point);
+                assert!((0.99..=1.0).contains(&(hit.distance / far)), "{far}: {}", hit.distance);
+            }
+        }
+        assert!(ball.closest_within(Vec3::X * 2e9, 1e9).is_none());
     }
 
     #[test]

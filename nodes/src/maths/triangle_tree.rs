@@ -80,6 +80,16 @@ impl TriangleTree {
         tree
     }
 
+    /// The box about all triangles; none of none.
+    pub(super) fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let top = self.nodes.first()?;
+        let there = || (0..WIDE).filter(|child| top.children[*child] != NONE);
+        let corner = |of: &[Each; 3], child: usize| Vec3::from_array(of.map(|each| each[child]));
+        let low = there().fold(Vec3::INFINITY, |low, i| low.min(corner(&top.low, i)));
+        let high = there().fold(Vec3::NEG_INFINITY, |high, i| high.max(corner(&top.high, i)));
+        Some((low, high))
+    }
+
     /// Adds a node of these triangles and all that is under it; gives its number.
     fn add(&mut self, items: &mut [Item]) -> u32 {
         let number = self.nodes.len();

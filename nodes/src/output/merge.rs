@@ -6,7 +6,7 @@
 use crate::data::attributes::{Domain, ID};
 use crate::data::curves::{Curves, Tuft};
 use crate::define::{NodeError, node};
-use crate::eval::EvalCx;
+use crate::eval::{EvalCx, Size};
 use crate::maths::hash::curve_id;
 use std::sync::Arc;
 
@@ -27,6 +27,7 @@ node! {
 }
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    cx.may_make(&Size::as_many(&inputs.curves))?;
     let tufts: Vec<&Arc<Tuft>> = inputs.curves.iter().flat_map(|c| c.tufts()).collect();
     let mut seen: Vec<(u64, u32, u32)> = vec![];
     for (t, tuft) in (0..).zip(&tufts) {
@@ -51,12 +52,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     }
     let mut fresh: Vec<(u32, u32, u64)> = vec![];
     let mut given = std::collections::BTreeSet::new();
-    for (id, tuft, curve, nth) in &repeated {
-        let taken = |id: u64| seen.binary_search_by(|one| one.0.cmp(&id)).is_ok();
-        let mut new = curve_id(*id, MERGED, *nth);
-        while taken(new) || !given.insert(new) {
-            new = curve_id(new, MERGED, *nth);
+    for (n, (id, tuft, curve, nth)) in repeated.iter().enumerate() {
+        if n.is_multiple_of(4096) {
+            cx.check()?;
         }
+        let taken = |id: u64| seen.binary_search_by(|one| one.0.cmp(&id)).is_ok();
+        let new = fresh_id(*id, *nth, |new| !taken(*new) && given.insert(*new));
         fresh.push((*tuft, *curve, new));
     }
     fresh.sort_unstable();
@@ -82,7 +83,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves: Curves::new(out) })
 }
 
-/// Stands for "made by merging" among seed tags.
+/// A new id for the `nth` curve of one id: the first that `takes` takes. Each try is another id of this curve. The new id of the
+/// one that was taken would be taken, too, where lots were merged with themselves again and again: a walk along all of them.
+fn fresh_id(id: u64, nth: u64, takes: impl FnMut(&u64) -> bool) -> u64 {
+    (0..).map(|k| curve_id(id, MERGED + k, nth)).find(takes).unwrap_or_default()
+}
+
+/// Stands for "made by merging" among seed tags; the tries of one curve follow.
 const MERGED: u64 = 0x6D65_7267_6500;
 
 #[cfg(test)]
@@ -130,6 +137,24 @@ mod tests {
         check(&[&[1, 2, 3], &[1, 2], &[1, 2]], &[many]);
         check(&[&[0, 2], &[0]], &["2 curves had no id and got new ones"]);
         check(&[], &[]);
+    }
+
+    #[test]
+    fn lots_merged_with_themselves_again_and_again_find_new_ids_in_as_many_tries_as_merges() {
+        let mut ids = BTreeSet::from([1u64, 2, 3]);
+        let (mut tries, mut asked) = (0, 0);
+        for merge in 0..10 {
+            for id in ids.clone() {
+                fresh_id(id, 1, |new| {
+                    tries += 1;
+                    ids.insert(*new)
+                });
+                asked += 1;
+            }
+            assert_eq!(ids.len(), 3 << (merge + 1));
+        }
+        // An id of the first lot has had a new one made of it in each merge before, 9 at most.
+        assert!(tries <= 10 * asked, "{tries} tries for {asked} ids");
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp};
 use crate::data::sections::Sections;
 use crate::define::{FieldInput, NodeError, choice, node};
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::{across, any_normal, smallest_rotation};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::low_discrepancy::r2;
@@ -123,7 +123,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let key = |i: usize| {
         KeyBuilder::new("edge").int(i as u64).int(((i + 1) * BATCH).min(count) as u64).finish()
     };
-    let [curves] = cx.each_item(count.div_ceil(BATCH), key, |i, piece| {
+    let size = Size::of(&[("hairs", count as f64), ("points", inputs.points as f64)]);
+    let [curves] = cx.each_item(count.div_ceil(BATCH), &size, key, |i, piece| {
         Ok([maker.hairs(i * BATCH..((i + 1) * BATCH).min(count), piece)?])
     })?;
     Ok(Outputs { curves })

@@ -20,7 +20,7 @@ use crate::data::field::Field;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Root, Scalp};
 use crate::define::{FieldInput, NodeError, choice, node};
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::r2;
 use crate::scalp::lay;
@@ -194,6 +194,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let reach = rules.reach.max(2.0 * rules.open_side).max(2.0 * inputs.lead * unit);
     let rows = if rules.crossing { 0 } else { inputs.source.curve_count() + all.curve_count() };
     let overs = Overs::new(scalp, rows, reach);
+    if let By::Total = inputs.by {
+        let rows = inputs.source.curve_count() as f64;
+        let total = cx.thinned(inputs.total as usize) as f64;
+        cx.may_make(&Size::of(&[("rows", rows), ("total", total), ("cvs", inputs.cvs as f64)]))?;
+    }
     let map = Map::new(cx, &inputs, &rules, &overs, &all)?;
     let needs = |i: usize, tuft: &Tuft| map.needs(&rules, &overs, inputs.lead * unit, i, tuft);
     let [curves] = cx.each_tuft_with(&inputs.source, &all, needs, |tuft, read, piece| {

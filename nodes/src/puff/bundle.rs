@@ -13,7 +13,7 @@ use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Skin;
 use crate::define::NodeError;
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::{across, any_normal, reflect_twice};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::disc;
@@ -108,6 +108,8 @@ struct Lock {
 impl Bundle<'_> {
     /// Hair that goes on past its ties. What belongs to none goes through as it is.
     pub(super) fn go_on(&self, cx: &EvalCx, hair: &Curves) -> Result<Curves, NodeError> {
+        let size = [("hairs", hair.curve_count() as f64), ("points", self.points as f64)];
+        cx.may_make(&Size::of(&size))?;
         let locks: Vec<Vec<Lock>> =
             self.ties.iter().map(|(tie, _)| self.locks_of(tie.id)).collect();
         let [out] = cx.each_tuft(hair, |tuft, piece| Ok([self.tuft(tuft, &locks, piece)?]))?;

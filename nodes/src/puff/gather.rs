@@ -21,7 +21,7 @@ use crate::data::home::Home;
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::define::{FieldInput, NodeError, node};
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, Size};
 use crate::guides::even_roots::EvenRoots;
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
@@ -173,7 +173,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let part = given.get(i * HAIRS_A_PIECE..count.min((i + 1) * HAIRS_A_PIECE)).unwrap_or(&[]);
         part.iter().fold(key, |key, (tuft, c)| key.key(tuft.key()).int(*c as u64)).finish()
     };
-    let [curves] = cx.each_item(count.div_ceil(HAIRS_A_PIECE), key, |i, piece| {
+    let size = Size::of(&[("hairs", count as f64), ("points", inputs.points as f64)]);
+    let [curves] = cx.each_item(count.div_ceil(HAIRS_A_PIECE), &size, key, |i, piece| {
         let (from, to) = (i * HAIRS_A_PIECE, count.min((i + 1) * HAIRS_A_PIECE));
         let roots = match &inputs.roots {
             Some(_) => gatherer.given(&given[from..to], piece),

@@ -15,7 +15,7 @@ use crate::data::attributes::{Domain, FIBRE, PUFF, PUFF_CENTRE, PUFF_RADIUS};
 use crate::data::curves::{Curves, Tuft};
 use crate::data::scalp::Scalp;
 use crate::define::{NodeError, node};
-use crate::eval::{EvalCx, Piece, Quality};
+use crate::eval::{EvalCx, Piece, Quality, Size};
 use crate::maths::hash::KeyBuilder;
 use crate::maths::spline::Spline;
 use glam::Vec3;
@@ -138,7 +138,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     let presser = Presser { inputs: &inputs, walls: &walls };
     let [curves] =
-        cx.each_item(tufts.len(), key, |i, piece| Ok([presser.tuft(&tufts[i], piece, cx)?]))?;
+        cx.each_item(tufts.len(), &Size::as_many([&inputs.curves]), key, |i, piece| {
+            Ok([presser.tuft(&tufts[i], piece, cx)?])
+        })?;
     Ok(Outputs { curves })
 }
 

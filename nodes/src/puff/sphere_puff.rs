@@ -21,7 +21,7 @@ use crate::data::attributes::{
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::define::{NodeError, choice, node};
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::low_discrepancy::disc;
@@ -194,7 +194,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let key = puff.walls.iter().map(Wall::told).fold(key, |key, (v, at)| key.vec3(v).float(at));
         key.int((i % pieces) as u64).finish()
     };
-    let [guides, curves] = cx.each_item(puffs.len() * pieces, key, |i, piece| {
+    let name = if inputs.fill == Fill::Count { "count" } else { "hairs" };
+    let size = [("puffs", puffs.len()), (name, count), ("points", inputs.points as usize)];
+    let size = Size::of(&size.map(|(name, n)| (name, n as f64)));
+    let [guides, curves] = cx.each_item(puffs.len() * pieces, &size, key, |i, piece| {
         let puff = &puffs[i / pieces];
         let none = || TuftBuilder::new().build();
         Ok(match i % pieces {

@@ -3,7 +3,7 @@
 use crate::data::attributes::{Column, Domain};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::define::{NodeError, choice, node};
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::spline::Spline;
 
 node! {
@@ -42,6 +42,17 @@ choice! {
 const MOST: f32 = 4096.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let curves = inputs.curves.curve_count() as f64;
+    cx.may_make(&match inputs.by {
+        By::Count => Size::of(&[("curves", curves), ("count", inputs.count as f64)]),
+        By::Spacing => {
+            let of = |(tuft, i): (&Tuft, usize)| {
+                let chords = tuft.curve(i).windows(2).map(|w| w[0].distance(w[1]));
+                f64::from((chords.sum::<f32>() / inputs.spacing).min(MOST))
+            };
+            Size::of(&[("steps of spacing on all curves", inputs.curves.each().map(of).sum())])
+        }
+    })?;
     let [curves] = cx.each_tuft(&inputs.curves, |tuft, piece| {
         let count = |length: f32| match inputs.by {
             By::Count => inputs.count as usize,

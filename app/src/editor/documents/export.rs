@@ -64,7 +64,7 @@ impl Export {
     pub(crate) fn start(
         content: Content,
         document: Document,
-        folder: PathBuf,
+        (folder, allow_large): (PathBuf, bool),
         path: PathBuf,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Result<Self, String> {
@@ -77,16 +77,14 @@ impl Export {
                 let told = Told { shared: &shared, wake: &wake };
                 let mut report = Report::new(path.display().to_string());
                 // What is told of the graph is told of the open one; the file is named where it is meant.
-                let carried_out =
-                    Opened::of(document, folder, "export".to_owned()).and_then(|opened| {
-                        match &content {
-                            Content::Hair => hair(&opened, &path, &cancel, &told, &mut report),
-                            Content::Picture(words) => {
-                                let out = ["graph".to_owned(), "--out".to_owned()];
-                                let out = out.into_iter().chain([path.display().to_string()]);
-                                let words: Vec<String> = out.chain(words.iter().cloned()).collect();
-                                draw_open(&words, &opened, &cancel, &told, &mut report)
-                            }
+                let carried_out = Opened::of(document, folder, "export".to_owned(), allow_large)
+                    .and_then(|opened| match &content {
+                        Content::Hair => hair(&opened, &path, &cancel, &told, &mut report),
+                        Content::Picture(words) => {
+                            let out = ["graph".to_owned(), "--out".to_owned()];
+                            let out = out.into_iter().chain([path.display().to_string()]);
+                            let words: Vec<String> = out.chain(words.iter().cloned()).collect();
+                            draw_open(&words, &opened, &cancel, &told, &mut report)
                         }
                     });
                 let ended = match carried_out {

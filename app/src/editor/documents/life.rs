@@ -303,7 +303,8 @@ impl Editor {
             let view = SavedView { eye, target, up, focal_mm, orthographic };
             document.views.insert(PRESENT.to_owned(), view);
         }
-        match Export::start(content, document, folder, path, move || wake()) {
+        let allow_large = self.state.allow_large;
+        match Export::start(content, document, (folder, allow_large), path, move || wake()) {
             Ok(export) => self.documents.export = Some(export),
             Err(why) => self.state.notes.say(Note::error(why)),
         }
