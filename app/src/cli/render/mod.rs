@@ -180,7 +180,8 @@ impl RenderArgs {
 
     /// The files of one picture, numbered from 0, seen by a camera.
     fn pictures(&self, number: u32, camera: &str) -> impl Iterator<Item = PathBuf> {
-        let named = move |path| options::called(&options::numbered(path, number + 1), camera);
+        let named =
+            move |path: &PathBuf| options::called(&options::numbered(path, number + 1), camera);
         self.out.iter().map(named)
     }
 
