@@ -92,13 +92,13 @@ fn start_up() -> Exit {
     if edit::has_display() {
         return edit::run(&edit::EditArgs::default());
     }
-    let drawn = Gpu::new(Precision::Best);
+    let drawn = Gpu::new(Precision::Best).map(drop);
     let made = free_name("start", if drawn.is_ok() { "png" } else { "usdc" });
     // Half the samples of a still: somebody waits to see anything at all.
     let picture = ["coif", "render", "start", "--samples", "32", "--out", &made];
     let hair = ["coif", "eval", "start", "--out", &made];
     let words = match drawn {
-        Ok(_) => {
+        Ok(()) => {
             complain(format!(
                 "there is no display for the editor; the start-up groom is drawn to {made}"
             ));
@@ -109,7 +109,7 @@ fn start_up() -> Exit {
                 "there is no display for the editor, and no picture can be drawn: {why}"
             ));
             complain(format!("the hair of the start-up groom is written to {made} instead"));
-            &hair
+            &hair[..]
         }
     };
     match Args::parse_from(words).command {
