@@ -538,6 +538,7 @@ fn what_is_read_or_read_only_is_not_written_over_and_links_stay() {
     let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     std::fs::write(folder.path("head.obj"), mesh).unwrap();
     let (mut ui, _) = on_empty_head();
+    few_guides(&mut ui);
     let head = life::head_of(&ui.state().state.document, None).unwrap();
     let link = folder.path("link.ron");
     symlink("real.ron", &link).unwrap();
