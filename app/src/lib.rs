@@ -10,6 +10,7 @@ mod cli;
 pub mod editor;
 #[cfg(feature = "render")]
 mod feeders;
+mod files;
 #[cfg(feature = "editor")]
 mod inspector;
 #[cfg(feature = "editor")]

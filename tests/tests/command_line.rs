@@ -192,6 +192,25 @@ fn without_arguments_the_start_up_groom_is_drawn_here() {
 }
 
 #[test]
+fn with_neither_display_nor_driver_the_start_up_groom_is_written_here() {
+    let folder = Folder::new("start-bare");
+    std::fs::write(folder.path("start.usdc"), "somebody's own").unwrap();
+    // No driver is found: the loader of Vulkan looks into an empty file, and there is no display for another.
+    let mut bare = coif_tests::coif();
+    bare.current_dir(folder.path("")).env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+    bare.env("VK_DRIVER_FILES", "/dev/null").env("VK_ICD_FILENAMES", "/dev/null");
+    let out = bare.output().unwrap();
+    let said = String::from_utf8_lossy(&out.stderr);
+    assert!(out.status.success(), "{said}");
+    assert_eq!(folder.names(), ["start-2.usdc", "start.usdc"]);
+    assert_eq!(std::fs::read(folder.path("start.usdc")).unwrap(), b"somebody's own");
+    assert!(std::fs::read(folder.path("start-2.usdc")).unwrap().starts_with(b"PXR-USDC"));
+    for words in ["start.usdc is there already", "wrote start-2.usdc", "mesa-vulkan-drivers"] {
+        assert!(said.contains(words), "{words:?} is not in\n{said}");
+    }
+}
+
+#[test]
 fn ctrl_c_leaves_what_was_there() {
     let folder = Folder::new("interrupt");
     let out = folder.path("hair.usda");

@@ -1,7 +1,8 @@
 //! `coif edit`: the window, on a graph or on the start-up groom.
 
-use super::{Exit, complain, groom};
+use super::{Exit, complain, groom, signals};
 use crate::editor::{self, Editor, state::OpenFile};
+use crate::files;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -32,6 +33,8 @@ pub(crate) fn run(args: &EditArgs) -> Exit {
         complain("there is no display to open a window on; coif eval and coif render need none");
         return Exit::Failed;
     }
+    // Steps that nobody saved are offered at the next start.
+    signals::on_end(|| files::end(Exit::Interrupted as i32));
     match editor::run(document, file, args.graph.is_none()) {
         Ok(()) => Exit::Done,
         Err(why) => {

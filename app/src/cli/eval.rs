@@ -1,10 +1,10 @@
 //! `coif eval`: a saved graph to hair.
 
-use super::files::Pending;
-use super::groom::{Evaluated, GroomArgs, Stop, carry_out};
+use super::groom::{Evaluated, GroomArgs, Stop, carry_out, writes_all};
 use super::progress::{Bar, Tell};
 use super::report::Report;
 use super::{Exit, extension_of};
+use crate::files::Together;
 use clap::Args;
 use coif_graphs::document::Document;
 use coif_graphs::schedule::result::document_hash;
@@ -33,25 +33,33 @@ pub(crate) fn run(args: EvalArgs) -> Exit {
     carry_out(
         &args.groom.graph,
         args.report.as_deref(),
-        |cancel, report| evaluate(&args, cancel, report),
+        "hair",
+        |cancel, report, files| evaluate(&args, cancel, report, files),
         |report| summary(report, &args.out),
     )
 }
 
-fn evaluate(args: &EvalArgs, cancel: &CancelToken, report: &mut Report) -> Result<(), Stop> {
+fn evaluate(
+    args: &EvalArgs,
+    cancel: &CancelToken,
+    report: &mut Report,
+    files: &mut Together,
+) -> Result<(), Stop> {
+    writes_all(args.out.iter().cloned(), files)?;
     let formats = formats(&args.out)?;
     if args.with_head && !formats.contains(&Format::Abc) {
         return Err(Stop::refused(
             "--with-head: only .abc holds the head beside the hair; add --out FILE.abc, or leave the option out",
         ));
     }
-    let opened = args.groom.open(report)?;
+    let opened = args.groom.open(report, files)?;
     opened.refuse_problems(&[], &mut report.warnings)?;
+    files.allowed().map_err(Stop::failed)?;
     let evaluated = args.groom.evaluate(&opened, &[], cancel, report)?;
     if formats.contains(&Format::Abc) {
         report.warnings.extend(left_out_of_abc(&evaluated.groups));
     }
-    save(args, &formats, &opened.document, &evaluated, cancel)
+    save(args, &formats, &opened.document, &evaluated, cancel, files)
 }
 
 /// What Alembic files leave out, a line each.
@@ -86,26 +94,30 @@ fn save(
     document: &Document,
     evaluated: &Evaluated,
     cancel: &CancelToken,
+    files: &mut Together,
 ) -> Result<(), Stop> {
     let heads = if args.with_head { &evaluated.scalps[..] } else { &[] };
     let bar = Bar::new("files");
-    let files: Vec<(&Path, Format)> =
+    let wanted: Vec<(&Path, Format)> =
         args.out.iter().map(PathBuf::as_path).zip(formats.iter().copied()).collect();
-    let saved = write_files(document, &evaluated.groups, heads, &files, cancel, &|i, path| {
-        bar.count(i, files.len());
+    let groups = &evaluated.groups;
+    let saved = write_files(document, groups, heads, &wanted, cancel, files, &|i, path| {
+        bar.count(i, wanted.len());
         bar.say(format!("writing {}", path.display()));
     });
     bar.clear();
     saved
 }
 
-/// Writes what outputs gave to files, with the `heads` where a format holds meshes: all of them or none. `begins` is told each file's number and path.
+/// Writes what outputs gave, with the `heads` where a format holds meshes, to files that `files` puts in place. `begins` is told
+/// each file's number and path.
 pub(crate) fn write_files(
     document: &Document,
     groups: &[Group],
     heads: &[Arc<Scalp>],
-    files: &[(&Path, Format)],
+    wanted: &[(&Path, Format)],
     cancel: &CancelToken,
+    files: &mut Together,
     begins: &dyn Fn(usize, &Path),
 ) -> Result<(), Stop> {
     let title = if document.title.is_empty() { "Groom" } else { &document.title };
@@ -115,18 +127,14 @@ pub(crate) fn write_files(
         graph_hash: document_hash(document),
         seed: document.seed,
     };
-    let mut pending = Pending::default();
-    for (i, (path, format)) in files.iter().enumerate() {
+    for (i, (path, format)) in wanted.iter().enumerate() {
         begins(i, path);
-        let written = pending.write(path, cancel, |out| {
+        let written = files.write(path, cancel, |out| {
             export::write(*format, groups, heads, &about, out).map_err(|err| err.to_string())
         });
-        if cancel.is_cancelled() {
-            return Err(Stop::interrupted());
-        }
-        written.map_err(|reason| Stop::failed(format!("{}: {reason}", path.display())))?;
+        written.map_err(|reason| Stop::unwritten(path, &reason, cancel))?;
     }
-    pending.place().map_err(|(path, reason)| Stop::failed(format!("{}: {reason}", path.display())))
+    Ok(())
 }
 
 /// What was made, for a person.

@@ -4,18 +4,19 @@
 //! What is wrong with the options, the graph or what it names is found before anything runs; after that, every
 //! node that failed is told. Ends of both kinds carry their exit code.
 
-use super::files::write_text;
 use super::measure::MOST_POINTS;
 use super::memory;
 use super::progress::Bar;
 use super::report::{ContentHash, Head, Output, Report, peak_rss_mib, rounded};
-use super::{Exit, complain, print};
+use super::signals;
+use super::{Exit, complain};
+use crate::files::{Role, Together};
 use clap::{Args, ValueEnum};
 use coif_graphs::document::graph::{Fault, Severity, check_for, upstream};
 use coif_graphs::document::{Document, NodeId, Setting, Socket};
 use coif_graphs::file;
 use coif_graphs::grooms;
-use coif_graphs::schedule::files::DiskFiles;
+use coif_graphs::schedule::files::{DiskFiles, read_by};
 use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
 use coif_nodes::data::attributes::DRIFT;
@@ -84,36 +85,39 @@ impl Stop {
     }
     /// Ended by a person.
     pub(crate) fn interrupted() -> Self {
-        Self(Exit::Interrupted, vec!["interrupted; nothing was written".to_owned()])
+        Self(Exit::Interrupted, vec!["interrupted".to_owned()])
     }
     /// Failed while it ran.
     pub(crate) fn failed(text: impl Into<String>) -> Self {
         Self(Exit::Failed, vec![text.into()])
     }
+    /// A file could not be written, or nobody was to wait for it.
+    pub(crate) fn unwritten(path: &Path, reason: &str, cancel: &CancelToken) -> Self {
+        match cancel.is_cancelled() {
+            true => Self::interrupted(),
+            false => Self::failed(format!("{}: {reason}", path.display())),
+        }
+    }
 }
 
-/// Runs a command that evaluates: Ctrl-C asks `body` to stop; what it says and the report go where they belong, the report
-/// also when it fails. `summary` is for a person, where no report was asked for.
+/// Runs a command that evaluates: whoever asks the process to end asks `body` to stop. What `body` writes and the report are put
+/// in place together; where anything fails, the report alone is written and says why. `makes` says what is made, in a word.
+/// `summary` is for a person, where no report was asked for.
 pub(crate) fn carry_out(
     graph: &Path,
     report_to: Option<&Path>,
-    body: impl FnOnce(&CancelToken, &mut Report) -> Result<(), Stop>,
+    makes: &str,
+    body: impl FnOnce(&CancelToken, &mut Report, &mut Together) -> Result<(), Stop>,
     summary: impl FnOnce(&Report) -> String,
 ) -> Exit {
     let began = Instant::now();
     let cancel = CancelToken::default();
-    let on_ctrl_c = cancel.clone();
-    // A second handler in one process can only fail in tests; then Ctrl-C ends it at once.
-    let _ = ctrlc::set_handler(move || on_ctrl_c.cancel());
+    let asked = cancel.clone();
+    signals::on_end(move || asked.cancel());
     let mut report = Report::new(graph.display().to_string());
-    let exit = match body(&cancel, &mut report) {
-        Ok(()) => Exit::Done,
-        Err(Stop(exit, errors)) => {
-            errors.iter().for_each(complain);
-            report.errors = errors;
-            exit
-        }
-    };
+    let mut files = Together::default();
+    let made =
+        begin(graph, report_to, &mut files).and_then(|()| body(&cancel, &mut report, &mut files));
     for warning in &report.warnings {
         eprintln!("coif: warning: {warning}");
     }
@@ -122,20 +126,85 @@ pub(crate) fn carry_out(
     }
     report.total_ms = rounded(began.elapsed().as_secs_f64() * 1e3);
     report.peak_rss_mib = peak_rss_mib();
-    match report_to {
-        None if exit == Exit::Done => eprintln!("{}", summary(&report)),
-        None => {}
-        Some(path) => {
-            let text = serde_json::to_string_pretty(&report).unwrap_or_default();
-            if path.as_os_str() == "-" {
-                print(&text);
-            } else if let Err(reason) = write_text(path, &(text + "\n")) {
-                complain(format!("{}: {reason}", path.display()));
-                return if exit == Exit::Done { Exit::Failed } else { exit };
-            }
+    let ended = made.and_then(|()| {
+        if let Some(path) = report_to {
+            write_report(path, &report, &mut files, &cancel)?;
+        }
+        if cancel.is_cancelled() {
+            return Err(Stop::interrupted());
+        }
+        files.place(&cancel).map_err(|(path, reason)| Stop::unwritten(&path, &reason, &cancel))
+    });
+    let Err(Stop(exit, mut errors)) = ended else {
+        if report_to.is_none() {
+            eprintln!("{}", summary(&report));
+        }
+        return Exit::Done;
+    };
+    files.drop_written();
+    if let Some(last) = errors.last_mut().filter(|_| exit != Exit::Refused && files.has_outputs()) {
+        *last += &format!("; no {makes} was written");
+    }
+    errors.iter().for_each(complain);
+    report.errors = errors;
+    if let Some(path) = report_to.filter(|path| files.may_be(path, Role::Report)) {
+        // Told to stop, it is still written, but waited for no longer.
+        let written =
+            write_report(path, &report, &mut files, &CancelToken::default()).and_then(|()| {
+                files
+                    .place(&cancel)
+                    .map_err(|(path, why)| Stop::failed(format!("{}: {why}", path.display())))
+            });
+        // Where the report itself is what failed, that is said already.
+        if let Err(Stop(_, lines)) = written {
+            let known =
+                |line: &String| report.errors.iter().any(|error| error.starts_with(&**line));
+            lines.iter().filter(|line| !known(line)).for_each(complain);
         }
     }
     exit
+}
+
+/// Tells `files` what every command reads and writes.
+fn begin(graph: &Path, report_to: Option<&Path>, files: &mut Together) -> Result<(), Stop> {
+    files
+        .reads(graph, format!("the graph {}", graph.display()))
+        .and_then(|()| match report_to.filter(|path| !is_stdout(path)) {
+            None => Ok(()),
+            Some(path) => files.writes(path, Role::Report, format!("--report {}", path.display())),
+        })
+        .map_err(Stop::refused)
+}
+
+/// Tells `files` what will be written, and refuses one file for two things. What the disk does not allow is told later, where
+/// nothing else is wrong.
+pub(crate) fn writes_all(
+    paths: impl IntoIterator<Item = PathBuf>,
+    files: &mut Together,
+) -> Result<(), Stop> {
+    paths
+        .into_iter()
+        .try_for_each(|path| files.writes(&path, Role::Output, format!("--out {}", path.display())))
+        .map_err(Stop::refused)
+}
+
+fn write_report(
+    path: &Path,
+    report: &Report,
+    files: &mut Together,
+    cancel: &CancelToken,
+) -> Result<(), Stop> {
+    let text = serde_json::to_string_pretty(&report).unwrap_or_default() + "\n";
+    let written = match is_stdout(path) {
+        true => files.print(&text),
+        false => files.write_text(path, &text, cancel),
+    };
+    written.map_err(|reason| Stop::unwritten(path, &reason, cancel))
+}
+
+/// Whether a path stands for standard output.
+fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
 }
 
 /// A graph that can be evaluated for its outputs: edited as the options say, with nothing wrong on the way.
@@ -159,9 +228,14 @@ pub(crate) struct Evaluated {
 }
 
 impl GroomArgs {
-    /// Reads the graph, applies the options, and refuses what cannot be.
-    pub(crate) fn open(&self, report: &mut Report) -> Result<Opened, Stop> {
+    /// Reads the graph, applies the options, and refuses what cannot be. `files` is told what will be read.
+    pub(crate) fn open(&self, report: &mut Report, files: &mut Together) -> Result<Opened, Stop> {
+        for scalp in &self.scalp {
+            let path = scalp.split_once('=').map_or(scalp.as_str(), |(_, path)| path);
+            files.reads(Path::new(path), format!("--scalp {scalp}")).map_err(Stop::refused)?;
+        }
         let (mut document, folder) = load(&self.graph, &mut report.warnings)?;
+        reads_all(&document, &folder, files)?;
         if let Some(seed) = self.seed {
             document.seed = seed;
         }
@@ -171,6 +245,7 @@ impl GroomArgs {
         for scalp in &self.scalp {
             apply_scalp(&mut document, scalp)?;
         }
+        reads_all(&document, &folder, files)?;
         report.seed = document.seed;
         let outputs = outputs(&document, &self.output)?;
         let graph = self.graph.display().to_string();
@@ -414,6 +489,17 @@ fn head_of(socket: &Socket, scalp: &Scalp) -> Head {
         forward: frame.forward.to_array(),
         triangles: scalp.surface().triangles.len(),
     }
+}
+
+/// Tells `files` of all that a document names.
+pub(crate) fn reads_all(
+    document: &Document,
+    folder: &Path,
+    files: &mut Together,
+) -> Result<(), Stop> {
+    let mut all = read_by(document, folder).into_iter();
+    all.try_for_each(|(node, path)| files.reads(&path, format!("{} of {node}", path.display())))
+        .map_err(Stop::refused)
 }
 
 /// The document of a file, or the shipped groom of that name, and the folder that its paths are relative to.

@@ -1,13 +1,12 @@
 //! The command line: a contract that other tools rely on.
 //!
-//! Messages go to stderr, data to stdout. Exit codes: 0 done, 1 an evaluation or a write failed, 2 wrong before
-//! anything ran, 130 interrupted. On anything but 0 no output file is touched.
+//! Messages go to stderr, data to stdout. Exit codes: 0 done, 1 an evaluation failed or a file cannot be written, 2 wrong before
+//! anything ran, 130 asked to end. On anything but 0 no output is touched; a report is written then, too.
 
 mod check;
 #[cfg(feature = "editor")]
 mod edit;
 pub(crate) mod eval;
-pub(crate) mod files;
 pub(crate) mod groom;
 mod measure;
 pub(crate) mod memory;
@@ -16,6 +15,7 @@ pub(crate) mod progress;
 #[cfg(feature = "render")]
 pub(crate) mod render;
 pub(crate) mod report;
+pub(crate) mod signals;
 mod unreal;
 
 use clap::{Parser, Subcommand};
@@ -60,7 +60,7 @@ pub(crate) enum Exit {
     Failed = 1,
     /// Wrong before anything ran.
     Refused = 2,
-    /// Somebody pressed Ctrl-C.
+    /// Somebody asked it to end: Ctrl-C, SIGTERM, SIGHUP.
     Interrupted = 130,
 }
 
@@ -70,8 +70,7 @@ pub(crate) fn main() -> ExitCode {
     let given = args.edit.graph.is_some().then_some(Command::Edit(args.edit));
     #[cfg(not(feature = "editor"))]
     let given = None;
-    let command = args.command.or(given).or_else(start_up);
-    let exit = match command {
+    let exit = match args.command.or(given) {
         #[cfg(feature = "editor")]
         Some(Command::Edit(args)) => edit::run(&args),
         Some(Command::Eval(args)) => eval::run(args),
@@ -80,30 +79,64 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Nodes(args)) => nodes::run(args),
         Some(Command::Measure(args)) => measure::run(args),
-        None => {
-            complain(
-                "say what to do, as in coif eval start --out start.usdc; --help has all commands",
-            );
-            Exit::Refused
-        }
+        None => start_up(),
     };
     ExitCode::from(exit as u8)
 }
 
-/// What runs without a command: the editor. Where it has no display, or is not part of this program, the start-up groom is
-/// drawn in the current folder.
-fn start_up() -> Option<Command> {
+/// What runs without a command: the editor. Where it has no display, or is not part of this program, the start-up groom is drawn
+/// in the current folder; where nothing can be drawn either, its hair is written there. No file is written over.
+#[cfg(feature = "render")]
+fn start_up() -> Exit {
+    use coif_shaders::{Gpu, Precision};
     #[cfg(feature = "editor")]
     if edit::has_display() {
-        return Some(Command::Edit(edit::EditArgs::default()));
+        return edit::run(&edit::EditArgs::default());
     }
-    if cfg!(not(feature = "render")) {
-        return None;
-    }
-    complain("there is no display for the editor; the start-up groom is drawn to start.png");
+    let drawn = Gpu::new(Precision::Best).map(drop);
+    let made = free_name("start", if drawn.is_ok() { "png" } else { "usdc" });
     // Half the samples of a still: somebody waits to see anything at all.
-    let words = ["coif", "render", "start", "--samples", "32", "--out", "start.png"];
-    Args::parse_from(words).command
+    let picture = ["coif", "render", "start", "--samples", "32", "--out", &made];
+    let hair = ["coif", "eval", "start", "--out", &made];
+    let words = match drawn {
+        Ok(()) => {
+            complain(format!(
+                "there is no display for the editor; the start-up groom is drawn to {made}"
+            ));
+            &picture[..]
+        }
+        Err(why) => {
+            complain(format!(
+                "there is no display for the editor, and no picture can be drawn: {why}"
+            ));
+            complain(format!("the hair of the start-up groom is written to {made} instead"));
+            &hair[..]
+        }
+    };
+    match Args::parse_from(words).command {
+        Some(Command::Render(args)) => render::run(&args),
+        Some(Command::Eval(args)) => eval::run(args),
+        _ => Exit::Refused,
+    }
+}
+
+/// Without window and pictures somebody has to say what is to be done.
+#[cfg(not(feature = "render"))]
+fn start_up() -> Exit {
+    complain("say what to do, as in coif eval start --out start.usdc; --help has all commands");
+    Exit::Refused
+}
+
+/// The first name in the current folder that nothing has: `start.png`, then `start-2.png`.
+#[cfg(feature = "render")]
+fn free_name(stem: &str, ending: &str) -> String {
+    let plain = format!("{stem}.{ending}");
+    let is_free = |name: &String| std::path::Path::new(name).symlink_metadata().is_err();
+    if is_free(&plain) {
+        return plain;
+    }
+    complain(format!("{plain} is there already and stays as it is"));
+    (2..).map(|n| format!("{stem}-{n}.{ending}")).find(is_free).unwrap_or(plain)
 }
 
 /// Tells a person what is wrong.

@@ -34,7 +34,8 @@ pub(super) struct Found {
 
 /// Evaluates the document's outputs and tells what becomes of them.
 pub(super) fn found(document: &Document, folder: PathBuf, graph: String) -> Result<Found, Stop> {
-    let opened = Opened::of(document.clone(), folder, graph)?;
+    // How large it is is what is asked.
+    let opened = Opened::of(document.clone(), folder, graph, true)?;
     let mut report = Report::new(String::new());
     let cancel = CancelToken::default();
     let evaluated = opened.evaluate(Quality::Final, 0, &[], &cancel, &Quiet, &mut report)?;

@@ -7,11 +7,11 @@ mod options;
 mod place;
 
 use super::Exit;
-use super::files::{Pending, read_at_most};
-use super::groom::{Evaluated, GroomArgs, Opened, QualityArg, Stop, carry_out};
+use super::groom::{Evaluated, GroomArgs, Opened, QualityArg, Stop, carry_out, writes_all};
 use super::progress::{Bar, Tell};
 use super::report::{Picture as About, Report, rounded};
 use crate::feeders::feeders;
+use crate::files::{Together, read_at_most};
 use crate::scene::{self, Dressed, Show};
 use crate::words::grouped;
 use clap::Args;
@@ -178,6 +178,25 @@ impl RenderArgs {
         })
     }
 
+    /// The files of one picture, numbered from 0, seen by a camera.
+    fn pictures(&self, number: u32, camera: &str) -> impl Iterator<Item = PathBuf> {
+        let named =
+            move |path: &PathBuf| options::called(&options::numbered(path, number + 1), camera);
+        self.out.iter().map(named)
+    }
+
+    /// Tells `files` of all that will be written.
+    fn claim(&self, files: &mut Together) -> Result<(), Stop> {
+        let named = self.series().and_then(|series| options::files(&self.out, series));
+        // Names that are none are told as such, and nothing else is written there meanwhile.
+        if named.is_err() {
+            return writes_all(self.out.iter().cloned(), files);
+        }
+        let frames = self.turntable.unwrap_or(1).min(MOST_FRAMES);
+        let shots = self.camera.iter().flat_map(|camera| (0..frames).map(move |n| (n, camera)));
+        writes_all(shots.flat_map(|(number, camera)| self.pictures(number, camera)), files)
+    }
+
     /// How many pictures are drawn.
     fn series(&self) -> Result<Series, Stop> {
         match (self.turntable, self.camera.len()) {
@@ -229,16 +248,26 @@ pub(crate) fn run(args: &RenderArgs) -> Exit {
     carry_out(
         &args.groom.graph,
         args.report.as_deref(),
-        |cancel, report| draw(args, cancel, report),
+        "picture",
+        |cancel, report, files| draw(args, cancel, report, files),
         summary,
     )
 }
 
-fn draw(args: &RenderArgs, cancel: &CancelToken, report: &mut Report) -> Result<(), Stop> {
+fn draw(
+    args: &RenderArgs,
+    cancel: &CancelToken,
+    report: &mut Report,
+    files: &mut Together,
+) -> Result<(), Stop> {
+    if let Some(path) = &args.hdri {
+        files.reads(path, format!("--hdri {}", path.display())).map_err(Stop::refused)?;
+    }
+    args.claim(files)?;
     let asked = args.understood()?;
-    let opened = args.groom.open(report)?;
+    let opened = args.groom.open(report, files)?;
     let bar = Bar::new("nodes");
-    let drawn = draw_opened(args, &asked, &opened, cancel, &bar, report);
+    let drawn = draw_opened(args, &asked, &opened, cancel, &bar, report, files);
     bar.clear();
     drawn
 }
@@ -251,6 +280,7 @@ pub(crate) fn draw_open(
     cancel: &CancelToken,
     tell: &dyn Tell,
     report: &mut Report,
+    files: &mut Together,
 ) -> Result<(), Stop> {
     use clap::Parser;
     let words = ["coif", "render"].into_iter().chain(words.iter().map(String::as_str));
@@ -258,7 +288,8 @@ pub(crate) fn draw_open(
     let Some(super::Command::Render(args)) = args.command else {
         return Err(Stop::refused("no picture was asked for"));
     };
-    draw_opened(&args, &args.understood()?, opened, cancel, tell, report)
+    args.claim(files)?;
+    draw_opened(&args, &args.understood()?, opened, cancel, tell, report, files)
 }
 
 fn draw_opened(
@@ -268,6 +299,7 @@ fn draw_opened(
     cancel: &CancelToken,
     tell: &dyn Tell,
     report: &mut Report,
+    files: &mut Together,
 ) -> Result<(), Stop> {
     let places = args.camera.iter().map(|name| Place::of(name, opened));
     let places = places.collect::<Result<Vec<Place>, Stop>>()?;
@@ -286,6 +318,7 @@ fn draw_opened(
         )));
     }
     opened.refuse_problems(&more, &mut report.warnings)?;
+    files.allowed().map_err(Stop::failed)?;
     let shading = match asked.show {
         Show::Hair(View::Hair) => Shading::Hair,
         _ => Shading::Colour,
@@ -331,8 +364,7 @@ fn draw_opened(
     ];
     texts.retain(|(name, text)| !text.is_empty() || name == "camera");
     let first_sample_ms = Cell::new(None);
-    let mut files = vec![];
-    let mut pending = Pending::default();
+    let mut pictures = vec![];
     tell.counts("samples");
     let shots = asked.frames * places.len() as u32;
     let total = (shots * asked.samples) as usize;
@@ -367,10 +399,9 @@ fn draw_opened(
         if args.chart {
             chart::draw(&mut picture, &asked.rig, &camera);
         }
-        for (path, format) in args.out.iter().zip(&asked.formats) {
-            let path = options::called(&options::numbered(path, number + 1), &place.name);
+        for (path, format) in args.pictures(number, &place.name).zip(&asked.formats) {
             tell.say(format!("writing {}", path.display()));
-            let written = pending.write(&path, cancel, |out| {
+            let written = files.write(&path, cancel, |out| {
                 let written = match format {
                     Format::Png => {
                         picture.write_png(out, asked.transform, asked.rig.exposure, &texts)
@@ -379,18 +410,12 @@ fn draw_opened(
                 };
                 written.map_err(|err| err.to_string())
             });
-            if cancel.is_cancelled() {
-                return Err(Stop::interrupted());
-            }
-            written.map_err(|reason| Stop::failed(format!("{}: {reason}", path.display())))?;
-            files.push(path.display().to_string());
+            written.map_err(|reason| Stop::unwritten(&path, &reason, cancel))?;
+            pictures.push(path.display().to_string());
         }
     }
-    pending
-        .place()
-        .map_err(|(path, reason)| Stop::failed(format!("{}: {reason}", path.display())))?;
     report.picture = Some(About {
-        files,
+        files: pictures,
         width: asked.size[0],
         height: asked.size[1],
         description,

@@ -6,10 +6,12 @@
 
 use crate::cli::eval::{left_out_of_abc, write_files};
 use crate::cli::extension_of;
-use crate::cli::groom::{Opened, Stop};
+use crate::cli::groom::{Opened, Stop, reads_all};
 use crate::cli::progress::Tell;
 use crate::cli::render::draw_open;
 use crate::cli::report::Report;
+use crate::editor::state::OpenFile;
+use crate::files::{Role, Together};
 use coif_graphs::document::Document;
 use coif_graphs::schedule::run::{CancelToken, Progress};
 use coif_nodes::eval::Quality;
@@ -64,7 +66,8 @@ impl Export {
     pub(crate) fn start(
         content: Content,
         document: Document,
-        (folder, allow_large): (PathBuf, bool),
+        file: OpenFile,
+        allow_large: bool,
         path: PathBuf,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Result<Self, String> {
@@ -76,17 +79,8 @@ impl Export {
             .spawn(move || {
                 let told = Told { shared: &shared, wake: &wake };
                 let mut report = Report::new(path.display().to_string());
-                // What is told of the graph is told of the open one; the file is named where it is meant.
-                let carried_out = Opened::of(document, folder, "export".to_owned(), allow_large)
-                    .and_then(|opened| match &content {
-                        Content::Hair => hair(&opened, &path, &cancel, &told, &mut report),
-                        Content::Picture(words) => {
-                            let out = ["graph".to_owned(), "--out".to_owned()];
-                            let out = out.into_iter().chain([path.display().to_string()]);
-                            let words: Vec<String> = out.chain(words.iter().cloned()).collect();
-                            draw_open(&words, &opened, &cancel, &told, &mut report)
-                        }
-                    });
+                let opened = (document, file, allow_large);
+                let carried_out = carry_out(&content, opened, &path, &cancel, &told, &mut report);
                 let ended = match carried_out {
                     Ok(()) => Ended::Done(said(&path, &report), report.warnings),
                     Err(stop) if stop.is_interruption() => Ended::Stopped,
@@ -114,25 +108,62 @@ impl Export {
     }
 }
 
+fn carry_out(
+    content: &Content,
+    (document, file, allow_large): (Document, OpenFile, bool),
+    path: &Path,
+    cancel: &CancelToken,
+    told: &Told,
+    report: &mut Report,
+) -> Result<(), Stop> {
+    let mut files = Together::default();
+    if let Some(own) = &file.path {
+        files.reads(own, format!("the document {}", own.display())).map_err(Stop::refused)?;
+    }
+    reads_all(&document, &file.folder, &mut files)?;
+    // What is told of the graph is told of the open one; the file is named where it is meant.
+    let opened = Opened::of(document, file.folder, "export".to_owned(), allow_large)?;
+    match content {
+        Content::Hair => hair(&opened, path, cancel, told, report, &mut files)?,
+        Content::Picture(words) => {
+            let out = ["graph".to_owned(), "--out".to_owned(), path.display().to_string()];
+            let words: Vec<String> = out.into_iter().chain(words.iter().cloned()).collect();
+            draw_open(&words, &opened, cancel, told, report, &mut files)?;
+        }
+    }
+    files.place(cancel).map_err(|(path, reason)| Stop::unwritten(&path, &reason, cancel))
+}
+
 fn hair(
     opened: &Opened,
     path: &Path,
     cancel: &CancelToken,
     told: &Told,
     report: &mut Report,
+    files: &mut Together,
 ) -> Result<(), Stop> {
     let format = Format::of_extension(&extension_of(path)).ok_or_else(|| {
         let endings = Format::EXTENSIONS;
         Stop::refused(format!("{}: grooms are written as {endings}", path.display()))
     })?;
     opened.refuse_problems(&[], &mut report.warnings)?;
+    files.writes(path, Role::Output, path.display().to_string()).map_err(Stop::refused)?;
+    files.allowed().map_err(Stop::failed)?;
     let evaluated = opened.evaluate(Quality::Final, 0, &[], cancel, told, report)?;
     if format == Format::Abc {
         report.warnings.extend(left_out_of_abc(&evaluated.groups));
     }
-    write_files(&opened.document, &evaluated.groups, &[], &[(path, format)], cancel, &|_, path| {
-        told.say(format!("writing {}", path.display()));
-    })
+    write_files(
+        &opened.document,
+        &evaluated.groups,
+        &[],
+        &[(path, format)],
+        cancel,
+        files,
+        &|_, path| {
+            told.say(format!("writing {}", path.display()));
+        },
+    )
 }
 
 /// What was written, in words.

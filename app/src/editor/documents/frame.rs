@@ -4,9 +4,10 @@
 use super::dialogs::{Answer, MESHES};
 use super::export::Ended;
 use super::watch::Change;
-use super::{Browser, Changed, Event, bars, browser, home, own_head, paths, welcome};
+use super::{Browser, Changed, Event, bars, browser, home, own_head, welcome};
 use crate::editor::Editor;
 use crate::editor::notes::Note;
+use coif_graphs::schedule::files::named;
 use egui::ViewportCommand;
 use std::path::{Path, PathBuf};
 
@@ -152,10 +153,8 @@ pub(crate) fn after(editor: &mut Editor, ctx: &egui::Context) {
     let watched = (state.changes, state.file.path.clone());
     if !state.gesture && editor.documents.watched.as_ref() != Some(&watched) {
         let folder = &state.file.folder;
-        let mut files: Vec<PathBuf> = paths::named(&state.document)
-            .into_iter()
-            .map(|(.., path)| folder.join(&*path))
-            .collect();
+        let mut files: Vec<PathBuf> =
+            named(&state.document).into_iter().map(|(.., path)| folder.join(&*path)).collect();
         files.extend(state.file.path.clone());
         editor.documents.watch.files(files.iter().map(PathBuf::as_path));
         editor.documents.watched = Some(watched);

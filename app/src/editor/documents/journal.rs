@@ -10,11 +10,12 @@
 //! session. A session is alive while it holds the lock of its own lock file, which the system lets go of however it ends; so
 //! sessions do not disturb each other, and numbers of processes may be given twice.
 
+use crate::files::{remove_left, write_text_unsynced};
 use coif_graphs::document::Document;
 use coif_graphs::file::{read_bytes, write};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{self, Write as _};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -95,13 +96,14 @@ impl Files {
         self.path("lock")
     }
     fn clear(&self) {
-        for path in [self.text(), self.synced(), self.path("part")] {
+        for path in [self.text(), self.synced()] {
             // What is not there is removed.
             let _ = std::fs::remove_file(path);
         }
     }
     fn remove(&self) {
         self.clear();
+        remove_left(&self.text());
         let _ = std::fs::remove_file(self.lock());
     }
 }
@@ -249,12 +251,9 @@ fn write_on(shared: &Shared, files: &Files) {
 }
 
 fn put(files: &Files, about: &About, document: &Document) -> io::Result<()> {
-    let part = files.path("part");
-    let mut file = File::create(&part)?;
-    writeln!(file, "{OPENING}{}", serde_json::to_string(about)?)?;
-    file.write_all(write(document).as_bytes())?;
-    drop(file);
-    std::fs::rename(part, files.text())
+    let about = serde_json::to_string(about)?;
+    let text = format!("{OPENING}{about}\n{}", write(document));
+    write_text_unsynced(&files.text(), &text).map_err(io::Error::other)
 }
 
 /// What a session left that ended otherwise than somebody wanted. While this lives, no other session is offered it.
@@ -416,7 +415,7 @@ mod tests {
     fn where_nothing_can_be_written_somebody_is_told_once() {
         let folder = Folder::new("journal-full");
         let journal = Journal::open(folder.root()).unwrap();
-        std::fs::create_dir(journal.files.path("part")).unwrap();
+        std::fs::create_dir(journal.files.text()).unwrap();
         journal.keep(about("x"), numbered(1));
         let mut told = None;
         until("it is told", || {

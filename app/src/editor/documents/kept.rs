@@ -3,7 +3,7 @@
 //! What is missing has its default. A damaged file never keeps the program from starting: it is set aside beside itself as
 //! `.bad`, and somebody is told.
 
-use crate::cli::files::write_text;
+use crate::files::write_text;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::io::Read;

@@ -8,13 +8,15 @@ use super::{
     Asking, Changed, Disk, Event, HeadChoice, Left, Next, Unsaved, differences, journal, own_head,
     paths,
 };
-use crate::cli::files::{read_at_most, write_text};
 use crate::editor::Editor;
 use crate::editor::notes::Note;
 use crate::editor::state::OpenFile;
+use crate::files::{Role, Together, read_at_most};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Node, NodeId, Point, SavedView, Setting};
+use coif_graphs::schedule::files::named;
+use coif_graphs::schedule::run::CancelToken;
 use coif_graphs::{file, grooms};
 use coif_nodes::define::Value;
 use coif_shaders::Camera;
@@ -187,8 +189,6 @@ impl Editor {
     pub(super) fn save_to(&mut self, path: &Path) -> bool {
         let path = Purpose::Save.complete(path.to_owned());
         let path = std::path::absolute(&path).unwrap_or(path);
-        // What stands in a link's place is what it leads to.
-        let target = path.canonicalize().unwrap_or_else(|_| path.clone());
         let (state, documents) = (&mut self.state, &mut self.documents);
         state.history.end(&state.document);
         let file = OpenFile::at(path.clone());
@@ -198,10 +198,10 @@ impl Editor {
         let text = file::write(&document);
         let before = documents.watched.take();
         documents.watch.knows(&path, hash_of(text.as_bytes()));
-        if let Err(why) = write_text(&target, &text) {
+        if let Err(why) = put(&document, &file, &path, &text) {
             documents.watched = before;
             documents.after_save = None;
-            state.notes.say(Note::error(format!("{}: {why}; nothing was saved", path.display())));
+            state.notes.say(Note::error(format!("{why}; nothing was saved")));
             return false;
         }
         history.mark_saved(&document);
@@ -295,7 +295,7 @@ impl Editor {
             return self.state.notes.say(Note::warning(text));
         }
         let wake = self.documents.wake.clone();
-        let folder = self.state.file.folder.clone();
+        let file = self.state.file.clone();
         let mut document = self.state.document.clone();
         if let Content::Picture(_) = content {
             let Camera { eye, target, up, focal_mm, orthographic } = *self.viewport.camera();
@@ -304,7 +304,7 @@ impl Editor {
             document.views.insert(PRESENT.to_owned(), view);
         }
         let allow_large = self.state.allow_large;
-        match Export::start(content, document, (folder, allow_large), path, move || wake()) {
+        match Export::start(content, document, file, allow_large, path, move || wake()) {
             Ok(export) => self.documents.export = Some(export),
             Err(why) => self.state.notes.say(Note::error(why)),
         }
@@ -427,6 +427,22 @@ impl Editor {
 const PRESENT: &str = "present view";
 /// Pixels of a picture, where nobody says otherwise.
 const PICTURE: [u32; 2] = [1920, 1080];
+
+/// Writes a document's text, and never over a file that the document reads. The error is one line.
+fn put(document: &Document, file: &OpenFile, path: &Path, text: &str) -> Result<(), String> {
+    let mut files = Together::default();
+    let (shown, cancel) = (path.display().to_string(), CancelToken::default());
+    named(document)
+        .into_iter()
+        .map(|(node, _, name)| (file.folder.join(&*name), format!("{name} of {node}")))
+        .try_for_each(|(read, words)| files.reads(&read, words))
+        .and_then(|()| files.writes(path, Role::Output, shown.clone()))
+        .and_then(|()| files.allowed())?;
+    files
+        .write_text(path, text, &cancel)
+        .and_then(|()| files.place(&cancel).map_err(|(_, why)| why))
+        .map_err(|why| format!("{shown}: {why}"))
+}
 
 /// A title as the name of a file.
 fn name_of_file(title: &str) -> String {

@@ -6,31 +6,10 @@
 
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, NodeId, Setting};
-use coif_nodes::define::{Type, Value};
+use coif_graphs::schedule::files::{named, path_of};
+use coif_nodes::define::Value;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
-
-/// Every file that a document names: node, input, path as it is written.
-pub(crate) fn named(document: &Document) -> Vec<(&NodeId, &str, Arc<str>)> {
-    let mut all = vec![];
-    for (id, node) in &document.nodes {
-        for (input, setting) in &node.inputs {
-            if let Some(path) = path_of(input, setting) {
-                all.push((id, input.as_str(), path));
-            }
-        }
-    }
-    all
-}
-
-fn path_of(input: &str, setting: &Setting) -> Option<Arc<str>> {
-    let is_file =
-        coif_nodes::all().any(|def| def.input(input).is_some_and(|(_, i)| i.ty == Type::File));
-    match setting {
-        Setting::Known(Value::Text(path)) if is_file && !path.is_empty() => Some(path.clone()),
-        _ => None,
-    }
-}
 
 /// Lets a document and its history, whose paths are relative to one folder, be relative to another.
 pub(crate) fn move_to(document: &mut Document, history: &mut History, from: &Path, to: &Path) {

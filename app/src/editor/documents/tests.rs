@@ -530,6 +530,45 @@ fn a_stopped_or_refused_export_leaves_no_file() {
     assert_eq!(std::fs::read_dir(folder.root()).unwrap().count(), 0);
 }
 
+#[cfg(unix)]
+#[test]
+fn what_is_read_or_read_only_is_not_written_over_and_links_stay() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = Folder::new("life-over");
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    std::fs::write(folder.path("head.obj"), mesh).unwrap();
+    let (mut ui, _) = on_empty_head();
+    few_guides(&mut ui);
+    let head = life::head_of(&ui.state().state.document, None).unwrap();
+    let link = folder.path("link.ron");
+    symlink("real.ron", &link).unwrap();
+    does(&mut ui, FileEvent::SaveTo(link.clone()));
+    assert!(link.is_symlink() && folder.path("real.ron").is_file());
+    let setting = Setting::Known(Value::Text("head.obj".into()));
+    edit(&mut ui, Edit::SetInput { node: head, input: "mesh".into(), setting });
+    does(&mut ui, FileEvent::Save);
+    let saved = std::fs::read_to_string(folder.path("real.ron")).unwrap();
+    assert!(saved.contains("head.obj") && link.is_symlink());
+    let mut refused = |event: FileEvent, why: &str| {
+        does(&mut ui, event);
+        until("it ends", || {
+            ui.step();
+            ui.state().documents.export.is_none()
+        });
+        let told = said(&ui, Gravity::Error);
+        assert!(told.last().is_some_and(|text| text.contains(why)), "{told:?}");
+        assert_eq!(std::fs::read_to_string(folder.path("head.obj")).unwrap(), mesh);
+        assert_eq!(std::fs::read_to_string(folder.path("real.ron")).unwrap(), saved);
+    };
+    symlink("head.obj", folder.path("mesh.ron")).unwrap();
+    refused(FileEvent::SaveTo(folder.path("mesh.ron")), "which is read");
+    std::fs::hard_link(folder.path("real.ron"), folder.path("a.usdc")).unwrap();
+    refused(FileEvent::Export(folder.path("a.usdc")), "which is read");
+    let locked = std::fs::Permissions::from_mode(0o444);
+    std::fs::set_permissions(folder.path("real.ron"), locked).unwrap();
+    refused(FileEvent::Save, "is read-only; nothing was saved");
+}
+
 #[test]
 fn where_the_system_has_no_dialog_the_browser_of_the_window_serves() {
     let folder = Folder::new("life-browser");

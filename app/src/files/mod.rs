@@ -1,0 +1,66 @@
+//! Writing files: all of them or none, and only where a file may be. Everything that the program writes goes through here.
+//!
+//! A file is written beside its target, synced, and renamed over it; several are written first and renamed together, and when
+//! one of these steps fails the old files are back in place ([`together`]). A link is followed and stays, what is no file
+//! (a device, a pipe) is written to, and what is read-only is refused ([`target`]). Whatever fails or is interrupted, what was
+//! there before is untouched and nothing is left beside it ([`temporary`]).
+//!
+//! Not guaranteed: a process that is killed outright (SIGKILL, power) between two renames leaves the first; it may leave hidden
+//! files that end in `.part`. What was sent down a pipe is not taken back. A file keeps its mode, and its owner where the process
+//! may give it away; other names of it (hard links) keep the old content, and lists of rights (ACLs) are not copied.
+
+#[cfg(any(feature = "editor", test))]
+mod alone;
+mod target;
+mod temporary;
+#[cfg(all(test, unix))]
+mod tests;
+mod together;
+
+#[cfg(any(feature = "editor", test))]
+pub(crate) use alone::write_text;
+#[cfg(feature = "editor")]
+pub(crate) use alone::write_text_unsynced;
+#[cfg(feature = "editor")]
+pub(crate) use temporary::{end, remove_left};
+pub(crate) use together::{Out, Role, Together};
+
+use std::io::{self, Write};
+
+/// A file of at most so many bytes; the error is one line without the path.
+#[cfg(feature = "render")]
+pub(crate) fn read_at_most(path: &std::path::Path, most: u64) -> Result<Vec<u8>, String> {
+    let said = |err: io::Error| match err.kind() {
+        io::ErrorKind::NotFound => "no such file".to_owned(),
+        io::ErrorKind::PermissionDenied => "may not be read".to_owned(),
+        _ => err.to_string(),
+    };
+    let about = std::fs::metadata(path).map_err(said)?;
+    if !about.is_file() {
+        return Err("is not a file".to_owned());
+    }
+    if about.len() > most {
+        return Err(format!("is larger than {} MiB", most >> 20));
+    }
+    std::fs::read(path).map_err(said)
+}
+
+/// What the system says, in the words of somebody who wants a file.
+fn said(err: &io::Error) -> String {
+    match err.kind() {
+        io::ErrorKind::NotFound => "its folder does not exist".to_owned(),
+        io::ErrorKind::NotADirectory => "its folder is a file".to_owned(),
+        io::ErrorKind::PermissionDenied => "may not be written".to_owned(),
+        io::ErrorKind::ReadOnlyFilesystem => "is on a disk that is read-only".to_owned(),
+        io::ErrorKind::StorageFull => "the disk is full".to_owned(),
+        io::ErrorKind::FileTooLarge => {
+            "is larger than a file may be here (ulimit -f, or the disk's own limit)".to_owned()
+        }
+        _ => err.to_string(),
+    }
+}
+
+/// Text as bytes.
+fn put_text(out: &mut Out, text: &str) -> Result<(), String> {
+    out.write_all(text.as_bytes()).map_err(|err| err.to_string())
+}
