@@ -331,7 +331,7 @@ mod tests {
             };
             let mut file = std::io::Cursor::new(vec![]);
             write(Format::Usdc, &[group("one"), group("two")], &about, &mut file).unwrap();
-            let prims = super::super::usd::read::read_curves(&file.into_inner(), "usdc").unwrap();
+            let prims = super::super::usd::read::read_alone(&file.into_inner(), "usdc").unwrap();
             for (name, ty, _) in a::DECLARED.iter().filter(|(name, ..)| *name != WIDTH.name) {
                 let known = match *name {
                     "parent" => "clumpId",

@@ -69,6 +69,30 @@ impl Spline {
             return Err(CurveFault::NotFinite);
         }
         span_coefficients(points, &mut self.spans);
+        self.tabulate()
+    }
+
+    /// Makes this the chain of these polynomials, `((c3 t + c2) t + c1) t + c0` for t from 0 to 1, each of which goes on where
+    /// the one before ends: curves that are no Catmull-Rom splines.
+    pub fn rebuild_from_spans(
+        &mut self,
+        spans: impl Iterator<Item = [Vec3; 4]>,
+    ) -> Result<(), CurveFault> {
+        self.spans.clear();
+        self.lengths.clear();
+        self.speeds.clear();
+        self.spans.extend(spans);
+        if self.spans.is_empty() {
+            return Err(CurveFault::TooFewPoints);
+        }
+        if self.spans.iter().flatten().any(|c| !c.is_finite()) {
+            return Err(CurveFault::NotFinite);
+        }
+        self.tabulate()
+    }
+
+    /// The table of arc lengths, once there are spans.
+    fn tabulate(&mut self) -> Result<(), CurveFault> {
         self.lengths.push(0.0);
         let mut total = 0.0f64;
         for span in &self.spans {

@@ -3,10 +3,10 @@
 //! Needs a Python with usd-core 26.11, named by the variable `COIF_USD_PYTHON`; without it the tests
 //! say so and pass. `tests/usd/validate.py` does OpenUSD's part.
 
-use super::common::{Tufts, both_forms, sample_stage};
+use super::common::{Tufts, both_forms, read_curves, sample_stage};
 use coif_nodes::formats::Chunks;
 use coif_nodes::formats::usd::groom::{CurveSet, PrimvarValues, Widths};
-use coif_nodes::formats::usd::read::{ReadCurves, ReadValues, read_curves};
+use coif_nodes::formats::usd::read::{ReadCurves, ReadValues};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::{Command, Output};

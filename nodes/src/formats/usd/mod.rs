@@ -5,6 +5,7 @@
 //! without composition (references, payloads, variants and sublayers are not followed).
 
 mod coding;
+pub mod form;
 pub mod groom;
 pub mod read;
 pub mod spec;

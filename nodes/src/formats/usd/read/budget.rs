@@ -1,8 +1,8 @@
 //! How much a reader may allocate for a file: every allocation is charged before it is made.
 //!
-//! **Invariant:** what is charged stays below 32 MiB + 10 times the file. Vectors that grow are
+//! **Invariant:** what is charged stays below 32 MiB + 10 times the files that are read. Vectors that grow are
 //! charged for their capacity; moving one to a larger place takes half as much again for a moment,
-//! which keeps the real peak below 64 MiB + 20 times the file.
+//! which keeps the real peak below 64 MiB + 20 times the files.
 
 use super::super::super::FormatError;
 
@@ -15,6 +15,11 @@ impl Budget {
     /// The budget for a file of so many bytes.
     pub(super) fn for_file(length: usize) -> Self {
         Self { left: (32 << 20) + 10 * length as u64 }
+    }
+
+    /// Adds what another file of so many bytes may take.
+    pub(super) fn allow_for_file(&mut self, length: usize) {
+        self.left += 10 * length as u64;
     }
 
     /// Takes bytes from the budget.
