@@ -3,4 +3,5 @@
 mod common;
 mod hair;
 mod openusd;
+mod stage;
 mod usd;

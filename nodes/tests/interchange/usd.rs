@@ -422,7 +422,7 @@ fn purpose_is_inherited_and_only_live_prims_are_read() {
 #[test]
 fn indexed_primvars_are_resolved_and_misfits_are_noted() {
     let text = format!(
-        "def BasisCurves \"a\" {{ {TWO_POINTS}
+        "def BasisCurves \"a\" {{ {TWO_POINTS} uniform token type = \"linear\"
          float[] widths = [1, 2, 3, 4, 5] (interpolation = \"vertex\")
          color3f[] primvars:displayColor = [(1, 0, 0), (0, 1, 0)] (interpolation = \"vertex\")
          int[] primvars:displayColor:indices = [1, 0]
@@ -578,10 +578,10 @@ fn curves_of_other_programs_are_read() {
     expect_test::expect![[r#"
         hair-blender-3.0.1.usda: 1 prims, 1000 curves, 9000 points, 0 notes
         openusd_BasisCurves3.usda: 1 prims, 4051 curves, 28357 points, 0 notes
-        openusd_basicCurves.usda: 7 prims, 7 curves, 30 points, 0 notes
-        openusd_basisCurves.usda: 1 prims, 2 curves, 10 points, 0 notes
-        openusd_moreCurves.usda: 19 prims, 19 curves, 97 points, 0 notes
-        openusd_pinnedCurves.usda: 1 prims, 4 curves, 11 points, 0 notes
+        openusd_basicCurves.usda: 7 prims, 7 curves, 30 points, 1 notes
+        openusd_basisCurves.usda: 1 prims, 2 curves, 10 points, 1 notes
+        openusd_moreCurves.usda: 57 prims, 57 curves, 291 points, 0 notes
+        openusd_pinnedCurves.usda: 1 prims, 4 curves, 11 points, 1 notes
     "#]]
     .assert_eq(&found);
 }

@@ -2,7 +2,8 @@
 //! first and last points only bend them.
 //!
 //! Guarantees: straight lines between neighbouring points are nowhere farther than [`NEAR`] from the curve, unless a span bends so
-//! much that [`MOST_PIECES`] are not enough, or the points of all curves would be more than [`MOST`]. Between two points the curve
+//! much that [`MOST_PIECES`] are not enough, or the points of all curves would be more than [`MOST`], or of one more than
+//! [`MOST_OF_A_CURVE`]. Between two points the curve
 //! itself is known, exactly. A curve of which there is none, for its count of points or numbers beyond all bounds, has no points.
 
 use super::prim::in_parts;
@@ -13,7 +14,9 @@ use std::ops::Range;
 /// How far straight lines between points may be from the curve, cm.
 const NEAR: f32 = 1e-3;
 /// The most pieces of a span.
-const MOST_PIECES: f32 = 32.0;
+const MOST_PIECES: usize = 32;
+/// The most points of a curve, as long as it has no more spans.
+const MOST_OF_A_CURVE: usize = 65_536;
 /// The most points of all curves of a prim, as long as a span has no more than one piece.
 const MOST: usize = 16_000_000;
 
@@ -44,7 +47,7 @@ impl Drawn {
         let own = |i: usize| &points[offsets[i]..offsets[i + 1]];
         let spans = |i: usize| form.spans(own(i).len()).unwrap_or(0);
         let pieces_of = |i: usize, near: f32| -> usize {
-            (0..spans(i)).map(|k| pieces(form.span(own(i), k), near)).sum()
+            (0..spans(i)).map(|k| pieces(form.span(own(i), k), near, spans(i))).sum()
         };
         let mut near = NEAR;
         let all = |near: f32| -> usize { (0..n).map(|i| pieces_of(i, near)).sum() };
@@ -58,7 +61,7 @@ impl Drawn {
                 let cvs = own(i);
                 for k in 0..spans(i) {
                     let span = form.span(cvs, k);
-                    let n = pieces(span, near);
+                    let n = pieces(span, near, spans(i));
                     for piece in 0..n {
                         let t = piece as f32 / n as f32;
                         places.push(Place { span: k as u32, t });
@@ -77,7 +80,8 @@ impl Drawn {
             }
             (counts, at, places)
         });
-        let mut out = Self { form, offsets: vec![0], points: vec![], places: vec![], varying: vec![0] };
+        let mut out =
+            Self { form, offsets: vec![0], points: vec![], places: vec![], varying: vec![0] };
         for (counts, at, places) in parts {
             for count in counts {
                 out.offsets.push(out.offsets[out.offsets.len() - 1] + count);
@@ -129,11 +133,12 @@ impl Drawn {
     }
 }
 
-/// Into how many pieces a span is cut, so that straight lines are as near to it as `near`.
-fn pieces([_, _, c2, c3]: [Vec3; 4], near: f32) -> usize {
+/// Into how many pieces a span of a curve of so many is cut, so that straight lines are as near to it as `near`.
+fn pieces([_, _, c2, c3]: [Vec3; 4], near: f32, spans: usize) -> usize {
+    let most = (MOST_OF_A_CURVE / spans).clamp(1, MOST_PIECES);
     // A chord over 1/n of the span is off by an eighth of the second derivative over n², which is largest at an end.
     let bend = (c2 * 2.0).length().max((c2 * 2.0 + c3 * 6.0).length());
-    (bend / (8.0 * near)).sqrt().ceil().clamp(1.0, MOST_PIECES) as usize
+    ((bend / (8.0 * near)).sqrt().ceil() as usize).clamp(1, most)
 }
 
 /// The part of a polynomial from `t0` to `t1`, as one from 0 to 1.

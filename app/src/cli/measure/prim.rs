@@ -7,7 +7,7 @@
 //! coif's own reading, else that of USD's.
 
 use super::drawn::Drawn;
-use coif_nodes::formats::usd::form::{Basis, Blend, Form, Wrap};
+use coif_nodes::formats::usd::form::{Basis, Blend, Form, Wrap, value};
 use coif_nodes::formats::usd::read::{ReadCurves, ReadPrimvar, ReadValues};
 use coif_nodes::maths::readings::{AGREE, each_span};
 use coif_nodes::maths::spline::{CurveFault, Spline};
@@ -103,7 +103,7 @@ impl<'a> Prim<'a> {
             let again = if self.read.form.is_closed() { 3 } else { 0 };
             let all: Vec<Vec3> = cvs.iter().cycle().take(cvs.len() + again).copied().collect();
             each_span(&all, |k, difference| {
-                if k > 0 && k + 2 < all.len() - 1 {
+                if k > 0 && k + 2 < all.len() {
                     worst = worst.max(difference);
                 }
             });
@@ -145,15 +145,18 @@ impl<'a> Prim<'a> {
     /// Smallest and largest diameter on the curves, cm.
     pub(super) fn widths(&self) -> Option<[f32; 2]> {
         let widths = self.read.widths.as_ref().filter(|w| !w.values.is_empty())?;
-        let column = self.column(&widths.interpolation, &widths.values)?;
         let range = |[lo, hi]: [f32; 2], x: f32| [lo.min(x), hi.max(x)];
         let none = [f32::MAX, f32::MIN];
-        let found = if column.is_of_points() && self.drawn.is_some() {
-            let of_curve = |i| self.range(i).map(move |point| (i, point));
-            let all = (0..self.len()).flat_map(of_curve);
-            all.map(|(i, point)| column.at(i, point)).fold(none, range)
-        } else {
-            widths.values.iter().copied().fold(none, range)
+        let values = &widths.values;
+        let found = match (widths.interpolation.as_str(), &self.drawn) {
+            ("vertex", Some(_)) => {
+                let form = self.read.form;
+                let spans = |i: usize| 0..form.spans(self.own(i).len()).unwrap_or(0);
+                let all = (0..self.len()).flat_map(|i| spans(i).map(move |k| (i, k)));
+                all.flat_map(|(i, k)| extremes(form.span(&values[self.own(i)], k)))
+                    .fold(none, range)
+            }
+            _ => values.iter().copied().fold(none, range),
         };
         (found != none).then_some(found)
     }
@@ -206,6 +209,16 @@ impl<T: Blend> Column<'_, T> {
     pub(super) fn is_of_points(&self) -> bool {
         !matches!(self.how, Spread::All | Spread::Curves)
     }
+}
+
+/// Values of a polynomial over [0, 1] with its smallest and largest among them.
+fn extremes(span: [f32; 4]) -> impl Iterator<Item = f32> {
+    let [_, c1, c2, c3] = span;
+    // Where 3 c3 t² + 2 c2 t + c1 is zero, in a form that no small c3 spoils.
+    let root = (c2 * c2 - 3.0 * c3 * c1).max(0.0).sqrt();
+    let q = -(c2 + root.copysign(c2));
+    let inner = [q / (3.0 * c3), c1 / q].into_iter().filter(|t| *t > 0.0 && *t < 1.0);
+    [0.0, 1.0].into_iter().chain(inner).map(move |t| value(span, t))
 }
 
 /// What `make` gives for each part of `0..n` cut into pieces of `each`, made by as many threads as the machine has, in order.

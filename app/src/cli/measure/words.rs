@@ -1,13 +1,8 @@
 //! What was measured, in words.
 
 use super::super::report::rounded;
-use super::{Measured, NotRead};
+use super::Measured;
 use coif_nodes::formats::usd::form::Form;
-
-/// What was left out of a file.
-pub(super) fn not_read(all: &[NotRead]) -> String {
-    all.iter().map(|what| format!("not read: {}\n", what.in_words())).collect()
-}
 
 pub(super) fn in_words(m: &Measured) -> String {
     let f = |x: f32| rounded(f64::from(x));

@@ -17,6 +17,11 @@ impl Budget {
         Self { left: (32 << 20) + 10 * length as u64 }
     }
 
+    /// For what following arcs takes, which is gone in the end: no file needs so much, however many prims it brings in.
+    pub(super) fn for_arcs(length: usize) -> Self {
+        Self { left: (128 << 20) + 4 * length as u64 }
+    }
+
     /// Adds what another file of so many bytes may take.
     pub(super) fn allow_for_file(&mut self, length: usize) {
         self.left += 10 * length as u64;
@@ -50,7 +55,7 @@ impl Budget {
     /// Appends to a vector, charging for its growth.
     pub(super) fn push<T>(&mut self, values: &mut Vec<T>, value: T) -> Result<(), FormatError> {
         if values.len() == values.capacity() {
-            let more = values.capacity().max(8);
+            let more = values.capacity().max(4);
             self.charge_items::<T>(more as u64)?;
             values.reserve_exact(more);
         }

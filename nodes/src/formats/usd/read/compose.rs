@@ -12,17 +12,17 @@
 use super::super::super::FormatError;
 use super::budget::Budget;
 use super::layers::Layers;
-use super::tree::{Arc, Attribute, Edit, Prim, Specifier, Stage, Target, is_passed_down};
+use super::tree::{Arc, Attribute, Edit, Prim, Specifier, Stage, Target, Value, is_passed_down};
 use super::{LeftOut, Told};
 use std::cmp::Reverse;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How deep prims may lie.
 const MOST_DEPTH: usize = 500;
 /// How many arcs may lead from one to the next.
 const MOST_ARCS: usize = 64;
 /// How many bytes the values of prims may take that are brought in more than once.
-const MOST_COPIED: u64 = 512 << 20;
+const MOST_COPIED: u64 = 256 << 20;
 
 /// What the layers of a stack say of a prim at one path.
 #[derive(Debug)]
@@ -39,19 +39,10 @@ struct Node {
     sets: Vec<String>,
 }
 
-/// Where an attribute of a composed prim comes from: layer, spec, attribute.
-type Source = (usize, usize, usize);
-
-/// An attribute of a composed prim.
-struct Winner {
-    first: Source,
-    value: Option<Source>,
-    interpolation: Option<Source>,
-}
-
-/// The prims of the stage, in the order of the file.
+/// The prims of the stage of a file of so many bytes, in its order.
 pub(super) fn compose(
     layers: &mut Layers,
+    length: usize,
     told: &mut Told,
     budget: &mut Budget,
 ) -> Result<Stage, FormatError> {
@@ -61,7 +52,8 @@ pub(super) fn compose(
         budget,
         stacks: Vec::new(),
         stage: Stage::default(),
-        winners: Vec::new(),
+        sites: Vec::new(),
+        work: Budget::for_arcs(length),
         clock: 0,
         age: 0,
         chain: Vec::new(),
@@ -81,8 +73,10 @@ struct Composer<'a, 'b> {
     /// The layers of each stack, the strongest first; the first is its root.
     stacks: Vec<Vec<usize>>,
     stage: Stage,
-    /// The attributes of each prim of the stage.
-    winners: Vec<Vec<Winner>>,
+    /// The layers and specs that speak of each prim of the stage, the strongest first.
+    sites: Vec<Vec<(usize, usize)>>,
+    /// For nodes and names, which are gone when all is composed.
+    work: Budget,
     /// How many prims were followed, those on the way to targets too, and the one that is.
     clock: u64,
     age: u64,
@@ -122,9 +116,8 @@ impl Composer<'_, '_> {
             self.age = self.clock;
             self.arcs(&mut node, here)?;
             self.variants(&mut node, here)?;
-            let specifier = self.first(&node, |s| {
-                (s.specifier != Specifier::Over).then_some(s.specifier)
-            });
+            let specifier =
+                self.first(&node, |s| (s.specifier != Specifier::Over).then_some(s.specifier));
             let is_active = self.first(&node, |spec| spec.is_active) != Some(false);
             if specifier != Some(Specifier::Def) || !is_active {
                 self.stage.prims.pop();
@@ -160,31 +153,6 @@ impl Composer<'_, '_> {
             (!type_name.is_empty()).then(|| type_name.clone())
         };
         let type_name = sites.iter().find_map(type_of).unwrap_or_default();
-        let mut winners: Vec<Winner> = Vec::new();
-        for (layer, spec) in sites.iter().filter_map(|(layer, spec)| Some((*layer, (*spec)?))) {
-            let own = winners.len();
-            let spec_ = &self.layers.layer(layer).specs[spec];
-            for (at, attribute) in spec_.attributes.iter().enumerate() {
-                if type_name != "BasisCurves" && !is_passed_down(&attribute.name) {
-                    continue;
-                }
-                let source = (layer, spec, at);
-                let is_same = |w: &Winner| self.attribute(w.first).name == attribute.name;
-                // A layer does not say the same twice.
-                let at = winners[..own].iter().position(is_same).unwrap_or_else(|| {
-                    winners.push(Winner { first: source, value: None, interpolation: None });
-                    winners.len() - 1
-                });
-                let winner = &mut winners[at];
-                if winner.value.is_none() && (attribute.value.is_some() || attribute.is_blocked) {
-                    winner.value = Some(source);
-                }
-                if winner.interpolation.is_none() && attribute.interpolation.is_some() {
-                    winner.interpolation = Some(source);
-                }
-            }
-            self.budget.charge_items::<Winner>((winners.len() - own) as u64)?;
-        }
         if self.first(node, |spec| spec.has_clips.then_some(())).is_some() {
             let reason = "values that lie in clips are not read".to_owned();
             self.leave_out(here, "clips", &Target::default(), reason)?;
@@ -199,39 +167,68 @@ impl Composer<'_, '_> {
             self.leave_out(here, &type_name, &Target::default(), reason.to_owned())?;
         }
         self.stage.prims[here].type_name = self.budget.text(&type_name)?;
-        self.budget.push(&mut self.winners, winners)?;
+        let sites: Vec<_> =
+            sites.iter().filter_map(|(layer, spec)| Some((*layer, (*spec)?))).collect();
+        for (layer, spec) in &sites {
+            self.layers.layer_mut(*layer).specs[*spec].uses += 1;
+        }
+        self.budget.charge_items::<(usize, usize)>(sites.len() as u64)?;
+        self.budget.push(&mut self.sites, sites)?;
         Ok(!is_instancer)
     }
 
-    /// Takes or copies the values that the prims of the stage have.
+    /// Takes the values that the prims of the stage have, or copies them where others have them too.
     fn values(&mut self) -> Done {
-        for (layer, spec, at) in self.winners.iter().flatten().filter_map(|winner| winner.value) {
-            self.layers.layer_mut(layer).specs[spec].attributes[at].uses += 1;
-        }
         let mut copied = 0;
-        for (here, winners) in std::mem::take(&mut self.winners).into_iter().enumerate() {
-            let mut attributes = Vec::with_capacity(winners.len());
-            let mut is_too_much = false;
-            for winner in winners {
-                let interpolation =
-                    winner.interpolation.and_then(|at| self.attribute(at).interpolation.clone());
-                let of = winner.value.unwrap_or(winner.first);
-                let source = &mut self.layers.layer_mut(of.0).specs[of.1].attributes[of.2];
-                source.uses = source.uses.saturating_sub(1);
-                let value = if source.uses == 0 && winner.value.is_some() {
-                    source.value.take()
-                } else {
-                    copied += source.value.as_ref().map_or(0, |value| value.bytes());
-                    is_too_much |= copied > MOST_COPIED;
-                    source.value.clone().filter(|_| !is_too_much)
-                };
-                let (name, type_name) = (source.name.clone(), source.type_name.clone());
-                self.budget.charge((name.len() + type_name.len()) as u64)?;
-                let rest = Attribute::default();
-                attributes.push(Attribute { name, type_name, interpolation, value, ..rest });
+        for (here, sites) in std::mem::take(&mut self.sites).into_iter().enumerate() {
+            let is_curves = self.stage.prims[here].type_name == "BasisCurves";
+            let mut attributes: Vec<Attribute> = Vec::new();
+            let mut own_copies = 0;
+            for (layer, spec) in sites {
+                let spec = &mut self.layers.layer_mut(layer).specs[spec];
+                spec.uses = spec.uses.saturating_sub(1);
+                if spec.uses == 0 && attributes.is_empty() {
+                    attributes = std::mem::take(&mut spec.attributes);
+                    continue;
+                }
+                // A layer does not say the same twice.
+                let known: BTreeMap<String, usize> =
+                    attributes.iter().enumerate().map(|(at, a)| (a.name.clone(), at)).collect();
+                for weaker in &spec.attributes {
+                    if !is_curves && !is_passed_down(&weaker.name) {
+                        continue;
+                    }
+                    let own = match known.get(&weaker.name) {
+                        Some(own) => *own,
+                        None => {
+                            let (name, type_name) = (weaker.name.clone(), weaker.type_name.clone());
+                            self.budget.charge((name.len() + type_name.len()) as u64)?;
+                            let new = Attribute { name, type_name, ..Attribute::default() };
+                            self.budget.push(&mut attributes, new)?;
+                            attributes.len() - 1
+                        }
+                    };
+                    let own = &mut attributes[own];
+                    if own.interpolation.is_none() {
+                        own.interpolation.clone_from(&weaker.interpolation);
+                    }
+                    if own.value.is_none() && !own.is_blocked {
+                        own.is_blocked = weaker.is_blocked;
+                        if is_curves {
+                            own_copies += weaker.value.as_ref().map_or(0, Value::bytes);
+                        }
+                        if copied + own_copies <= MOST_COPIED {
+                            own.value.clone_from(&weaker.value);
+                        }
+                    }
+                }
+                if spec.uses == 0 {
+                    spec.attributes = Vec::new();
+                }
             }
-            self.budget.charge_items::<Attribute>(attributes.len() as u64)?;
-            if is_too_much {
+            if copied + own_copies <= MOST_COPIED {
+                copied += own_copies;
+            } else {
                 let megabytes = MOST_COPIED >> 20;
                 let reason =
                     format!("copies of referenced curves would take more than {megabytes} MiB");
@@ -244,10 +241,6 @@ impl Composer<'_, '_> {
         Ok(())
     }
 
-    fn attribute(&self, (layer, spec, at): Source) -> &Attribute {
-        &self.layers.layer(layer).specs[spec].attributes[at]
-    }
-
     // ---- nodes -------------------------------------------------------------------------------
 
     fn node(
@@ -256,8 +249,8 @@ impl Composer<'_, '_> {
         stack: usize,
         sites: Vec<(usize, usize)>,
     ) -> Result<Node, FormatError> {
-        self.budget.charge_items::<Node>(1)?;
-        self.budget.charge_items::<(usize, usize)>(sites.len() as u64)?;
+        self.work.charge_items::<Node>(1)?;
+        self.work.charge_items::<(usize, usize)>(sites.len() as u64)?;
         Ok(Node { arc, age: self.age, stack, sites, nodes: Vec::new(), sets: Vec::new() })
     }
 
@@ -286,9 +279,9 @@ impl Composer<'_, '_> {
             let children = spec.map_or(&layer.roots, |spec| &layer.specs[spec].children);
             for child in children {
                 let name = &layer.specs[*child as usize].name;
-                self.budget.charge(2 * name.len() as u64 + 64)?;
+                self.work.charge(2 * name.len() as u64 + 64)?;
                 if layer.child(*spec, name) != Some(*child as usize) {
-                    let path = layer.path(*child as usize, self.budget)?;
+                    let path = layer.path(*child as usize, &mut self.work)?;
                     let (kind, asset) = ("prim".to_owned(), String::new());
                     let reason = "its layer has it twice; the first counts".to_owned();
                     self.told.leave_out(LeftOut { path, kind, asset, reason, is_broken: true });
@@ -301,11 +294,7 @@ impl Composer<'_, '_> {
         Ok(names)
     }
 
-    fn sites_below(
-        &self,
-        sites: &[(usize, Option<usize>)],
-        name: &str,
-    ) -> Vec<(usize, usize)> {
+    fn sites_below(&self, sites: &[(usize, Option<usize>)], name: &str) -> Vec<(usize, usize)> {
         let child = |(layer, spec): &(usize, Option<usize>)| {
             Some((*layer, self.layers.layer(*layer).child(*spec, name)?))
         };
@@ -338,7 +327,7 @@ impl Composer<'_, '_> {
         }
         let linked = match node.sites.first() {
             Some((layer, spec)) => {
-                let path = self.layers.layer(*layer).path(*spec, self.budget)?;
+                let path = self.layers.layer(*layer).path(*spec, &mut self.work)?;
                 self.chain.push((node.stack, path));
                 true
             }
@@ -374,7 +363,7 @@ impl Composer<'_, '_> {
                     targets.clone().map(|t| (t.asset.as_str(), t.path.as_str())).collect();
                 let is_known = |target: &Target| known.contains(&(&*target.asset, &*target.path));
                 let bytes = |target: &Target| (target.asset.len() + target.path.len() + 128) as u64;
-                self.budget.charge(targets.clone().map(bytes).sum())?;
+                self.work.charge(targets.clone().map(bytes).sum())?;
                 let new = targets.map(|target| (*layer, target.clone()));
                 match edit.edit {
                     Edit::Explicit => list = new.collect(),
@@ -418,7 +407,9 @@ impl Composer<'_, '_> {
             let root = self.layers.layer(self.stacks[stack][0]);
             match &root.default_prim {
                 Some(name) => format!("/{}", name.trim_start_matches('/')),
-                None => return Ok(Err("it names no prim, and the layer no defaultPrim".to_owned())),
+                None => {
+                    return Ok(Err("it names no prim, and the layer no defaultPrim".to_owned()));
+                }
             }
         } else {
             target.path.clone()
@@ -483,7 +474,7 @@ impl Composer<'_, '_> {
             let depth = self.chain.len();
             loop {
                 if let Some((layer, spec)) = node.sites.first() {
-                    let path = self.layers.layer(*layer).path(*spec, self.budget)?;
+                    let path = self.layers.layer(*layer).path(*spec, &mut self.work)?;
                     self.chain.push((node.stack, path));
                 }
                 match way.pop() {
@@ -516,7 +507,7 @@ impl Composer<'_, '_> {
                 node.nodes.sort_by_key(|node| (node.arc, Reverse(node.age)));
             }
             self.chain.truncate(depth);
-            self.budget.charge(set.len() as u64 + 32)?;
+            self.work.charge(set.len() as u64 + 32)?;
             node.sets.push(set);
         }
         Ok(())
@@ -565,7 +556,7 @@ impl Composer<'_, '_> {
                 }
             }
         }
-        self.budget.charge_items::<usize>(stack.len() as u64)?;
+        self.work.charge_items::<usize>(stack.len() as u64)?;
         self.stacks.push(stack);
         Ok(self.stacks.len() - 1)
     }
@@ -577,7 +568,7 @@ impl Composer<'_, '_> {
             self.told.more();
             return Ok(());
         }
-        let path = self.stage.path(here, self.budget)?;
+        let path = self.stage.path(here, &mut self.work)?;
         let asset = match (target.asset.as_str(), target.path.as_str()) {
             ("", path) if path.starts_with('/') => format!("<{path}>"),
             ("", path) => path.to_owned(),

@@ -285,7 +285,11 @@ impl<'a, 'b> CrateFile<'a, 'b> {
     }
 
     /// Plain values at the cursor.
-    pub(super) fn pod<T: Pod>(&mut self, cursor: &mut Cursor<'a>, count: u64) -> Result<Vec<T>, FormatError> {
+    pub(super) fn pod<T: Pod>(
+        &mut self,
+        cursor: &mut Cursor<'a>,
+        count: u64,
+    ) -> Result<Vec<T>, FormatError> {
         let bytes = cursor.take(count.saturating_mul(size_of::<T>() as u64))?;
         self.budget.charge(bytes.len() as u64)?;
         let mut values = vec![T::zeroed(); count as usize];

@@ -168,7 +168,9 @@ impl<'a> CurvesPrim<'a> {
         let scale = self.world.width_scale();
         values.iter_mut().for_each(|width| *width = (*width as f64 * scale) as f32);
         match values.iter().position(|width| !width.is_finite()) {
-            Some(index) => left_out(format!("width {index} is {}, no finite number", values[index])),
+            Some(index) => {
+                left_out(format!("width {index} is {}, no finite number", values[index]))
+            }
             None => Ok(Some(ReadWidths { interpolation, values })),
         }
     }

@@ -5,7 +5,7 @@
 //! (`curves`), walked down from the root for transforms, purpose and visibility (`world`), and brought to centimetres with Y up.
 //!
 //! Guaranteed: hostile bytes give an error, never a panic, an endless loop or more memory than 64 MiB + 20 times the length of all
-//! files read, and 512 MiB for curves that are brought in more than once. Sublayers, references, payloads, classes, selected variants
+//! files read, and 256 MiB for curves that are brought in more than once, and half as much for the arcs that do it. Sublayers, references, payloads, classes, selected variants
 //! and instances are followed as far as `compose` says; what is left out is told, and what is wrong with one prim or one curve does
 //! not hide the others. Of animated values the default counts, else the earliest sample.
 
@@ -83,11 +83,7 @@ pub struct ReadCurves {
 ///
 /// # Errors
 /// Damaged bytes with the line or byte, and units that are no length. What is wrong with one prim is told in what is left out.
-pub fn read_stage(
-    bytes: &[u8],
-    file_name: &str,
-    beside: Beside,
-) -> Result<ReadStage, FormatError> {
+pub fn read_stage(bytes: &[u8], file_name: &str, beside: Beside) -> Result<ReadStage, FormatError> {
     let extension = file_name.rsplit_once('.').map_or("", |(_, extension)| extension);
     let known = ["usd", "usda", "usdc", "usdz"];
     if !known.iter().any(|known| extension.eq_ignore_ascii_case(known)) {
@@ -96,7 +92,7 @@ pub fn read_stage(
     let mut budget = budget::Budget::for_file(bytes.len());
     let mut told = Told::default();
     let mut layers = layers::Layers::open(bytes, file_name, beside, &mut budget)?;
-    let stage = compose::compose(&mut layers, &mut told, &mut budget)?;
+    let stage = compose::compose(&mut layers, bytes.len(), &mut told, &mut budget)?;
     gather(stage, told, &mut budget)
 }
 

@@ -46,6 +46,8 @@ pub(super) struct Spec {
     /// Prims below it and its variants, in file order.
     pub(super) children: Vec<u32>,
     pub(super) variants: Vec<u32>,
+    /// How many prims of a stage it speaks of.
+    pub(super) uses: u32,
 }
 
 /// How a prim spec begins.
@@ -127,8 +129,6 @@ pub(super) struct Attribute {
     pub(super) value: Option<Value>,
     /// It is said to have no value, whatever weaker layers say.
     pub(super) is_blocked: bool,
-    /// How many prims of a stage have this value.
-    pub(super) uses: u32,
 }
 
 /// A value or an array; a single value is an array of one.

@@ -158,10 +158,7 @@ fn pick<T: Clone>(
 }
 
 /// Values as primvars have them; `None` for types that curves have no use for.
-fn read_values(
-    value: Value,
-    budget: &mut Budget,
-) -> Result<Option<ReadValues>, FormatError> {
+fn read_values(value: Value, budget: &mut Budget) -> Result<Option<ReadValues>, FormatError> {
     Ok(Some(match value {
         Value::Ints(values) => ReadValues::Int(values),
         Value::Longs(values) => ReadValues::Int64(values),
