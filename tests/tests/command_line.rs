@@ -131,6 +131,45 @@ fn usage_errors_are_exit_2() {
 }
 
 #[test]
+fn measuring_half_a_file_says_which_half() {
+    let folder = Folder::new("measure-half");
+    let hair = "def BasisCurves \"hair\" { uniform token type = \"linear\" int[] curveVertexCounts = [2] \
+                point3f[] points = [(0, 0, 0), (0, 4, 0)] }";
+    let bad =
+        "def BasisCurves \"bad\" { int[] curveVertexCounts = [3] point3f[] points = [(0, 0, 0)] }";
+    let beside = "def \"beside\" (references = @part.usda@</hair>) {}";
+    let gone = "def \"gone\" (references = @gone.usda@</hair>) {}";
+    std::fs::write(folder.path("part.usda"), format!("#usda 1.0\n{hair}")).unwrap();
+    let check = |prims: &[&str], code: i32, measured: usize, said: &str| {
+        let path = folder.path("all.usda").display().to_string();
+        std::fs::write(&path, format!("#usda 1.0\n{}", prims.join("\n"))).unwrap();
+        let (text, json) = (run(["measure", &path]), run(["measure", &path, "--json"]));
+        assert_eq!((text.code, json.code), (code, code), "{}", text.err);
+        let said_text = if measured > 0 { &text.out } else { &text.err };
+        assert!(said_text.contains(said), "{said}: {said_text}");
+        // Broken prims are errors, so they are said there too.
+        assert!(code == 0 || text.err.contains(said), "{said}: {}", text.err);
+        if measured > 0 {
+            let all: Json = serde_json::from_str(&json.out).unwrap();
+            let all = all.as_array().unwrap();
+            assert_eq!(all.len(), measured);
+            let told = serde_json::to_string(&all[0]["left_out"]).unwrap();
+            assert_eq!(told != "[]", !said.is_empty(), "{told}");
+        }
+    };
+    check(&[hair, beside], 0, 2, "");
+    check(
+        &[hair, gone],
+        0,
+        1,
+        "not read: /gone: reference @gone.usda@</hair>: there is no such file",
+    );
+    check(&[hair, bad], 1, 1, "not read: /bad: curves: curveVertexCounts: the curves count 3");
+    check(&[gone], 2, 0, "not read: /gone: reference @gone.usda@</hair>: there is no such file");
+    check(&[bad], 2, 0, "not read: /bad: curves: curveVertexCounts: the curves count 3");
+}
+
+#[test]
 fn the_report_has_the_fields_of_the_contract() {
     let report = eval("start", &[]);
     for field in [

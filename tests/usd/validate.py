@@ -5,8 +5,10 @@
     validate.py pairs A B A B...   `report` of all, and `equal` of each pair
     validate.py control            a stage that must NOT pass; fails if the validators let it
     validate.py write FOLDER       files as OpenUSD writes them, for our reader, with their report
+    validate.py compose FOLDER     what OpenUSD composes of each root.usd in a folder of FOLDER, and all layers
+                                   once more as crate files in a folder NAME_crate beside it
 
-`report`, `pairs` and `write` print one JSON object; every other word goes to stderr. Exit code 0 means that
+`report`, `pairs`, `write` and `compose` print one JSON object; every other word goes to stderr. Exit code 0 means that
 everything held. Arrays are reported by length and SHA-256 of their little-endian bytes.
 """
 
@@ -255,13 +257,13 @@ def transformed_stage(path):
     return stage
 
 
-def world_report(stage):
+def world_report(stage, predicate=Usd.PrimAllPrimsPredicate):
     """Points in centimetres, Y up, and primvars with indices resolved, as numbers."""
     report = {}
     cache = UsdGeom.XformCache(Usd.TimeCode(3.0))
     y_up = Gf.Matrix4d(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1)
     centimetres = Gf.Matrix4d().SetScale(UsdGeom.GetStageMetersPerUnit(stage) * 100)
-    for prim in stage.Traverse(Usd.PrimAllPrimsPredicate):
+    for prim in stage.Traverse(predicate):
         if not prim.IsA(UsdGeom.BasisCurves):
             continue
         curves = UsdGeom.BasisCurves(prim)
@@ -276,7 +278,7 @@ def world_report(stage):
         report[str(prim.GetPath())] = {
             "purpose": UsdGeom.Imageable(prim).ComputePurpose(),
             "counts": list(curves.GetCurveVertexCountsAttr().Get()),
-            "points": flat([tuple(world.Transform(p)) for p in points]),
+            "points": flat([tuple(world.Transform(p)) for p in points]) if points else None,
             "primvars": primvars,
         }
     return report
@@ -299,6 +301,22 @@ def write(folder):
     return True
 
 
+def compose(folder):
+    reports = {}
+    for root in sorted(pathlib.Path(folder).glob("*/root.usd")):
+        if root.parent.name.endswith("_crate"):
+            continue
+        stage = Usd.Stage.Open(str(root))
+        predicate = Usd.TraverseInstanceProxies()
+        reports[root.parent.name] = world_report(stage, predicate)
+        for layer in sorted(root.parent.rglob("*.usd")):
+            copy = root.parent.with_name(root.parent.name + "_crate") / layer.relative_to(root.parent)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            Sdf.Layer.FindOrOpen(str(layer)).Export(str(copy), args={"format": "usdc"})
+    print(json.dumps(reports))
+    return True
+
+
 def main(arguments):
     match arguments:
         case ["report", *files] if files:
@@ -312,6 +330,8 @@ def main(arguments):
             return control()
         case ["write", folder]:
             return write(folder)
+        case ["compose", folder]:
+            return compose(folder)
     print(__doc__, file=sys.stderr)
     return False
 

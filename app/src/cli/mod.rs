@@ -48,6 +48,10 @@ enum Command {
     /// Print the manual of all nodes, or of one
     Nodes(nodes::NodesArgs),
     /// Measure exported strands: the laws of hair, from the file alone
+    ///
+    /// Curves are measured as their type, basis and wrap define them. Sublayers, references, payloads, selected variants and
+    /// instances are followed into files of the same folder, below it, or of the same package; what is not read is said with the
+    /// report. A prim or curve that contradicts itself is named, the others are measured, and the exit code is 1.
     Measure(measure::MeasureArgs),
 }
 

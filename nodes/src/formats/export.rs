@@ -443,7 +443,7 @@ mod tests {
             };
             let mut file = std::io::Cursor::new(vec![]);
             write(Format::Usdc, &[group("one"), group("two")], &[], &about, &mut file).unwrap();
-            let prims = super::super::usd::read::read_curves(&file.into_inner(), "usdc").unwrap();
+            let prims = super::super::usd::read::read_alone(&file.into_inner(), "usdc").unwrap();
             for (name, ty, _) in a::DECLARED.iter().filter(|(name, ..)| *name != WIDTH.name) {
                 let known = file_name(name);
                 let found = |k: usize| prims[k].primvars.iter().find(|p| p.name == known).unwrap();
@@ -480,8 +480,8 @@ mod tests {
             write(format, std::slice::from_ref(group), &[], &about, &mut file).unwrap();
             let bytes = file.into_inner();
             match format {
-                Format::Abc => abc::read_curves(&bytes),
-                _ => super::super::usd::read::read_curves(&bytes, "usd"),
+                Format::Abc => abc::read_curves(&bytes).map_err(|err| err.to_string()),
+                _ => super::super::usd::read::read_alone(&bytes, "usd"),
             }
             .unwrap()
             .remove(0)

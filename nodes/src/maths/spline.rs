@@ -69,12 +69,40 @@ impl Spline {
             return Err(CurveFault::NotFinite);
         }
         span_coefficients(points, &mut self.spans);
+        self.tabulate(1)
+    }
+
+    /// Makes this the chain of these polynomials, `((c3 t + c2) t + c1) t + c0` for t from 0 to 1, each of which goes on where
+    /// the one before ends: curves that are no Catmull-Rom splines.
+    pub fn rebuild_from_spans(
+        &mut self,
+        spans: impl Iterator<Item = [Vec3; 4]>,
+    ) -> Result<(), CurveFault> {
+        self.spans.clear();
+        self.lengths.clear();
+        self.speeds.clear();
+        self.spans.extend(spans);
+        if self.spans.is_empty() {
+            return Err(CurveFault::TooFewPoints);
+        }
+        if self.spans.iter().flatten().any(|c| !c.is_finite()) {
+            return Err(CurveFault::NotFinite);
+        }
+        // Curves by whomever: their spans may bend more than those that coif makes.
+        self.tabulate(4)
+    }
+
+    /// The table of arc lengths, once there are spans; each sub-interval is taken in so many parts.
+    fn tabulate(&mut self, parts: usize) -> Result<(), CurveFault> {
         self.lengths.push(0.0);
         let mut total = 0.0f64;
         for span in &self.spans {
             for sub in 0..SUBS {
                 let (t0, t1) = (sub as f32 / SUBS as f32, (sub + 1) as f32 / SUBS as f32);
-                total += f64::from(arc_length(span, t0, t1));
+                let at = |part: usize| t0 + (t1 - t0) * (part as f32 / parts as f32);
+                for part in 0..parts {
+                    total += f64::from(arc_length(span, at(part), at(part + 1)));
+                }
                 self.lengths.push(total as f32);
                 self.speeds.push((derivative(span, t0).length(), derivative(span, t1).length()));
             }

@@ -10,6 +10,7 @@ use coif_nodes::formats::export::{self, About, Format, Group};
 use coif_nodes::formats::usd::groom::{
     CurveSet, Interpolation, Primvar, PrimvarValues, Stage, UpAxis, Widths,
 };
+use coif_nodes::formats::usd::form::Form;
 use coif_nodes::formats::usd::read::{ReadCurves, ReadValues};
 use coif_nodes::maths::closest::Surface;
 use glam::{Vec2, Vec3};
@@ -85,8 +86,7 @@ fn exported(format: Format, groups: &[Group]) -> Vec<u8> {
 #[track_caller]
 fn check_set(written: &CurveSet, read: &ReadCurves, path: &str) {
     assert_eq!((read.path.as_str(), read.purpose.as_str()), (path, "default"));
-    let kind = [read.curve_type.as_str(), &read.basis, &read.wrap];
-    assert_eq!(kind, ["cubic", "catmullRom", "nonperiodic"]);
+    assert_eq!(read.form, Form::COIF);
     assert!(written.counts.values().map(|&count| count as u32).eq(read.counts.iter().copied()));
     let bits = |points: &mut dyn Iterator<Item = &Vec3>| -> Vec<[u32; 3]> {
         points.map(|p| p.to_array().map(f32::to_bits)).collect()
@@ -272,7 +272,7 @@ fn guides_belong_to_the_hair_of_their_name_or_to_the_first_and_partings_to_usd_a
     expected.push(place(1, 0, "hair"));
     for (format, extension) in [(Format::Usda, "usda"), (Format::Usdc, "usdc")] {
         let bytes = exported(format, &groups);
-        let usd = coif_nodes::formats::usd::read::read_curves(&bytes, extension).unwrap();
+        let usd = super::common::read_curves(&bytes, extension).unwrap();
         assert_eq!(usd.iter().map(of).collect::<Vec<_>>(), expected, "{extension}");
     }
     // Where there is nothing else, partings are what was asked for.

@@ -4,7 +4,7 @@ use coif_nodes::formats::Chunks;
 use coif_nodes::formats::usd::groom::{
     CurveSet, Interpolation, Primvar, PrimvarValues, Purpose, Stage, UpAxis, Widths,
 };
-use coif_nodes::formats::usd::read::ReadValues;
+use coif_nodes::formats::usd::read::{LeftOut, ReadCurves, ReadStage, ReadValues, read_stage};
 use glam::{Vec2, Vec3};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -197,4 +197,20 @@ pub(crate) fn extension(file: &Path) -> &str {
 
 pub(crate) fn file_name(file: &Path) -> &str {
     file.file_name().and_then(|name| name.to_str()).unwrap_or("")
+}
+
+/// What a file says that has nothing beside it.
+pub(crate) fn read_alone(bytes: &[u8], extension: &str) -> Result<ReadStage, String> {
+    let nothing = &mut |_: &str| Err("there is nothing beside it".to_owned());
+    let read = read_stage(bytes, &format!("file.{extension}"), nothing);
+    read.map_err(|error| error.to_string())
+}
+
+/// The curves of such a file, or the first thing that is wrong with it.
+pub(crate) fn read_curves(bytes: &[u8], extension: &str) -> Result<Vec<ReadCurves>, String> {
+    let read = read_alone(bytes, extension)?;
+    match read.left_out.iter().find(|what| what.is_broken) {
+        Some(LeftOut { path, reason, .. }) => Err(format!("{path}.{reason}")),
+        None => Ok(read.curves),
+    }
 }

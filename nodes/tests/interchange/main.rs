@@ -4,4 +4,5 @@ mod alembic;
 mod common;
 mod hair;
 mod openusd;
+mod stage;
 mod usd;

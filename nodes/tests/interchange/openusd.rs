@@ -3,16 +3,16 @@
 //! Needs a Python with usd-core 26.11, named by the variable `COIF_USD_PYTHON`; without it the tests
 //! say so and pass. `tests/usd/validate.py` does OpenUSD's part.
 
-use super::common::{Tufts, both_forms, sample_stage};
+use super::common::{Tufts, both_forms, read_curves, sample_stage};
 use coif_nodes::formats::Chunks;
 use coif_nodes::formats::usd::groom::{CurveSet, PrimvarValues, Widths};
-use coif_nodes::formats::usd::read::{ReadCurves, ReadValues, read_curves};
+use coif_nodes::formats::usd::read::{ReadCurves, ReadValues};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
 /// Runs the script; `None` without OpenUSD.
-fn validate(test: &str, arguments: &[&str]) -> Option<Output> {
+pub(super) fn validate(test: &str, arguments: &[&str]) -> Option<Output> {
     let Ok(python) = std::env::var("COIF_USD_PYTHON") else {
         println!("skipped: {test} needs COIF_USD_PYTHON, a Python with usd-core");
         return None;
@@ -23,14 +23,14 @@ fn validate(test: &str, arguments: &[&str]) -> Option<Output> {
 
 /// Standard output, once the script has succeeded.
 #[track_caller]
-fn passed(output: &Output) -> &str {
+pub(super) fn passed(output: &Output) -> &str {
     let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
     let (out, err) = (text(&output.stdout), text(&output.stderr));
     assert!(output.status.success(), "{err}\n{out}");
     str::from_utf8(&output.stdout).unwrap()
 }
 
-fn folder(name: &str) -> PathBuf {
+pub(super) fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::create_dir_all(&folder).unwrap();
     folder
@@ -166,7 +166,7 @@ fn files_of_openusd_read_as_openusd_reads_them() {
 }
 
 #[track_caller]
-fn check_read(read: &ReadCurves, report: &Value) {
+pub(super) fn check_read(read: &ReadCurves, report: &Value) {
     assert_eq!(report["purpose"], read.purpose);
     assert_eq!(report["counts"], json!(read.counts));
     let coordinates = read.points.iter().flat_map(|point| point.to_array());

@@ -48,7 +48,11 @@ pub(super) fn measure(prim: &Prim) -> Option<Curls> {
     let every = curled.len().div_ceil(MOST);
     let chosen: Vec<usize> = curled.iter().copied().step_by(every).collect();
     let found: Vec<(usize, Curl)> = in_parts(chosen.len(), 50, |part| {
-        let curl = |k: usize| Some((chosen[k], Curl::of(prim.curve(chosen[k]))?));
+        let curl = |k: usize| {
+            let mut spline = Spline::default();
+            prim.spline(chosen[k], &mut spline).ok()?;
+            Some((chosen[k], Curl::of(&spline, prim.curve(chosen[k]).len())?))
+        };
         part.filter_map(curl).collect::<Vec<_>>()
     })
     .concat();
@@ -99,10 +103,10 @@ struct Curl {
 }
 
 impl Curl {
-    fn of(points: &[Vec3]) -> Option<Self> {
-        let spline = Spline::new(points).ok()?;
+    /// Of a hair of so many points.
+    fn of(spline: &Spline, points: usize) -> Option<Self> {
         let length = spline.length();
-        let count = (points.len() * 4).clamp(64, 2048);
+        let count = (points * 4).clamp(64, 2048);
         let mut at = Vec::with_capacity(count);
         spline.resample(count, |p| at.push(p));
         let sums = sums(&at);
@@ -328,6 +332,10 @@ fn turns(at: &[Vec3], axis: &[Vec3], turn: f32) -> (Vec<f32>, bool) {
 mod tests {
     use super::*;
 
+    fn of(points: &[Vec3]) -> Option<Curl> {
+        Curl::of(&Spline::new(points).ok()?, points.len())
+    }
+
     /// `turns` turns of a coil of this diameter and pitch, `per_turn` points each, round an axis that bends. Like a hair it
     /// begins on its axis and leaves it within half a turn.
     fn coil(diameter: f32, pitch: f32, turns: f32, per_turn: f32, bend: f32) -> Vec<Vec3> {
@@ -347,7 +355,7 @@ mod tests {
 
     #[track_caller]
     fn check(points: &[Vec3], diameter: f32, pitch: f32, shrinkage: f32) {
-        let curl = Curl::of(points).unwrap();
+        let curl = of(points).unwrap();
         let near = |found: f32, want: f32| (found / want - 1.0).abs() < 0.03;
         assert!(
             near(curl.diameter, diameter)
@@ -405,7 +413,7 @@ mod tests {
             Vec3::new((turn * std::f32::consts::TAU).sin() * 0.7, -5.0 * turn, 0.0)
         };
         let points: Vec<Vec3> = (0..=100).map(wave).collect();
-        let curl = Curl::of(&points).unwrap();
+        let curl = of(&points).unwrap();
         assert!((curl.diameter / (2.0 * 0.7 / 2f32.sqrt()) - 1.0).abs() < 0.04, "{curl:?}");
         assert!((curl.pitch / 5.0 - 1.0).abs() < 0.04, "{curl:?}");
     }
@@ -418,7 +426,7 @@ mod tests {
             angle += if (k / 60) % 2 == 0 { 0.5 } else { -0.5 };
             points.push(Vec3::new(0.25 * angle.cos(), -0.05 * k as f32, 0.25 * angle.sin()));
         }
-        let curl = Curl::of(&points).unwrap();
+        let curl = of(&points).unwrap();
         let pitch = 0.05 * std::f32::consts::TAU / 0.5;
         assert!((curl.pitch / pitch - 1.0).abs() < 0.06, "{curl:?} {pitch}");
     }
@@ -464,7 +472,7 @@ mod tests {
     #[test]
     fn straight_hair_has_no_curl() {
         let straight: Vec<Vec3> = (0..20).map(|k| Vec3::Y * k as f32).collect();
-        assert!(Curl::of(&straight).is_none());
-        assert!(Curl::of(&[Vec3::ZERO, Vec3::ZERO]).is_none());
+        assert!(of(&straight).is_none());
+        assert!(of(&[Vec3::ZERO, Vec3::ZERO]).is_none());
     }
 }

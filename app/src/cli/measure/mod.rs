@@ -1,14 +1,21 @@
 //! `coif measure`: the laws of hair, measured on an exported file alone (methods.md 0 and 2 to 6).
 //!
-//! What coif promises of its own grooms is measured on whatever is in the file, by whomever it was written: lengths, widths, spacing of
-//! CVs, stable ids, agreement of the two Catmull-Rom readings, braids (word, crossing, how near strands come, hair per
+//! What coif promises of its own grooms is measured on whatever is in the file, by whomever it was written, on the curve that its
+//! type, basis and wrap define: lengths, widths, spacing of CVs, stable ids, agreement of the two Catmull-Rom readings, braids (word, crossing, how near strands come, hair per
 //! stitch), partings that no hair crosses, hair of sections, curls as asked, clean outlines of puffs, hair that passes its tie, and,
 //! with a scalp, roots on the skin and nothing under it. What a file does not tell is not judged: the figure is null and the law is missing.
+//! What was not read of the file is said with every report; a prim or curve that contradicts itself is named, the others are measured,
+//! and the command ends with 1.
 //!
-//! `prim.rs` reads columns, `strands.rs` finds the strands of braids; the other files measure one thing each.
+//! `drawn.rs` finds points on curves, `prim.rs` reads columns, `beside.rs` files that a file names, `strands.rs` finds the strands of braids; the other files measure one thing each.
 
+mod beside;
 mod braids;
+#[cfg(test)]
+mod cases;
 mod curls;
+mod depth;
+mod drawn;
 mod parted;
 mod prim;
 mod puffs;
@@ -24,9 +31,11 @@ use coif_graphs::schedule::files::{DiskFiles, Files};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::Value;
 use coif_nodes::eval::{EvalCx, Log, PlainHost, Quality};
-use coif_nodes::formats::{abc, usd};
+use coif_nodes::formats::abc;
+use coif_nodes::formats::usd::form::Basis;
+use coif_nodes::formats::usd::read::{LeftOut, ReadStage, read_stage};
 use coif_nodes::maths::hash::Key;
-use coif_nodes::maths::readings::{AGREE, readings_differ};
+use coif_nodes::maths::readings::AGREE;
 use coif_nodes::maths::spline::Spline;
 use glam::Vec3;
 use parted::Partings;
@@ -53,6 +62,14 @@ pub(crate) struct MeasureArgs {
 struct Measured {
     path: String,
     purpose: String,
+    /// Neither it nor a prim above is invisible.
+    visible: bool,
+    /// Type, basis and wrap.
+    form: String,
+    /// What was left out of the prim, a sentence each.
+    notes: Vec<String>,
+    /// What was left out of the file, the same with every prim.
+    left_out: Vec<NotRead>,
     curves: usize,
     points: usize,
     points_a_curve: [usize; 2],
@@ -61,12 +78,12 @@ struct Measured {
     /// Smallest and largest diameter, cm.
     width_cm: Option<[f32; 2]>,
     bounds: Option<[[f32; 3]; 2]>,
-    /// Curves of fewer than 2 points or without length.
+    /// Curves without length, or of a number of points that makes none.
     no_curve: usize,
     /// Largest ratio of two neighbouring segments' lengths.
     spacing_ratio: f32,
-    /// Largest distance, cm, between the uniform and the centripetal reading of a curve.
-    reading_difference_cm: f32,
+    /// Largest distance, cm, between the uniform and the centripetal reading of a curve; null where it is no Catmull-Rom spline.
+    reading_difference_cm: Option<f32>,
     /// Curves whose id another curve has too; null where the file has no ids.
     repeated_ids: Option<usize>,
     braids: Option<braids::Braids>,
@@ -75,19 +92,32 @@ struct Measured {
     curls: Option<curls::Curls>,
     puffs: Option<puffs::Puffs>,
     ties: Option<ties::Ties>,
-    scalp: Option<OnScalp>,
+    scalp: Option<depth::OnScalp>,
     /// The laws and whether they hold.
     laws: BTreeMap<&'static str, bool>,
 }
 
-#[derive(Serialize)]
-struct OnScalp {
-    /// Middle and largest distance of a root from the skin, cm.
-    root_distance_cm: [f32; 2],
-    /// Points deeper under the skin than their curve allows (and 0.001 cm of rounding).
-    too_deep: usize,
-    /// The deepest point's depth, cm.
-    deepest_cm: f32,
+/// Something of a file that was not read.
+#[derive(Clone, Serialize)]
+struct NotRead {
+    path: String,
+    kind: String,
+    asset: String,
+    reason: String,
+    /// The file contradicts itself there.
+    broken: bool,
+}
+
+impl NotRead {
+    fn new(what: &LeftOut) -> Self {
+        let LeftOut { path, kind, asset, reason, is_broken } = what.clone();
+        Self { path, kind, asset, reason, broken: is_broken }
+    }
+
+    fn in_words(&self) -> String {
+        let asset = if self.asset.is_empty() { "" } else { " " };
+        format!("{}: {}{asset}{}: {}", self.path, self.kind, self.asset, self.reason)
+    }
 }
 
 /// The most points of a strand (the limit of engines) and of all hair of a file.
@@ -110,29 +140,42 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
         Ok(bytes) => bytes,
         Err(err) => return refuse(&args.file, err.to_string()),
     };
+    let name = args.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mut beside = beside::Folder::of(&args.file);
     let read = match &*extension_of(&args.file) {
-        "abc" => abc::read_curves(&bytes),
-        extension => usd::read::read_curves(&bytes, extension),
+        "abc" => abc::read_curves(&bytes).map(|curves| ReadStage { curves, left_out: vec![] }),
+        _ => read_stage(&bytes, &name, &mut |path| beside.read(path)),
     };
-    let prims = match read {
-        Ok(prims) if prims.is_empty() => {
-            return refuse(&args.file, "there are no curves in it".to_owned());
-        }
-        Ok(prims) => prims,
+    let stage = match read {
+        Ok(stage) => stage,
         Err(err) => return refuse(&args.file, err.to_string()),
     };
+    drop(bytes);
+    let left_out: Vec<NotRead> = stage.left_out.iter().map(NotRead::new).collect();
+    // The report says the rest.
+    for what in left_out.iter().filter(|what| what.broken || stage.curves.is_empty()) {
+        complain(format!("{}: not read: {}", shown(&args.file), what.in_words()));
+    }
+    if stage.curves.is_empty() {
+        let none = if left_out.is_empty() {
+            "there are no curves in it"
+        } else {
+            "there are no curves in it that could be read"
+        };
+        return refuse(&args.file, none.to_owned());
+    }
     let scalp = match args.scalp.as_ref().map(read_scalp).transpose() {
         Ok(scalp) => scalp,
         Err(reason) => return refuse(args.scalp.as_ref().unwrap_or(&args.file), reason),
     };
-    let prims: Vec<Prim> = prims.iter().map(Prim::new).collect();
-    let all = measure(&prims, scalp.as_deref());
+    let all = measure(&stage, scalp.as_deref());
     if args.json {
         print(&serde_json::to_string_pretty(&all).unwrap_or_default());
     } else {
         all.iter().for_each(|m| print(&words::in_words(m)));
+        left_out.iter().for_each(|what| print(&format!("not read: {}", what.in_words())));
     }
-    Exit::Done
+    if left_out.iter().any(|what| what.broken) { Exit::Failed } else { Exit::Done }
 }
 
 /// What `--scalp` takes for the head that is part of the program.
@@ -158,10 +201,13 @@ fn read_scalp(path: &PathBuf) -> Result<Arc<Scalp>, String> {
 const DEEPER: &str = "nothing is deeper under the skin than allowed";
 const ROOTED: &str = "roots lie on the scalp to 0.001 cm";
 
-fn measure(prims: &[Prim], scalp: Option<&Scalp>) -> Vec<Measured> {
-    let partings = Partings::of(prims);
+fn measure(stage: &ReadStage, scalp: Option<&Scalp>) -> Vec<Measured> {
+    let prims: Vec<Prim> = stage.curves.iter().map(Prim::new).collect();
+    let partings = Partings::of(&prims);
     let hair = prims.iter().filter(|p| !p.is_guides()).map(|p| p.read.points.len()).sum();
-    prims.iter().map(|prim| of_prim(prim, partings.as_ref(), hair, scalp)).collect()
+    let left_out: Vec<NotRead> = stage.left_out.iter().map(NotRead::new).collect();
+    let all = prims.iter().map(|prim| of_prim(prim, partings.as_ref(), hair, scalp));
+    all.map(|measured| Measured { left_out: left_out.clone(), ..measured }).collect()
 }
 
 /// Figures of every curve, joined over parts of a prim.
@@ -176,16 +222,17 @@ impl Shapes {
         let parts = in_parts(prim.len(), 500, |part| {
             let mut out = Self { lengths: vec![], spacing: 1.0, difference: 0.0 };
             let mut spline = Spline::default();
-            for points in part.map(|i| prim.curve(i)) {
-                if spline.rebuild(points).is_err() {
+            for i in part {
+                if prim.spline(i, &mut spline).is_err() {
                     continue;
                 }
                 out.lengths.push(spline.length());
-                out.difference = out.difference.max(readings_differ(points));
-                for w in points.windows(3) {
-                    let (a, b) = (w[0].distance(w[1]), w[1].distance(w[2]));
+                out.difference = out.difference.max(prim.readings_differ(i));
+                let mut before = None;
+                prim.each_part(i, &spline, |b| {
+                    let a = before.replace(b).unwrap_or(b);
                     out.spacing = out.spacing.max(a.max(b) / a.min(b).max(1e-9));
-                }
+                });
             }
             out
         });
@@ -209,11 +256,8 @@ fn of_prim(
     let read = prim.read;
     let n = prim.len();
     let shapes = Shapes::of(prim);
-    let low_high = read.points.iter().fold(None, |box_: Option<(Vec3, Vec3)>, p| {
+    let low_high = prim.points().iter().fold(None, |box_: Option<(Vec3, Vec3)>, p| {
         Some(box_.map_or((*p, *p), |(lo, hi)| (lo.min(*p), hi.max(*p))))
-    });
-    let widths = read.widths.as_ref().filter(|w| !w.values.is_empty()).map(|w| {
-        w.values.iter().fold([f32::MAX, f32::MIN], |[lo, hi], x| [lo.min(*x), hi.max(*x)])
     });
     let repeated_ids = prim.whole("id").map(|mut ids| {
         ids.sort_unstable();
@@ -224,15 +268,19 @@ fn of_prim(
     let mut out = Measured {
         path: read.path.clone(),
         purpose: read.purpose.clone(),
+        visible: read.is_visible,
+        form: read.form.to_string(),
+        notes: read.notes.clone(),
+        left_out: vec![],
         curves: n,
         points: read.points.len(),
         points_a_curve: [read.counts.iter().min().copied().unwrap_or(0) as usize, most],
         length_cm: [0.0, 0.5, 1.0].map(|q| prim::quantile(lengths, q)),
-        width_cm: widths,
+        width_cm: prim.widths(),
         bounds: low_high.map(|(lo, hi)| [lo.to_array(), hi.to_array()]),
         no_curve: n - lengths.len(),
         spacing_ratio: shapes.spacing,
-        reading_difference_cm: shapes.difference,
+        reading_difference_cm: (read.form.basis == Basis::CatmullRom).then_some(shapes.difference),
         repeated_ids,
         braids: braids::measure(prim, scalp),
         sections: parted::by_section(prim),
@@ -240,7 +288,7 @@ fn of_prim(
         curls: curls::measure(prim),
         puffs: puffs::measure(prim),
         ties: ties::measure(prim),
-        scalp: scalp.map(|scalp| on_scalp(prim, scalp)),
+        scalp: scalp.map(|scalp| depth::measure(prim, scalp)),
         laws: BTreeMap::new(),
     };
     if !prim.is_guides() {
@@ -265,8 +313,9 @@ impl Measured {
     fn judge(&mut self) {
         let mut laws = std::mem::take(&mut self.laws);
         laws.insert("every curve has two points and a length", self.no_curve == 0);
-        let agree = self.reading_difference_cm <= AGREE;
-        laws.insert("both readings of every curve agree to 0.001 cm", agree);
+        if let Some(difference) = self.reading_difference_cm {
+            laws.insert("both readings of every curve agree to 0.001 cm", difference <= AGREE);
+        }
         if let Some(repeated) = self.repeated_ids {
             laws.insert("ids do not repeat", repeated == 0);
         }
@@ -303,48 +352,10 @@ impl Measured {
     }
 }
 
-fn on_scalp(prim: &Prim, scalp: &Scalp) -> OnScalp {
-    let (surface, skin) = (scalp.surface(), scalp.skin());
-    let allowed = prim.numbers("allow_depth");
-    let fed = prim.whole("fed");
-    let parts = in_parts(prim.len(), 200, |part| {
-        let (mut distances, mut too_deep, mut deepest) = (vec![], 0, 0.0f32);
-        for i in part {
-            let first = prim.range(i).start;
-            for (k, p) in prim.curve(i).iter().enumerate() {
-                // Hair that was fed into a braid has no root.
-                if k == 0 && fed.as_ref().is_none_or(|fed| fed[i] == 0) {
-                    distances.extend(surface.closest(*p).map(|hit| hit.distance));
-                }
-                // The field is quick and may be wrong at creases; what it finds deep is measured exactly.
-                if skin.distance(*p) >= 0.0 {
-                    continue;
-                }
-                let depth = surface.closest(*p).map_or(0.0, |h| -surface.signed_distance(*p, &h));
-                deepest = deepest.max(depth);
-                too_deep += usize::from(depth > allowed.map_or(0.0, |a| a.at(i, first + k)) + 1e-3);
-            }
-        }
-        (distances, too_deep, deepest)
-    });
-    let mut distances = vec![];
-    let (mut too_deep, mut deepest) = (0, 0.0f32);
-    for (some, deep, depth) in parts {
-        distances.extend(some);
-        too_deep += deep;
-        deepest = deepest.max(depth);
-    }
-    distances.sort_by(f32::total_cmp);
-    OnScalp {
-        root_distance_cm: [0.5, 1.0].map(|q| prim::quantile(&distances, q)),
-        too_deep,
-        deepest_cm: deepest,
-    }
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use coif_nodes::formats::usd::form::Form;
     use coif_nodes::formats::usd::read::{ReadCurves, ReadPrimvar, ReadValues};
 
     /// A prim of these curves with these primvars.
@@ -358,11 +369,10 @@ pub(super) mod tests {
         ReadCurves {
             path: "/groom/hair".into(),
             purpose: "default".into(),
+            is_visible: true,
             counts: curves.iter().map(|c| c.len() as u32).collect(),
             points,
-            curve_type: "cubic".into(),
-            basis: "catmullRom".into(),
-            wrap: "pinned".into(),
+            form: Form::COIF,
             widths: None,
             primvars: primvars
                 .iter()
@@ -416,9 +426,13 @@ pub(super) mod tests {
         prim_of(&refs, &primvars)
     }
 
+    fn on(read: &ReadCurves, scalp: Option<&Scalp>) -> Measured {
+        measure(&ReadStage { curves: vec![read.clone()], left_out: vec![] }, scalp).remove(0)
+    }
+
     #[track_caller]
     fn measured(read: &ReadCurves) -> Measured {
-        measure(&[Prim::new(read)], None).remove(0)
+        on(read, None)
     }
 
     #[test]
@@ -496,7 +510,7 @@ pub(super) mod tests {
         let root = scalp.closest_root(Vec3::Y * 20.0).unwrap();
         let hair: &[Vec3] = &[root.point, root.point + root.normal];
         let read = prim_of(&[hair, &[root.point, root.point - root.normal]], &[]);
-        let found = measure(&[Prim::new(&read)], Some(&scalp)).remove(0);
+        let found = on(&read, Some(&scalp));
         assert!(found.laws[ROOTED]);
         assert!(!found.laws[DEEPER]);
         assert_eq!(found.scalp.unwrap().too_deep, 1);
@@ -506,7 +520,7 @@ pub(super) mod tests {
             let tells: Vec<_> =
                 tells.iter().map(|name| (*name, ReadValues::Int(vec![7]))).collect();
             let read = prim_of(&[off], &tells);
-            measure(&[Prim::new(&read)], Some(&scalp)).remove(0).laws.get(ROOTED).copied()
+            on(&read, Some(&scalp)).laws.get(ROOTED).copied()
         };
         assert_eq!(law(&["clumpId"]), None);
         assert_eq!(law(&["clumpId", "skinprim"]), Some(false));

@@ -116,7 +116,8 @@ impl Columns<'_> {
     fn tube(&self, prim: &Prim, curve: usize, count: usize) -> Option<Vec<Option<Section>>> {
         let points = prim.curve(curve);
         let first = prim.range(curve).start;
-        let spline = Spline::new(points).ok()?;
+        let mut spline = Spline::default();
+        prim.spline(curve, &mut spline).ok()?;
         let last = spline.span_count() - 1;
         let along = |k: usize| match self.along {
             Some(along) => along.at(curve, first + k),

@@ -2,6 +2,7 @@
 
 use super::super::report::rounded;
 use super::Measured;
+use coif_nodes::formats::usd::form::Form;
 
 pub(super) fn in_words(m: &Measured) -> String {
     let f = |x: f32| rounded(f64::from(x));
@@ -9,16 +10,25 @@ pub(super) fn in_words(m: &Measured) -> String {
         "{}: {} curves, {} points ({} to {} a curve)\n",
         m.path, m.curves, m.points, m.points_a_curve[0], m.points_a_curve[1]
     );
+    if !m.visible {
+        text += "  invisible: renderers leave it out\n";
+    }
+    if m.purpose != "default" {
+        text += &format!("  purpose {}\n", m.purpose);
+    }
+    if m.form != Form::COIF.to_string() {
+        text += &format!("  {}\n", m.form);
+    }
     let [lo, mid, hi] = m.length_cm.map(f);
     text += &format!("  length {lo} to {hi} cm, middle {mid}\n");
     if let Some([lo, hi]) = m.width_cm {
         text += &format!("  width {lo} to {hi} cm\n");
     }
-    text += &format!(
-        "  neighbouring segments at most {} : 1, readings differ by {} cm\n",
-        f(m.spacing_ratio),
-        m.reading_difference_cm
-    );
+    text += &format!("  neighbouring segments at most {} : 1", f(m.spacing_ratio));
+    text += &match m.reading_difference_cm {
+        Some(difference) => format!(", readings differ by {difference} cm\n"),
+        None => "\n".to_owned(),
+    };
     if let Some(b) = &m.braids {
         let of = if b.tubes { "strands" } else { "strands of hair" };
         text += &format!(
@@ -125,6 +135,9 @@ pub(super) fn in_words(m: &Measured) -> String {
             "  roots {} cm from the scalp (middle), {} at most; {} points too deep, deepest {} cm\n",
             s.root_distance_cm[0], s.root_distance_cm[1], s.too_deep, s.deepest_cm
         );
+    }
+    for note in &m.notes {
+        text += &format!("  note: {note}\n");
     }
     for (law, holds) in &m.laws {
         text += &format!("  {} {law}\n", if *holds { "holds:" } else { "BROKEN:" });

@@ -9,6 +9,7 @@
 //! animation (the first sample counts), instances, and the older container HDF5, which Alembic itself gave up.
 
 use super::super::FormatError;
+use super::super::usd::form::Form;
 use super::super::usd::read::budget::Budget;
 use super::super::usd::read::{ReadCurves, ReadPrimvar, ReadValues, ReadWidths, width_scale};
 use super::ogawa::{DATA, OWN_METADATA};
@@ -392,6 +393,17 @@ fn doubles(bytes: &[u8]) -> Vec<f64> {
     bytes.chunks_exact(8).map(double).collect()
 }
 
+/// The curve that type, wrap and basis make. Alembic has no word for pinned ends; who writes Catmull-Rom there (coif, Blender)
+/// means that curves go from their first point to their last, and it is read so.
+fn form_of(curve_type: &str, wrap: &str, basis: &str) -> Result<Form, String> {
+    let wrap = match (basis, wrap) {
+        ("catmullRom", "nonperiodic") => "pinned",
+        _ => wrap,
+    };
+    let basis = if curve_type == "linear" { "bezier" } else { basis };
+    Form::of(curve_type, basis, wrap).map_err(|(_, reason)| reason)
+}
+
 /// A Curves object while its curves are taken out.
 struct CurvesObject<'a> {
     archive: &'a Archive<'a>,
@@ -439,8 +451,14 @@ impl CurvesObject<'_> {
         }
         let how = values(&self.geom, "curveBasisAndType").map_or(&[][..], |(.., bytes)| bytes);
         let word = |i: usize, words: &[&'static str]| {
-            how.get(i).and_then(|n| words.get(usize::from(*n))).unwrap_or(&words[0]).to_string()
+            *how.get(i).and_then(|n| words.get(usize::from(*n))).unwrap_or(&words[0])
         };
+        let form = form_of(
+            word(0, &["cubic", "linear", "variableOrder"]),
+            word(1, &["nonperiodic", "periodic"]),
+            word(2, &["none", "bezier", "bspline", "catmullRom", "hermite", "power"]),
+        )
+        .map_err(|reason| self.error("curveBasisAndType", reason))?;
         let mut notes = vec![];
         let shape = [1, counts.len(), points.len()];
         let mut widths = None;
@@ -483,11 +501,10 @@ impl CurvesObject<'_> {
         Ok(Some(ReadCurves {
             path: self.path.to_owned(),
             purpose: purpose.into(),
+            is_visible: true,
             counts,
             points,
-            curve_type: word(0, &["cubic", "linear", "variableOrder"]),
-            wrap: word(1, &["nonperiodic", "periodic"]),
-            basis: word(2, &["none", "bezier", "bspline", "catmullRom", "hermite", "power"]),
+            form,
             widths,
             primvars,
             notes,

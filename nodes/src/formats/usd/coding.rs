@@ -48,11 +48,17 @@ pub(super) mod kind {
     pub(crate) const DICTIONARY: u8 = 31;
     pub(crate) const TOKEN_LIST_OP: u8 = 32;
     pub(crate) const PATH_LIST_OP: u8 = 34;
+    pub(crate) const REFERENCE_LIST_OP: u8 = 35;
     pub(crate) const TOKEN_VECTOR: u8 = 41;
     pub(crate) const SPECIFIER: u8 = 42;
     pub(crate) const VARIABILITY: u8 = 44;
+    pub(crate) const VARIANT_SELECTION_MAP: u8 = 45;
     pub(crate) const TIME_SAMPLES: u8 = 46;
+    pub(crate) const ONE_PAYLOAD: u8 = 47;
     pub(crate) const DOUBLE_VECTOR: u8 = 48;
+    pub(crate) const STRING_VECTOR: u8 = 50;
+    pub(crate) const VALUE_BLOCK: u8 = 51;
+    pub(crate) const PAYLOAD_LIST_OP: u8 = 55;
 }
 
 /// Spec numbers of crate files.
@@ -61,6 +67,7 @@ pub(super) mod spec_kind {
     pub(crate) const PRIM: u32 = 6;
     pub(crate) const LAYER: u32 = 7;
     pub(crate) const RELATIONSHIP: u32 = 8;
+    pub(crate) const VARIANT: u32 = 10;
 }
 
 /// The longest input of one LZ4 block, from the LZ4 format.

@@ -1,8 +1,8 @@
 //! How much a reader may allocate for a file: every allocation is charged before it is made.
 //!
-//! **Invariant:** what is charged stays below 32 MiB + 10 times the file. Vectors that grow are
+//! **Invariant:** what is charged stays below 32 MiB + 10 times the files that are read. Vectors that grow are
 //! charged for their capacity; moving one to a larger place takes half as much again for a moment,
-//! which keeps the real peak below 64 MiB + 20 times the file.
+//! which keeps the real peak below 64 MiB + 20 times the files.
 
 use super::super::super::FormatError;
 
@@ -20,6 +20,16 @@ impl Budget {
     /// A budget of so many bytes.
     pub(in crate::formats) fn of(bytes: u64) -> Self {
         Self { left: bytes }
+    }
+
+    /// For what following arcs takes, which is gone in the end: no file needs so much, however many prims it brings in.
+    pub(super) fn for_arcs(length: usize) -> Self {
+        Self { left: (128 << 20) + 4 * length as u64 }
+    }
+
+    /// Adds what another file of so many bytes may take.
+    pub(super) fn allow_for_file(&mut self, length: usize) {
+        self.left += 10 * length as u64;
     }
 
     /// Takes bytes from the budget.
@@ -54,7 +64,7 @@ impl Budget {
         value: T,
     ) -> Result<(), FormatError> {
         if values.len() == values.capacity() {
-            let more = values.capacity().max(8);
+            let more = values.capacity().max(4);
             self.charge_items::<T>(more as u64)?;
             values.reserve_exact(more);
         }

@@ -1,4 +1,4 @@
-//! Decodes crate files (`.usdc`, versions 0.4 and later) into a tree of prims.
+//! Decodes crate files (`.usdc`, versions 0.4 and later) into a layer.
 //!
 //! Every place and count in the file is checked before it is followed, every allocation is charged
 //! to the budget first, and no path or field is visited without being charged, so that sets which
@@ -9,8 +9,8 @@ use super::super::coding::{
     ARRAY, COMPRESSED, INLINED, PAYLOAD, Width, decode_ints, kind, lz4_unpack, spec_kind,
 };
 use super::budget::Budget;
-use super::text::is_arc;
-use super::tree::{Attribute, Prim, Tree, Value, is_wanted};
+use super::text::arc_of;
+use super::tree::{Attribute, Layer, Spec, Specifier, Value, is_wanted};
 use bytemuck::Pod;
 
 /// How crate files begin.
@@ -20,20 +20,20 @@ pub(super) const MAGIC: &[u8] = b"PXR-USDC";
 const LZ4_MAX_RATIO: u64 = 255;
 
 /// Decodes a layer.
-pub(super) fn read(bytes: &[u8], budget: &mut Budget) -> Result<Tree, FormatError> {
+pub(super) fn read(bytes: &[u8], budget: &mut Budget) -> Result<Layer, FormatError> {
     let mut file = CrateFile::open(bytes, budget)?;
-    file.tree()
+    file.layer()
 }
 
 /// Reads forward from a place in the file.
 #[derive(Clone, Copy)]
-struct Cursor<'a> {
-    bytes: &'a [u8],
-    at: usize,
+pub(super) struct Cursor<'a> {
+    pub(super) bytes: &'a [u8],
+    pub(super) at: usize,
 }
 
 impl<'a> Cursor<'a> {
-    fn take(&mut self, length: u64) -> Result<&'a [u8], FormatError> {
+    pub(super) fn take(&mut self, length: u64) -> Result<&'a [u8], FormatError> {
         let start = self.at;
         let end = usize::try_from(length).ok().and_then(|length| start.checked_add(length));
         let taken = end.and_then(|end| self.bytes.get(start..end));
@@ -45,16 +45,16 @@ impl<'a> Cursor<'a> {
         Ok(taken)
     }
 
-    fn number<T: Pod>(&mut self) -> Result<T, FormatError> {
+    pub(super) fn number<T: Pod>(&mut self) -> Result<T, FormatError> {
         Ok(bytemuck::pod_read_unaligned(self.take(size_of::<T>() as u64)?))
     }
 
-    fn u64(&mut self) -> Result<u64, FormatError> {
+    pub(super) fn u64(&mut self) -> Result<u64, FormatError> {
         self.number()
     }
 
     /// Follows a jump that counts from where it stands.
-    fn jump(&mut self) -> Result<(), FormatError> {
+    pub(super) fn jump(&mut self) -> Result<(), FormatError> {
         let start = self.at;
         let distance: i64 = self.number()?;
         let target = (start as i64).checked_add(distance).and_then(|at| usize::try_from(at).ok());
@@ -78,11 +78,11 @@ struct Path {
 /// Stands for no path, spec or prim.
 const NONE: u32 = u32::MAX;
 
-struct CrateFile<'a, 'b> {
+pub(super) struct CrateFile<'a, 'b> {
     bytes: &'a [u8],
-    budget: &'b mut Budget,
+    pub(super) budget: &'b mut Budget,
     /// Minor version; all files so far are 0.x.
-    minor: u8,
+    pub(super) minor: u8,
     token_texts: Vec<u8>,
     /// Start and end of each token in `token_texts`.
     token_ranges: Vec<[u32; 2]>,
@@ -285,7 +285,11 @@ impl<'a, 'b> CrateFile<'a, 'b> {
     }
 
     /// Plain values at the cursor.
-    fn pod<T: Pod>(&mut self, cursor: &mut Cursor<'a>, count: u64) -> Result<Vec<T>, FormatError> {
+    pub(super) fn pod<T: Pod>(
+        &mut self,
+        cursor: &mut Cursor<'a>,
+        count: u64,
+    ) -> Result<Vec<T>, FormatError> {
         let bytes = cursor.take(count.saturating_mul(size_of::<T>() as u64))?;
         self.budget.charge(bytes.len() as u64)?;
         let mut values = vec![T::zeroed(); count as usize];
@@ -293,20 +297,20 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         Ok(values)
     }
 
-    fn token(&self, number: u32) -> Result<&str, FormatError> {
+    pub(super) fn token(&self, number: u32) -> Result<&str, FormatError> {
         let error = || FormatError::at(format!("token {number}"), "missing, or no UTF-8");
         let [start, end] = *self.token_ranges.get(number as usize).ok_or_else(error)?;
         str::from_utf8(&self.token_texts[start as usize..end as usize]).map_err(|_| error())
     }
 
-    fn string(&self, number: u32) -> Result<&str, FormatError> {
+    pub(super) fn string(&self, number: u32) -> Result<&str, FormatError> {
         let error = || FormatError::at(format!("string {number}"), "missing");
         self.token(*self.strings.get(number as usize).ok_or_else(error)?)
     }
 
     // ---- prims -------------------------------------------------------------------------------
 
-    fn tree(&mut self) -> Result<Tree, FormatError> {
+    fn layer(&mut self) -> Result<Layer, FormatError> {
         let count = self.paths.len();
         self.budget.charge_items::<[u32; 2]>(count as u64)?;
         let mut spec_of_path = vec![NONE; count];
@@ -316,7 +320,7 @@ impl<'a, 'b> CrateFile<'a, 'b> {
             }
         }
         let mut prim_of_path = vec![NONE; count];
-        let mut tree = Tree::default();
+        let mut layer = Layer::default();
         for path in std::mem::take(&mut self.path_order) {
             let Some(&[_, set, spec]) = self.specs.get(spec_of_path[path as usize] as usize) else {
                 continue;
@@ -324,19 +328,19 @@ impl<'a, 'b> CrateFile<'a, 'b> {
             let Path { parent, token, is_property } = self.paths[path as usize];
             let owner = prim_of_path.get(parent as usize).copied();
             match (spec, is_property, owner) {
-                (spec_kind::LAYER, _, None) => self.layer(set, &mut tree)?,
-                (spec_kind::PRIM, false, Some(owner)) => {
+                (spec_kind::LAYER, _, None) => self.layer_metadata(set, &mut layer)?,
+                (spec_kind::PRIM | spec_kind::VARIANT, false, Some(owner)) => {
                     let is_root = self.paths[parent as usize].parent == NONE;
-                    if owner == NONE && !is_root {
-                        continue; // Below a variant, which is not followed.
+                    if owner == NONE && (!is_root || spec == spec_kind::VARIANT) {
+                        continue;
                     }
                     let owner = (owner != NONE).then_some(owner as usize);
-                    let prim = self.prim(set, token, owner, &mut tree.has_arcs)?;
-                    prim_of_path[path as usize] = tree.prims.len() as u32;
-                    self.budget.push(&mut tree.prims, prim)?;
+                    let prim = self.spec(set, token, owner, spec == spec_kind::VARIANT)?;
+                    prim_of_path[path as usize] = layer.specs.len() as u32;
+                    self.budget.push(&mut layer.specs, prim)?;
                 }
                 (spec_kind::ATTRIBUTE, true, Some(owner)) if owner != NONE => {
-                    let prim = &mut tree.prims[owner as usize];
+                    let prim = &mut layer.specs[owner as usize];
                     if is_wanted(&prim.type_name, self.token(token)?) {
                         let attribute = self.attribute(set, token)?;
                         self.budget.push(&mut prim.attributes, attribute)?;
@@ -345,7 +349,23 @@ impl<'a, 'b> CrateFile<'a, 'b> {
                 _ => {}
             }
         }
-        Ok(tree)
+        Ok(layer)
+    }
+
+    /// A path as text, without the variants on the way; charged for.
+    pub(super) fn path_text(&mut self, path: u32) -> Result<String, FormatError> {
+        let error = || FormatError::at(format!("path {path}"), "missing");
+        let mut names = Vec::new();
+        let mut next = *self.paths.get(path as usize).ok_or_else(error)?;
+        // Parents come before their children, so this ends.
+        while let Some(parent) = self.paths.get(next.parent as usize).copied() {
+            let name = self.token(next.token)?.to_owned();
+            self.budget.charge(name.len() as u64 + 32)?;
+            names.push(name);
+            next = parent;
+        }
+        let names = names.iter().rev().filter(|name| !name.starts_with('{'));
+        Ok(names.flat_map(|name| ["/", name.as_str()]).collect())
     }
 
     /// The fields of a set: token and value representation. Charged, as sets may overlap.
@@ -358,55 +378,67 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         rest[..length].iter().map(field).collect()
     }
 
-    fn layer(&mut self, set: u32, tree: &mut Tree) -> Result<(), FormatError> {
+    fn layer_metadata(&mut self, set: u32, layer: &mut Layer) -> Result<(), FormatError> {
         for (name, value) in self.fields_of(set)? {
             match self.token(name)? {
                 "metersPerUnit" => {
                     let value = self.value(value)?.map(|value| value.numbers());
-                    tree.meters_per_unit = value.and_then(|numbers| numbers.first().copied());
+                    layer.meters_per_unit = value.and_then(|numbers| numbers.first().copied());
                 }
-                "upAxis" => tree.up_axis = self.text(value)?,
-                "subLayers" => tree.has_arcs = true,
+                "upAxis" => layer.up_axis = self.text(value)?,
+                "defaultPrim" => layer.default_prim = self.text(value)?,
+                "subLayers" => layer.sub_layers = self.sub_layers(value)?,
                 _ => {}
             }
         }
         Ok(())
     }
 
-    fn prim(
+    fn spec(
         &mut self,
         set: u32,
         name: u32,
         parent: Option<usize>,
-        has_arcs: &mut bool,
-    ) -> Result<Prim, FormatError> {
-        const DEF: u64 = 0;
-        let mut prim = Prim {
-            parent,
-            name: self.token(name)?.to_owned(),
-            type_name: String::new(),
-            is_live: false,
-            attributes: Vec::new(),
-        };
-        self.budget.charge(prim.name.len() as u64)?;
-        let mut is_active = true;
+        is_variant: bool,
+    ) -> Result<Spec, FormatError> {
+        let name = self.token(name)?.to_owned();
+        self.budget.charge(name.len() as u64)?;
+        let mut spec = Spec { parent, name, ..Spec::default() };
+        if is_variant {
+            // As in {set=name}.
+            let inner = spec.name.strip_prefix('{').and_then(|name| name.strip_suffix('}'));
+            let (set, name) = inner.and_then(|inner| inner.split_once('=')).unwrap_or_default();
+            (spec.variant_of, spec.name) = (Some(set.to_owned()), name.to_owned());
+        }
         for (name, value) in self.fields_of(set)? {
+            let is_true = Some(value & PAYLOAD != 0);
             match self.token(name)? {
-                "specifier" => prim.is_live = value & PAYLOAD == DEF,
-                "typeName" => prim.type_name = self.text(value)?.unwrap_or_default(),
-                "active" => is_active = value & PAYLOAD != 0,
-                name => *has_arcs |= is_arc(name),
+                "specifier" => {
+                    spec.specifier = match value & PAYLOAD {
+                        0 => Specifier::Def,
+                        1 => Specifier::Over,
+                        _ => Specifier::Class,
+                    }
+                }
+                "typeName" => spec.type_name = self.text(value)?.unwrap_or_default(),
+                "active" => spec.is_active = is_true,
+                "instanceable" => spec.is_instanceable = is_true,
+                "clips" => spec.has_clips = true,
+                "variantSelection" => spec.selections = self.selections(value)?,
+                name => {
+                    if let Some(arc) = arc_of(name) {
+                        spec.arcs.extend(self.arcs(arc, value)?);
+                    }
+                }
             }
         }
-        prim.is_live &= is_active;
-        Ok(prim)
+        Ok(spec)
     }
 
     fn attribute(&mut self, set: u32, name: u32) -> Result<Attribute, FormatError> {
         let name = self.token(name)?.to_owned();
         self.budget.charge(name.len() as u64)?;
-        let mut attribute =
-            Attribute { name, type_name: String::new(), interpolation: None, value: None };
+        let mut attribute = Attribute { name, ..Attribute::default() };
         let (mut default, mut samples) = (None, None);
         for (field, value) in self.fields_of(set)? {
             match self.token(field)? {
@@ -418,7 +450,10 @@ impl<'a, 'b> CrateFile<'a, 'b> {
             }
         }
         attribute.value = match (default, samples) {
-            (Some(value), _) => self.value(value)?,
+            (Some(value), _) => {
+                attribute.is_blocked = (value >> 48) as u8 == kind::VALUE_BLOCK;
+                self.value(value)?
+            }
             (None, Some(samples)) => self.earliest_sample(samples)?,
             (None, None) => None,
         };
@@ -432,7 +467,7 @@ impl<'a, 'b> CrateFile<'a, 'b> {
 
     // ---- values ------------------------------------------------------------------------------
 
-    fn at(&self, value: u64) -> Cursor<'a> {
+    pub(super) fn at(&self, value: u64) -> Cursor<'a> {
         let at = usize::try_from(value & PAYLOAD).unwrap_or(usize::MAX);
         Cursor { bytes: self.bytes, at }
     }
@@ -617,7 +652,7 @@ impl<'a, 'b> CrateFile<'a, 'b> {
     }
 
     /// Copies of texts by number, charged one by one: many may be the same long one.
-    fn copied(
+    pub(super) fn copied(
         &mut self,
         numbers: &[u32],
         text: fn(&Self, u32) -> Result<&str, FormatError>,
@@ -764,7 +799,7 @@ mod tests {
     use super::super::super::super::Chunks;
     use super::super::super::coding::{lz4_pack, pack_ints};
     use super::super::super::groom::{CurveSet, Stage, UpAxis, write_usdc};
-    use super::super::read_curves;
+    use super::super::read_alone;
     use super::*;
     use glam::Vec3;
 
@@ -839,7 +874,7 @@ mod tests {
         for (name, counts, n_columns) in [("PATHS", 2, 3), ("SPECS", 1, 3), ("FIELDSETS", 1, 1)] {
             let sound = columns(&bytes, name, counts, n_columns);
             let rebuilt = with_section(&bytes, name, &section_of(counts, &sound));
-            assert_eq!(read_curves(&rebuilt, "usdc"), read_curves(&bytes, "usdc"));
+            assert_eq!(read_alone(&rebuilt, "usdc"), read_alone(&bytes, "usdc"));
             for _ in 0..300 {
                 let mut columns = sound.clone();
                 let column = &mut columns[below(n_columns)];
@@ -847,7 +882,7 @@ mod tests {
                 let at = below(column.len());
                 column[at] = values[below(values.len())];
                 let changed = with_section(&bytes, name, &section_of(counts, &columns));
-                outcomes[read_curves(&changed, "usdc").is_ok() as usize] += 1;
+                outcomes[read_alone(&changed, "usdc").is_ok() as usize] += 1;
             }
         }
         assert!(outcomes.iter().all(|&count| count > 50), "{outcomes:?}");
@@ -872,7 +907,7 @@ mod tests {
                     section.extend((packed.len() as u64).to_le_bytes());
                     section.extend(packed);
                     let file = with_section(&bytes, "FIELDS", &section);
-                    outcomes[read_curves(&file, "usdc").is_ok() as usize] += 1;
+                    outcomes[read_alone(&file, "usdc").is_ok() as usize] += 1;
                 }
             }
         }
@@ -886,9 +921,9 @@ mod tests {
         let field_sets: Vec<i64> = million.iter().copied().chain([-1]).collect();
         let sets = section_of(1, &[field_sets]);
         let changed = with_section(&bytes, "FIELDSETS", &sets);
-        assert!(read_curves(&changed, "usdc").is_err());
+        assert!(read_alone(&changed, "usdc").is_err());
         let specs = section_of(1, &[million.clone(), million.clone(), million]);
-        assert!(read_curves(&with_section(&bytes, "SPECS", &specs), "usdc").is_err());
+        assert!(read_alone(&with_section(&bytes, "SPECS", &specs), "usdc").is_err());
     }
 
     #[test]

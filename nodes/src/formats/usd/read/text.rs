@@ -1,4 +1,4 @@
-//! Parses `.usda` text into a tree of prims.
+//! Parses `.usda` text into a layer.
 //!
 //! Prims nest on a stack of our own and values that are not wanted are skipped by counting brackets,
 //! so depth is bounded by memory, not by the call stack. Lenient where USD is strict (separators,
@@ -6,7 +6,9 @@
 
 use super::super::super::FormatError;
 use super::budget::Budget;
-use super::tree::{Attribute, Prim, Tree, Value, is_wanted};
+use super::tree::{
+    Arc, Attribute, Edit, Layer, ListEdit, Spec, Specifier, Target, Value, is_wanted,
+};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -15,13 +17,13 @@ use std::str::FromStr;
 pub(super) const MAGIC: &[u8] = b"#usda";
 
 /// Parses a layer.
-pub(super) fn read(bytes: &[u8], budget: &mut Budget) -> Result<Tree, FormatError> {
+pub(super) fn read(bytes: &[u8], budget: &mut Budget) -> Result<Layer, FormatError> {
     let text = str::from_utf8(bytes).map_err(|error| {
         FormatError::at(format!("byte {}", error.valid_up_to()), "the text is no UTF-8")
     })?;
-    let mut parser = Parser { text, at: 0, budget, tree: Tree::default(), open: Vec::new() };
+    let mut parser = Parser { text, at: 0, budget, layer: Layer::default(), open: Vec::new() };
     parser.layer()?;
-    Ok(parser.tree)
+    Ok(parser.layer)
 }
 
 struct Parser<'a, 'b> {
@@ -29,14 +31,16 @@ struct Parser<'a, 'b> {
     /// Byte to be read next.
     at: usize,
     budget: &'b mut Budget,
-    tree: Tree,
+    layer: Layer,
     /// Prims whose `{` is not closed yet.
     open: Vec<OpenPrim<'a>>,
 }
 
 struct OpenPrim<'a> {
-    /// Index in the tree.
-    prim: usize,
+    /// Index in the layer.
+    spec: usize,
+    /// What is open is a set of its variants.
+    variants_of: Option<String>,
     /// Where each attribute is, as several lines may speak of one.
     attributes: BTreeMap<&'a str, KnownAttribute>,
 }
@@ -51,6 +55,8 @@ struct KnownAttribute {
 enum Meta<'a> {
     Text(String),
     Word(&'a str),
+    Targets(Vec<Target>),
+    Selections(Vec<[String; 2]>),
     Other,
 }
 
@@ -241,35 +247,42 @@ impl<'a> Parser<'a, '_> {
                     }
                 }
                 Some(b';') => self.at += 1,
+                Some(_) if self.open.last().is_some_and(|open| open.variants_of.is_some()) => {
+                    self.variant()?;
+                }
                 Some(_) => self.statement()?,
             }
         }
     }
 
     fn layer_metadata(&mut self) -> Done {
-        let (mut meters_per_unit, mut up_axis, mut has_arcs) = (None, None, false);
-        self.metadata(|key, value| match (key, value) {
-            ("metersPerUnit", Meta::Word(word)) => meters_per_unit = word.parse().ok(),
-            ("upAxis", Meta::Text(text)) => up_axis = Some(text),
-            ("subLayers", _) => has_arcs = true,
+        let mut layer = std::mem::take(&mut self.layer);
+        self.metadata(|key, _, value| match (key, value) {
+            ("metersPerUnit", Meta::Word(word)) => layer.meters_per_unit = word.parse().ok(),
+            ("upAxis", Meta::Text(text)) => layer.up_axis = Some(text),
+            ("defaultPrim", Meta::Text(text)) => layer.default_prim = Some(text),
+            ("subLayers", Meta::Targets(targets)) => {
+                layer.sub_layers = targets.into_iter().map(|target| target.asset).collect();
+            }
             _ => {}
         })?;
-        self.tree.meters_per_unit = meters_per_unit;
-        self.tree.up_axis = up_axis;
-        self.tree.has_arcs |= has_arcs;
+        self.layer = layer;
         Ok(())
     }
 
     fn statement(&mut self) -> Done {
         let start = self.at;
         match self.name()? {
-            "def" => self.prim(true),
-            "over" | "class" => self.prim(false),
-            "variantSet" => {
-                self.tree.has_arcs = true;
-                self.quoted()?;
+            "def" => self.prim(Specifier::Def),
+            "over" => self.prim(Specifier::Over),
+            "class" => self.prim(Specifier::Class),
+            "variantSet" if !self.open.is_empty() => {
+                let set = self.string()?;
                 self.expect(b'=')?;
-                self.skip_value()
+                self.expect(b'{')?;
+                let spec = self.open.last().map_or(0, |open| open.spec);
+                let open = OpenPrim { spec, variants_of: Some(set), attributes: BTreeMap::new() };
+                self.budget.push(&mut self.open, open)
             }
             "reorder" => {
                 self.name()?;
@@ -284,36 +297,55 @@ impl<'a> Parser<'a, '_> {
         }
     }
 
-    fn prim(&mut self, is_defined: bool) -> Done {
+    fn prim(&mut self, specifier: Specifier) -> Done {
         self.blank();
         let type_name = match self.peek() {
             Some(b'"' | b'\'') => "",
             _ => self.name()?,
         };
-        let name = self.string()?;
-        let (mut is_active, mut has_arcs) = (true, false);
+        let type_name = self.budget.text(type_name)?;
+        let parent = self.open.last().map(|open| open.spec);
+        self.spec(Spec { parent, type_name, specifier, ..Spec::default() })
+    }
+
+    fn variant(&mut self) -> Done {
+        let Some(OpenPrim { spec, variants_of: Some(set), .. }) = self.open.last() else {
+            return Err(self.error("a variant outside all sets"));
+        };
+        let (parent, set) = (Some(*spec), self.budget.text(set)?);
+        self.spec(Spec { parent, variant_of: Some(set), ..Spec::default() })
+    }
+
+    /// Name, metadata and opening bracket of a prim or variant.
+    fn spec(&mut self, mut spec: Spec) -> Done {
+        spec.name = self.string()?;
         if self.eat(b'(') {
-            self.metadata(|key, value| match (key, value) {
-                ("active", Meta::Word(word)) => is_active = !matches!(word, "false" | "0"),
-                (key, _) => has_arcs |= is_arc(key),
+            let is_true = |word: &str| !matches!(word, "false" | "0");
+            self.metadata(|key, edit, value| match (key, value) {
+                ("active", Meta::Word(word)) => spec.is_active = Some(is_true(word)),
+                ("instanceable", Meta::Word(word)) => spec.is_instanceable = Some(is_true(word)),
+                ("clips", _) => spec.has_clips = true,
+                (_, Meta::Selections(selections)) => spec.selections = selections,
+                (key, Meta::Targets(targets)) => {
+                    if let Some(arc) = arc_of(key) {
+                        spec.arcs.push(ListEdit { arc, edit, targets });
+                    }
+                }
+                _ => {}
             })?;
         }
-        self.tree.has_arcs |= has_arcs;
         self.expect(b'{')?;
-        let prim = Prim {
-            parent: self.open.last().map(|open| open.prim),
-            name,
-            type_name: self.budget.text(type_name)?,
-            is_live: is_defined && is_active,
-            attributes: Vec::new(),
+        let open = OpenPrim {
+            spec: self.layer.specs.len(),
+            variants_of: None,
+            attributes: BTreeMap::new(),
         };
-        let open = OpenPrim { prim: self.tree.prims.len(), attributes: BTreeMap::new() };
-        self.budget.push(&mut self.tree.prims, prim)?;
+        self.budget.push(&mut self.layer.specs, spec)?;
         self.budget.push(&mut self.open, open)
     }
 
-    /// Metadata up to its closing bracket; `visit` gets every key and value.
-    fn metadata(&mut self, mut visit: impl FnMut(&str, Meta)) -> Done {
+    /// Metadata up to its closing bracket; `visit` gets every key, how it edits a list, and the value.
+    fn metadata(&mut self, mut visit: impl FnMut(&str, Edit, Meta)) -> Done {
         loop {
             self.blank();
             match self.peek() {
@@ -333,13 +365,81 @@ impl<'a> Parser<'a, '_> {
                 _ => {}
             }
             let mut key = self.name()?;
-            if is_list_edit(key) {
+            let edit = list_edit(key);
+            if edit.is_some() {
                 key = self.name()?;
             }
             self.expect(b'=')?;
-            let value = self.meta_value()?;
-            visit(key, value);
+            let value = match key {
+                "subLayers" => Meta::Targets(self.targets()?),
+                "variants" => Meta::Selections(self.selections()?),
+                key if arc_of(key).is_some() => Meta::Targets(self.targets()?),
+                _ => self.meta_value()?,
+            };
+            visit(key, edit.unwrap_or(Edit::Explicit), value);
         }
+    }
+
+    /// Assets and paths of references, payloads, classes or sublayers: none, one, or several in square brackets.
+    fn targets(&mut self) -> Result<Vec<Target>, FormatError> {
+        let mut targets = Vec::new();
+        self.blank();
+        if self.text[self.at..].starts_with("None") {
+            self.word();
+            return Ok(targets);
+        }
+        let is_list = self.eat(b'[');
+        while !(is_list && self.eat(b']')) {
+            self.blank();
+            let start = self.at;
+            let mut target = Target::default();
+            if self.peek() == Some(b'@') {
+                let asset = self.asset()?;
+                target.asset = self.budget.text(asset)?;
+                self.take_while(|byte| byte == b' ');
+            }
+            if self.peek() == Some(b'<') {
+                self.at += 1;
+                let path = self.take_while(|byte| byte != b'>' && byte != b'\n');
+                target.path = self.budget.text(path)?;
+                self.expect(b'>')?;
+                self.take_while(|byte| byte == b' ');
+            }
+            if self.at == start {
+                return Err(self.error("expected an asset or a path"));
+            }
+            if self.peek() == Some(b'(') {
+                self.skip_value()?;
+            }
+            self.budget.push(&mut targets, target)?;
+            if !is_list {
+                break;
+            }
+            self.eat(b',');
+        }
+        Ok(targets)
+    }
+
+    /// Sets and names of selected variants.
+    fn selections(&mut self) -> Result<Vec<[String; 2]>, FormatError> {
+        let mut selections = Vec::new();
+        self.expect(b'{')?;
+        while !self.eat(b'}') {
+            self.name()?;
+            self.blank();
+            let set = match self.peek() {
+                Some(b'"' | b'\'') => self.string()?,
+                _ => {
+                    let name = self.name()?;
+                    self.budget.text(name)?
+                }
+            };
+            self.expect(b'=')?;
+            let name = self.string()?;
+            self.budget.push(&mut selections, [set, name])?;
+            while self.eat(b';') || self.eat(b',') {}
+        }
+        Ok(selections)
     }
 
     fn meta_value(&mut self) -> Result<Meta<'a>, FormatError> {
@@ -366,7 +466,7 @@ impl<'a> Parser<'a, '_> {
 
     fn property(&mut self) -> Done {
         let mut type_name = self.name()?;
-        while is_list_edit(type_name)
+        while list_edit(type_name).is_some()
             || matches!(type_name, "custom" | "uniform" | "varying" | "config")
         {
             type_name = self.name()?;
@@ -398,14 +498,14 @@ impl<'a> Parser<'a, '_> {
             self.skip_value()?;
         }
         if self.eat(b'(') {
-            self.metadata(|_, _| {})?;
+            self.metadata(|_, _, _| {})?;
         }
         Ok(())
     }
 
     fn attribute(&mut self, base: &str, is_array: bool, name: &'a str, suffix: &str) -> Done {
-        let prim = self.open.last().map_or(0, |open| open.prim);
-        let is_wanted = is_wanted(&self.tree.prims[prim].type_name, name);
+        let spec = self.open.last().map_or(0, |open| open.spec);
+        let is_wanted = is_wanted(&self.layer.specs[spec].type_name, name);
         let kind = value_type(base).filter(|_| is_wanted);
         let value = match (self.eat(b'='), kind, suffix) {
             (false, _, _) => None,
@@ -418,7 +518,7 @@ impl<'a> Parser<'a, '_> {
         };
         let mut interpolation = None;
         if self.eat(b'(') {
-            self.metadata(|key, value| {
+            self.metadata(|key, _, value| {
                 if let ("interpolation", Meta::Text(text)) = (key, value) {
                     interpolation = Some(text);
                 }
@@ -434,6 +534,7 @@ impl<'a> Parser<'a, '_> {
         // The default counts, wherever it stands.
         let Some(value) = value else { return Ok(()) };
         if suffix == "default" || !*has_default {
+            attribute.is_blocked = value.is_none();
             attribute.value = value;
             *has_default |= suffix == "default";
         }
@@ -450,7 +551,7 @@ impl<'a> Parser<'a, '_> {
         let Some(open) = self.open.last_mut() else {
             return Err(FormatError::at("layer", "an attribute outside all prims"));
         };
-        let attributes = &mut self.tree.prims[open.prim].attributes;
+        let attributes = &mut self.layer.specs[open.spec].attributes;
         if !open.attributes.contains_key(name) {
             self.budget.charge(64)?;
             let known = KnownAttribute { index: attributes.len(), has_default: false };
@@ -459,8 +560,7 @@ impl<'a> Parser<'a, '_> {
             let attribute = Attribute {
                 name: self.budget.text(name)?,
                 type_name: format!("{base}{brackets}"),
-                interpolation: None,
-                value: None,
+                ..Attribute::default()
             };
             self.budget.charge(base.len() as u64 + 2)?;
             self.budget.push(attributes, attribute)?;
@@ -607,14 +707,26 @@ impl<'a> Parser<'a, '_> {
     }
 }
 
-fn is_list_edit(word: &str) -> bool {
-    matches!(word, "add" | "prepend" | "append" | "delete" | "reorder")
+fn list_edit(word: &str) -> Option<Edit> {
+    Some(match word {
+        "add" => Edit::Add,
+        "prepend" => Edit::Prepend,
+        "append" => Edit::Append,
+        "delete" => Edit::Delete,
+        "reorder" => Edit::Reorder,
+        _ => return None,
+    })
 }
 
-/// Metadata of prims that brings in opinions from elsewhere.
-pub(super) fn is_arc(key: &str) -> bool {
-    let arcs = ["references", "payload", "inherits", "inheritPaths", "specializes", "variantSets"];
-    arcs.contains(&key) || key == "variantSetNames"
+/// What metadata of this name brings in.
+pub(super) fn arc_of(key: &str) -> Option<Arc> {
+    Some(match key {
+        "references" => Arc::Reference,
+        "payload" => Arc::Payload,
+        "inherits" | "inheritPaths" => Arc::Inherit,
+        "specializes" => Arc::Specialize,
+        _ => return None,
+    })
 }
 
 /// What a value type holds and how many in a tuple; `None` for types that are skipped.

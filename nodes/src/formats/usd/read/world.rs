@@ -1,11 +1,11 @@
-//! What prims inherit: their transform to the world, their purpose, and whether they exist at all.
+//! What prims inherit: their transform to the world, their purpose, and whether they are visible.
 //!
 //! Matrices here are for column vectors (`world_from_local * local`); USD writes them for row
 //! vectors, which is the same 16 numbers in the same order.
 
 use super::super::super::FormatError;
 use super::budget::Budget;
-use super::tree::{Attribute, Prim, Tree, Value};
+use super::tree::{Attribute, Prim, Stage, Value};
 use glam::{DMat4, DVec3};
 
 /// Most operations in one prim's transform. Maya's pivots need about a dozen; each is searched by
@@ -17,22 +17,22 @@ pub(super) struct World {
     /// Takes the prim's points to centimetres, Y up.
     pub(super) centimetres_from_local: DMat4,
     pub(super) purpose: String,
-    /// The prim and all above it are defined and active.
-    pub(super) is_live: bool,
+    /// Neither the prim nor one above it is invisible.
+    pub(super) is_visible: bool,
     /// The prim, this or above, whose transform is not understood. Only an error where curves are.
     pub(super) fault: Option<usize>,
 }
 
 impl World {
-    /// One for each prim of the tree. `centimetres_from_stage` turns the layer's units and axes.
+    /// One for each prim of the stage. `centimetres_from_stage` turns the layer's units and axes.
     pub(super) fn of_prims(
-        tree: &Tree,
+        stage: &Stage,
         centimetres_from_stage: DMat4,
         budget: &mut Budget,
     ) -> Result<Vec<Self>, FormatError> {
-        budget.charge_items::<Self>(tree.prims.len() as u64)?;
-        let mut worlds: Vec<Self> = Vec::with_capacity(tree.prims.len());
-        for (index, prim) in tree.prims.iter().enumerate() {
+        budget.charge_items::<Self>(stage.prims.len() as u64)?;
+        let mut worlds: Vec<Self> = Vec::with_capacity(stage.prims.len());
+        for (index, prim) in stage.prims.iter().enumerate() {
             let parent = prim.parent.map(|parent| &worlds[parent]);
             let local = Local::of(prim).ok();
             let fault =
@@ -42,11 +42,12 @@ impl World {
                 Some(parent) if !local.resets_stack => parent.centimetres_from_local,
                 _ => centimetres_from_stage,
             };
-            let purpose = own_purpose(prim).or(parent.map(|parent| parent.purpose.as_str()));
+            let purpose = text_of(prim, "purpose").or(parent.map(|parent| parent.purpose.as_str()));
             worlds.push(Self {
                 centimetres_from_local: parent_matrix * local.parent_from_local,
                 purpose: budget.text(purpose.unwrap_or("default"))?,
-                is_live: prim.is_live && parent.is_none_or(|parent| parent.is_live),
+                is_visible: text_of(prim, "visibility") != Some("invisible")
+                    && parent.is_none_or(|parent| parent.is_visible),
                 fault,
             });
         }
@@ -54,10 +55,10 @@ impl World {
     }
 
     /// Refuses curves below a transform that is not understood, with the reason.
-    pub(super) fn check(&self, tree: &Tree, budget: &mut Budget) -> Result<(), FormatError> {
+    pub(super) fn check(&self, stage: &Stage, budget: &mut Budget) -> Result<(), FormatError> {
         let Some(fault) = self.fault else { return Ok(()) };
-        match Local::of(&tree.prims[fault]) {
-            Err(reason) => Err(FormatError::at(tree.path(fault, budget)?, reason)),
+        match Local::of(&stage.prims[fault]) {
+            Err(reason) => Err(FormatError::at(stage.path(fault, budget)?, reason)),
             Ok(_) => Ok(()),
         }
     }
@@ -76,8 +77,8 @@ pub(in crate::formats) fn width_scale(matrix: DMat4) -> f64 {
     libm::cbrt(glam::DMat3::from_mat4(matrix).determinant().abs())
 }
 
-fn own_purpose(prim: &Prim) -> Option<&str> {
-    find(prim, "purpose")?.value.as_ref()?.as_text()
+fn text_of<'p>(prim: &'p Prim, name: &str) -> Option<&'p str> {
+    find(prim, name)?.value.as_ref()?.as_text()
 }
 
 fn find<'a>(prim: &'a Prim, name: &str) -> Option<&'a Attribute> {

@@ -1,0 +1,281 @@
+//! Small files with the right figures, worked out by hand: every basis and wrap, widths of every interpolation, what is wrong or marked.
+
+use super::*;
+use coif_nodes::maths::transcendental::{cos, sin};
+
+/// What is measured of a file of this text.
+#[track_caller]
+fn measured(text: &str) -> Vec<Measured> {
+    let text = format!("#usda 1.0\n{text}");
+    let nothing = &mut |_: &str| Err("there is nothing beside it".to_owned());
+    measure(&read_stage(text.as_bytes(), "file.usda", nothing).unwrap(), None)
+}
+
+/// A prim of one curve: type or basis, wrap, points, and more.
+fn curve(basis: &str, wrap: &str, points: &[[f32; 3]], more: &str) -> String {
+    let kind = match basis {
+        "linear" => "linear\"".to_owned(),
+        basis => format!("cubic\" uniform token basis = \"{basis}\""),
+    };
+    let points: Vec<String> = points.iter().map(|[x, y, z]| format!("({x}, {y}, {z})")).collect();
+    format!(
+        "def BasisCurves \"hair\" {{ uniform token type = \"{kind} uniform token wrap = \"{wrap}\" \
+         int[] curveVertexCounts = [{}] point3f[] points = [{}] {more} }}",
+        points.len(),
+        points.join(", ")
+    )
+}
+
+/// The length, and the box about the curve.
+#[track_caller]
+fn check(basis: &str, wrap: &str, points: &[[f32; 3]], length: f32, low: [f32; 3], high: [f32; 3]) {
+    let found = measured(&curve(basis, wrap, points, "")).remove(0);
+    assert_eq!(found.no_curve, 0);
+    let near = |a: f32, b: f32| (a - b).abs() <= 1e-4 * b.abs().max(1.0);
+    assert!(
+        near(found.length_cm[1], length),
+        "{basis} {wrap}: {} is not {length}",
+        found.length_cm[1]
+    );
+    let [lo, hi] = found.bounds.unwrap();
+    // The box is that of points no farther apart than a thousandth from the curve.
+    let near = |a: [f32; 3], b: [f32; 3]| (0..3).all(|k| (a[k] - b[k]).abs() <= 1.1e-3);
+    assert!(near(lo, low) && near(hi, high), "{basis} {wrap}: {lo:?} {hi:?}");
+}
+
+/// Points up along y, one a centimetre from `from` on.
+fn up(from: f32, n: usize) -> Vec<[f32; 3]> {
+    (0..n).map(|k| [0.0, from + k as f32, 0.0]).collect()
+}
+
+const SQUARE: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// How far the handles of a quarter circle are out: 4/3 (root of 2 - 1).
+const HANDLE: f32 = 0.552_284_8;
+
+#[test]
+fn straight_curves_are_as_long_as_what_is_drawn_of_them() {
+    // Even points on a line: a B-spline runs from a sixth of the way, which is the second point, to the last but one.
+    for basis in ["bspline", "catmullRom"] {
+        check(basis, "nonperiodic", &up(171.5, 5), 2.0, [0.0, 172.5, 0.0], [0.0, 174.5, 0.0]);
+        check(basis, "pinned", &up(171.5, 5), 4.0, [0.0, 171.5, 0.0], [0.0, 175.5, 0.0]);
+        check(basis, "pinned", &up(0.0, 2), 1.0, [0.0; 3], [0.0, 1.0, 0.0]);
+    }
+    for wrap in ["nonperiodic", "pinned"] {
+        check("linear", wrap, &up(0.0, 5), 4.0, [0.0; 3], [0.0, 4.0, 0.0]);
+        check("bezier", wrap, &up(0.0, 7), 6.0, [0.0; 3], [0.0, 6.0, 0.0]);
+    }
+}
+
+#[test]
+fn linear_curves_have_corners() {
+    // Two diagonals of 1 x 1 and two of 2 x 1: 2 (root of 2 + root of 5).
+    let zigzag = [[0.0; 3], [1.0, 1.0, 0.0], [-1.0, 2.0, 0.0], [1.0, 3.0, 0.0], [0.0, 4.0, 0.0]];
+    check("linear", "nonperiodic", &zigzag, 7.300_563, [-1.0, 0.0, 0.0], [1.0, 4.0, 0.0]);
+}
+
+#[test]
+fn a_closed_curve_has_its_closing_segment() {
+    check("linear", "periodic", &SQUARE, 4.0, [0.0; 3], [1.0, 1.0, 0.0]);
+    // A circle of four Bezier quarters, whose last handles lead back to the first point: 2 pi, longer by 1 in 7000.
+    let h = HANDLE;
+    let ring = [
+        [1.0, 0.0, 0.0],
+        [1.0, h, 0.0],
+        [h, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [-h, 1.0, 0.0],
+        [-1.0, h, 0.0],
+        [-1.0, 0.0, 0.0],
+        [-1.0, -h, 0.0],
+        [-h, -1.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [h, -1.0, 0.0],
+        [1.0, -h, 0.0],
+    ];
+    check("bezier", "periodic", &ring, 6.284_07, [-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]);
+    // Of 24 points on a circle, Catmull-Rom goes through them, nearly round. A B-spline lies on a smaller one: at a point it
+    // is (1 + 4 + 1) / 6 of it, with cos 15° for the neighbours: (2 + cos 15°) / 3 = 0.988642.
+    let turn = |k: usize| k as f32 * std::f32::consts::TAU / 24.0;
+    let round: Vec<[f32; 3]> = (0..24).map(|k| [cos(turn(k)), sin(turn(k)), 0.0]).collect();
+    check("catmullRom", "periodic", &round, 6.283_2, [-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]);
+    let r = 0.988_642;
+    check("bspline", "periodic", &round, r * 6.283_185, [-r, -r, 0.0], [r, r, 0.0]);
+}
+
+#[test]
+fn a_bezier_is_measured_on_itself_and_not_through_its_handles() {
+    // A quarter circle: pi / 2, longer by 1 in 7000, within the square that its handles leave.
+    let quarter = [[1.0, 0.0, 0.0], [1.0, HANDLE, 0.0], [HANDLE, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    check("bezier", "nonperiodic", &quarter, 1.571_02, [0.0; 3], [1.0, 1.0, 0.0]);
+    // An arch with its handles straight up from both ends: 3 t (1 - t) 2 high, 1.5 in the middle.
+    let arch = [[0.0; 3], [0.0, 2.0, 0.0], [0.0, 2.0, 0.0], [0.0; 3]];
+    check("bezier", "nonperiodic", &arch, 3.0, [0.0; 3], [0.0, 1.5, 0.0]);
+}
+
+#[test]
+fn only_catmull_rom_curves_have_two_readings() {
+    let law = "both readings of every curve agree to 0.001 cm";
+    let bent = [
+        [0.0; 3],
+        [0.0, 0.1, 0.0],
+        [2.0, 0.1, 0.0],
+        [2.0, 2.0, 0.0],
+        [2.1, 2.0, 0.0],
+        [4.0, 5.0, 1.0],
+        [5.0; 3],
+    ];
+    let check = |basis: &str, wrap: &str, expected: Option<bool>| {
+        let found = measured(&curve(basis, wrap, &bent, "")).remove(0);
+        assert_eq!(found.laws.get(law).copied(), expected, "{basis} {wrap}");
+        assert_eq!(found.reading_difference_cm.is_some(), expected.is_some());
+    };
+    for wrap in ["nonperiodic", "periodic", "pinned"] {
+        check("catmullRom", wrap, Some(false));
+        check("bspline", wrap, None);
+        check("linear", wrap, None);
+    }
+    check("bezier", "nonperiodic", None);
+    // On a straight line both are the same, however uneven its points.
+    let straight =
+        [[0.0; 3], [0.0, 9.0, 0.0], [0.0, 10.0, 0.0], [0.0, 11.0, 0.0], [0.0, 20.0, 0.0]];
+    let found = measured(&curve("catmullRom", "nonperiodic", &straight, "")).remove(0);
+    assert!(found.laws[law]);
+}
+
+#[test]
+fn counts_that_make_no_curve_are_told() {
+    let check = |basis: &str, wrap: &str, n: usize, counts: &str| {
+        let found = measured(&curve(basis, wrap, &up(0.0, n), "")).remove(0);
+        assert_eq!((found.no_curve, found.notes.len()), (1, 1), "{basis} {wrap} {n}");
+        assert!(found.notes[0].contains(counts), "{}", found.notes[0]);
+        assert!(!found.laws["every curve has two points and a length"]);
+        assert_eq!(found.bounds.is_some(), basis == "linear" && n > 0 && wrap != "periodic");
+    };
+    for n in 0..2 {
+        check("linear", "nonperiodic", n, "2 or more");
+    }
+    check("linear", "periodic", 2, "3 or more");
+    for n in [0, 1, 2, 3, 5, 6, 8] {
+        check("bezier", "nonperiodic", n, "4, 7, 10");
+    }
+    check("bezier", "periodic", 4, "3, 6, 9");
+    for n in 0..4 {
+        check("bspline", "nonperiodic", n, "4 or more");
+        check("catmullRom", "nonperiodic", n, "4 or more");
+    }
+}
+
+#[test]
+fn widths_of_every_interpolation_count_and_primvars_win() {
+    let check = |more: &str, expected: Option<[f32; 2]>| {
+        let found = measured(&curve("bspline", "nonperiodic", &up(0.0, 4), more)).remove(0);
+        let near = |a: [f32; 2], b: [f32; 2]| (0..2).all(|k| (a[k] - b[k]).abs() < 1e-6);
+        let same = match (found.width_cm, expected) {
+            (Some(a), Some(b)) => near(a, b),
+            (a, b) => a == b,
+        };
+        assert!(same, "{more}: {:?}", found.width_cm);
+        assert_eq!(
+            found.notes.is_empty(),
+            expected.is_some() || more.is_empty(),
+            "{:?}",
+            found.notes
+        );
+    };
+    let of = |name: &str, values: &str, interpolation: &str| {
+        format!("float[] {name} = [{values}] (interpolation = \"{interpolation}\")")
+    };
+    check("", None);
+    check(&of("widths", "0.5", "constant"), Some([0.5; 2]));
+    check(&of("widths", "0.5", "uniform"), Some([0.5; 2]));
+    // One span: a value at each end.
+    check(&of("widths", "0.5, 0.25", "varying"), Some([0.25, 0.5]));
+    check(&of("widths", "0.5, 0.25", "faceVarying"), Some([0.25, 0.5]));
+    // (0 + 4 * 3 + 3) / 6 at the ends, (0 + 23 * 3 + 23 * 3 + 0) / 48 in the middle.
+    check(&of("widths", "0, 3, 3, 0", "vertex"), Some([2.5, 2.875]));
+    check("float[] widths = [0, 3, 3, 0]", Some([2.5, 2.875]));
+    check(&of("widths", "1, 2, 3", "varying"), None);
+    check(&of("widths", "1, 2, 3", "vertex"), None);
+    check(&of("widths", "1, nan, 3, 4", "vertex"), None);
+    check(&of("primvars:widths", "0.02", "constant"), Some([0.02; 2]));
+    let both = of("primvars:widths", "0.02", "constant") + " " + &of("widths", "0.5", "constant");
+    check(&both, Some([0.02; 2]));
+    let indexed =
+        of("primvars:widths", "0.1, 0.3", "varying") + " int[] primvars:widths:indices = [1, 0]";
+    check(&indexed, Some([0.1, 0.3]));
+}
+
+#[test]
+fn one_bad_curve_or_prim_does_not_hide_the_others() {
+    let two = |points: &str, counts: &str, more: &str| {
+        format!(
+            "def BasisCurves \"two\" {{ uniform token type = \"linear\" int[] curveVertexCounts = [{counts}]
+             point3f[] points = [{points}] {more} }}"
+        )
+    };
+    let good = curve("linear", "pinned", &up(0.0, 3), "");
+    let check = |bad: &str, curves: &[usize], why: &str| {
+        let found = measured(&format!("{good}\n{bad}"));
+        assert_eq!(found.iter().map(|m| m.curves).collect::<Vec<_>>(), curves, "{bad}");
+        let told = &found[0].left_out;
+        assert!(told.len() == 1 && told[0].broken && told[0].path == "/two", "{}", told.len());
+        assert!(told[0].reason.contains(why), "{}", told[0].reason);
+    };
+    let widths = "float[] widths = [1, 2, 3, 4] (interpolation = \"vertex\") \
+                  int[] primvars:id = [7, 8] (interpolation = \"uniform\")";
+    let nan = two("(0, 0, 0), (0, 4, 0), (nan, 0, 0), (1, 4, 0)", "2, 2", widths);
+    check(&nan, &[1, 1], "curve 1 was left out: its point 0 is (NaN, 0, 0)");
+    // Columns lose the values of the curve too.
+    let found = measured(&nan).remove(0);
+    assert_eq!((found.width_cm, found.repeated_ids, found.points), (Some([1.0, 2.0]), Some(0), 2));
+    check(&two("(0, 0, 0), (0, 4, 0)", "3", ""), &[1], "count 3 points, but there are 2");
+    check(&two("(0, 0, 0)", "-1, 2", ""), &[1], "curve 0 has -1 points");
+    check(&two("(0, 0, 0)", "2147483647, 2147483647", ""), &[1], "4294967294 points");
+    check(&two("(0, 0, 0), (0, inf, 0)", "2", ""), &[1], "(0, inf, 0)");
+    check(
+        &two("(0, 0, 0)", "1", "uniform token wrap = \"segmented\""),
+        &[1],
+        "wrap: \"segmented\"",
+    );
+    let moved =
+        "double3 xformOp:translate = (nan, 0, 0) token[] xformOpOrder = [\"xformOp:translate\"]";
+    check(&two("(0, 0, 0)", "1", moved), &[1], "no finite matrix");
+}
+
+#[test]
+fn what_renderers_leave_out_is_marked() {
+    let hair = curve("linear", "pinned", &up(0.0, 3), "");
+    let found = measured(&format!(
+        "def Xform \"old\" {{ token visibility = \"invisible\" {hair} }}
+         def Xform \"guides\" {{ uniform token purpose = \"guide\" {hair} }}
+         def Xform \"now\" {{ token visibility = \"inherited\" {hair} }}"
+    ));
+    let marks: Vec<_> = found.iter().map(|m| (m.visible, m.purpose.as_str())).collect();
+    assert_eq!(marks, [(false, "default"), (true, "guide"), (true, "default")]);
+}
+
+#[test]
+fn what_is_left_out_is_said_with_every_prim() {
+    let hair = curve("linear", "pinned", &up(0.0, 3), "");
+    let found = measured(&format!("{hair} def \"b\" (references = @x.usda@</y>) {{ }}"));
+    let what = &found[0].left_out[0];
+    assert_eq!(what.in_words(), "/b: reference @x.usda@</y>: there is nothing beside it");
+    assert!(!what.broken);
+    let json = serde_json::to_value(&found).unwrap();
+    assert_eq!(json[0]["left_out"][0]["asset"], "@x.usda@</y>");
+}
+
+#[test]
+fn hair_that_dives_between_its_points_is_found() {
+    let scalp = read_scalp(&PathBuf::from(BUILT_IN)).unwrap();
+    let about = scalp.frame().origin;
+    let at = |x: f32| [about.x + x, about.y, about.z];
+    // From one side of the head to the other, straight through it: its middle is deep, its ends are not.
+    let text = curve("linear", "pinned", &[at(-30.0), at(30.0)], "");
+    let text = format!("#usda 1.0\n{text}");
+    let nothing = &mut |_: &str| Err(String::new());
+    let stage = read_stage(text.as_bytes(), "file.usda", nothing).unwrap();
+    let found = measure(&stage, Some(&scalp)).remove(0).scalp.unwrap();
+    assert_eq!(found.too_deep, 1);
+    assert!(found.deepest_cm > 3.0, "{}", found.deepest_cm);
+}
