@@ -625,7 +625,8 @@ mod tests {
         let said = "would make 1000.0 million points (puffs 1 x count 1000000 x points 1000)";
         check("sphere_puff", usual, set, said);
         let (_, guides) = hair(9);
-        let set = vec![("guides", guides), int("count", 2_000_000), int("points", 1024)];
+        let by = ("by", "count".into());
+        let set = vec![("guides", guides), by, int("count", 2_000_000), int("points", 1024)];
         let said = "would make 2048.0 million points (count 2000000 x points 1024)";
         check("interpolate", usual, set, said);
         let set = vec![int("count", 100_000), int("points", 1024)];

@@ -258,13 +258,11 @@ fn row(message: &Message, ui: &mut egui::Ui, out: &mut Vec<Event>) {
                     out.push(Event::Select(Select::Curves(ids)));
                 }
             }
-            if message.too_large {
-                let action = super::actions::by_id("evaluate.allow_large");
-                for action in action.into_iter() {
-                    if ui.small_button(action.label).on_hover_text(action.tip).clicked() {
-                        out.push(Event::Act(action.id));
-                    }
-                }
+            let allows = message.too_large.then(|| super::actions::by_id("evaluate.allow_large"));
+            if let Some(action) = allows.flatten()
+                && ui.small_button(action.label).on_hover_text(action.tip).clicked()
+            {
+                out.push(Event::Act(action.id));
             }
             if let (Some(node), Some(input)) = (&message.node, &message.missing) {
                 missing(node, input, ui, out);

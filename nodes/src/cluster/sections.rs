@@ -191,7 +191,7 @@ impl Sections {
 }
 
 /// The radius (cm) by which roots lie, and strands are counted: at the first CV where it holds a strand. A tube that begins in a point
-/// is no empty cluster. Where none does, the root's. `u` tells how far along a CV is.
+/// is no empty cluster. Where none does, the widest. `u` tells how far along a CV is.
 pub(super) fn open_radius(
     tuft: &Tuft,
     curve: usize,
@@ -204,8 +204,9 @@ pub(super) fn open_radius(
         let radius = asked.radius.at(curve, cvs.start + cv, u);
         radius * asked.radius_unit * asked.profile.at(u).max(0.0)
     };
-    let mut radii = (0..cvs.len()).map(at);
-    radii.find(|radius| *radius > asked.least).unwrap_or_else(|| at(0))
+    let radii = (0..cvs.len()).map(at);
+    let open = radii.clone().find(|radius| *radius > asked.least);
+    open.unwrap_or_else(|| radii.fold(0.0, f32::max))
 }
 
 /// Which way cross-sections are flat.
