@@ -2,10 +2,13 @@
 
 pub mod bust;
 pub(crate) mod detour;
+mod face;
+mod find;
 mod fit;
 mod head;
 mod hollow;
 pub(crate) mod lay;
+mod parts;
 pub(crate) mod region;
 mod scalp_projection;
 

@@ -12,6 +12,9 @@ use glam::Vec3;
 /// How deep nodes may lie in nodes. Rigs reach a few dozen; a stack of this height is 140 kB.
 const MOST_DEPTH: usize = 1024;
 
+/// So many nodes that a node lies in may name its mesh.
+const MOST_ABOVE: usize = 4;
+
 /// A mesh at its place.
 #[derive(Debug)]
 pub(super) struct Draw {
@@ -19,6 +22,8 @@ pub(super) struct Draw {
     pub(super) world_from_mesh: Affine,
     /// Of the node, or else of the mesh, or else a number.
     pub(super) name: String,
+    /// The name of the mesh, then those of the nearest nodes that the node lies in; empty where there is none.
+    pub(super) also: Vec<String>,
     pub(super) skinned: bool,
     pub(super) instanced: bool,
     /// The node, for messages.
@@ -95,6 +100,7 @@ pub(super) fn walk(
                     mesh: number,
                     world_from_mesh: Affine::IDENTITY,
                     name: name.map_or_else(|| format!("mesh {number}"), Names::cut),
+                    also: vec![],
                     skinned: false,
                     instanced: false,
                     place,
@@ -167,16 +173,20 @@ impl<'r, 'a> Walk<'r, 'a> {
         }
         let world = world_from_parent.times(&Affine::of_node(node, &place)?);
         if let Some(mesh) = index_or(node, "mesh", &place)? {
-            let name = match name_of(node) {
-                Some(name) => Some(name),
-                None => name_of(self.tables.meshes.item(mesh, &place)?),
-            };
+            let mesh_name = name_of(self.tables.meshes.item(mesh, &place)?);
+            let name = name_of(node).or(mesh_name);
+            let mut also = vec![mesh_name.map_or_else(String::new, Names::cut)];
+            for (above, ..) in self.stack.iter().rev().take(MOST_ABOVE) {
+                let name = name_of(self.tables.nodes.item(*above, &place)?);
+                also.push(name.map_or_else(String::new, Names::cut));
+            }
             // The joints of a skin place it, so its node does not.
             let skinned = node.get("skin").is_some();
             draw(&Draw {
                 mesh,
                 world_from_mesh: if skinned { Affine::IDENTITY } else { world },
                 name: name.map_or_else(|| format!("node {number}"), Names::cut),
+                also,
                 skinned,
                 instanced: extension("EXT_mesh_gpu_instancing").is_some(),
                 place: place.clone(),
