@@ -23,6 +23,8 @@ pub(crate) struct Pieces {
 
 /// So many of the largest pieces are tried.
 const MOST_TRIED: usize = 24;
+/// Without so many of the largest, each by itself, all the others are tried.
+const MOST_WITHOUT: usize = 8;
 /// A head has at least this share of the surface of the largest: of a dressed body it has a tenth, and an eye a fiftieth of it.
 const LEAST_AREA: f64 = 0.025;
 /// So much of the sphere's upper half is covered by a whole cranium.
@@ -69,11 +71,13 @@ impl Found {
     }
 }
 
-/// The head of a mesh, Y up. `check` is called now and then and may stop the work.
+/// The head of a mesh, Y up. Whether it is `likely` that there is one says how much is tried. `check` is called now and then
+/// and may stop the work.
 pub(crate) fn head(
     points: &[Vec3],
     triangles: &[[u32; 3]],
     pieces: &Pieces,
+    likely: bool,
     check: impl Fn() -> Result<(), NodeError>,
 ) -> Result<Found, NodeError> {
     let one = |points: &[Vec3], triangles: &[[u32; 3]]| -> Result<Found, NodeError> {
@@ -102,11 +106,11 @@ pub(crate) fn head(
     }
     // No piece is a head by itself, as where face and skull are two: one may stand in the way of the others.
     let mut best = whole;
-    if best.is_sure() && best.is_bare() {
+    if !likely || (best.is_sure() && best.is_bare()) {
         return Ok(best);
     }
     let before = best.likeness();
-    for piece in tried.clone() {
+    for piece in tried.clone().take(MOST_WITHOUT) {
         check()?;
         let (points, triangles) = pieces.only(points, triangles, |other| other != piece);
         let found = one(&points, &triangles)?;
@@ -140,8 +144,8 @@ impl Pieces {
             v
         }
         let has_area = |t: &&[u32; 3]| {
-            let [a, b, c] = t.map(|v| points[v as usize]);
-            (b - a).cross(c - a) != Vec3::ZERO
+            let [a, b, c] = t.map(|v| points[v as usize].as_dvec3());
+            (b - a).cross(c - a) != DVec3::ZERO
         };
         for [a, b, c] in triangles.iter().filter(has_area) {
             for v in [b, c] {

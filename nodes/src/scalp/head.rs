@@ -5,6 +5,7 @@
 //! head. Any mesh that its reader accepts gives a scalp; one without a cranium keeps its own
 //! coordinates and says so.
 
+use super::axes::{Forward, Up};
 use super::face::{By, FACE};
 use super::find::{self, Found, Pieces};
 use super::fit::{self, Fit};
@@ -97,44 +98,6 @@ choice! {
         Inch = "in",
         /// As many centimetres as scale says.
         Custom = "custom",
-    }
-}
-
-choice! {
-    /// The file's axis that points up.
-    Up {
-        /// Y up, as most files have it.
-        Y = "y",
-        /// Z up.
-        Z = "z",
-        /// X up.
-        X = "x",
-        /// Y down.
-        MinusY = "-y",
-        /// Z down.
-        MinusZ = "-z",
-        /// X down.
-        MinusX = "-x",
-    }
-}
-
-choice! {
-    /// The file's axis that the face looks along.
-    Forward {
-        /// Where the face looks, as found.
-        Auto = "auto",
-        /// Along the file's X.
-        PlusX = "+x",
-        /// Against the file's X.
-        MinusX = "-x",
-        /// Along the file's Y.
-        PlusY = "+y",
-        /// Against the file's Y.
-        MinusY = "-y",
-        /// Along the file's Z.
-        PlusZ = "+z",
-        /// Against the file's Z.
-        MinusZ = "-z",
     }
 }
 
@@ -309,11 +272,11 @@ fn find_head(
     triangles: &[[u32; 3]],
     pieces: &Pieces,
 ) -> Result<(Up, Found), NodeError> {
-    let with = |up: Up| -> Result<Found, NodeError> {
+    let with = |up: Up, likely: bool| -> Result<Found, NodeError> {
         let points: Vec<Vec3> = points.iter().map(|p| up.turned(*p)).collect();
-        find::head(&points, triangles, pieces, || cx.check())
+        find::head(&points, triangles, pieces, likely, || cx.check())
     };
-    let asked = with(inputs.up)?;
+    let asked = with(inputs.up, true)?;
     if asked.is_sure() {
         return Ok((inputs.up, asked));
     }
@@ -323,7 +286,7 @@ fn find_head(
         if inputs.forward.axis().is_some_and(|axis| other.turned(axis).y != 0.0) {
             continue;
         }
-        let found = with(other)?;
+        let found = with(other, false)?;
         let before = best.as_ref().map_or(FACE, Found::likeness);
         if found.is_sure() && found.is_bare() && found.likeness() > before {
             (best, up) = (Some(found), other);
@@ -418,65 +381,6 @@ fn read(file: &FileData) -> Result<Mesh, NodeError> {
     let side = |name: &str| file.sides.get(name).cloned();
     read_mesh(&file.extension, &file.bytes, &side)
         .map_err(|err| NodeError::Refused { file: file.path.clone(), reason: err.to_string() })
-}
-
-impl Up {
-    /// All axes, likeliest first.
-    const ALL: [Self; 6] = [Self::Y, Self::Z, Self::X, Self::MinusY, Self::MinusZ, Self::MinusX];
-
-    /// A point or direction of a file with this axis up, in Y up. The same person in a file with Z up looks along -Y.
-    fn turned(self, p: Vec3) -> Vec3 {
-        match self {
-            Self::Y => p,
-            Self::Z => Vec3::new(p.x, p.z, -p.y),
-            Self::X => Vec3::new(-p.y, p.x, p.z),
-            Self::MinusY => Vec3::new(-p.x, -p.y, p.z),
-            Self::MinusZ => Vec3::new(p.x, -p.z, p.y),
-            Self::MinusX => Vec3::new(p.y, -p.x, p.z),
-        }
-    }
-    fn name(self) -> &'static str {
-        match self {
-            Self::Y => "y",
-            Self::Z => "z",
-            Self::X => "x",
-            Self::MinusY => "-y",
-            Self::MinusZ => "-z",
-            Self::MinusX => "-x",
-        }
-    }
-}
-
-impl Forward {
-    /// The file's axes and their names.
-    const AXES: [(Vec3, &str); 6] = [
-        (Vec3::X, "+x"),
-        (Vec3::NEG_X, "-x"),
-        (Vec3::Y, "+y"),
-        (Vec3::NEG_Y, "-y"),
-        (Vec3::Z, "+z"),
-        (Vec3::NEG_Z, "-z"),
-    ];
-
-    /// The file's axis; none where the face is to be found.
-    fn axis(self) -> Option<Vec3> {
-        Some(match self {
-            Self::Auto => return None,
-            Self::PlusX => Vec3::X,
-            Self::MinusX => Vec3::NEG_X,
-            Self::PlusY => Vec3::Y,
-            Self::MinusY => Vec3::NEG_Y,
-            Self::PlusZ => Vec3::Z,
-            Self::MinusZ => Vec3::NEG_Z,
-        })
-    }
-    /// The name of the file's axis that lies along `way` once the file is turned to Y up.
-    fn name_of(way: Vec3, up: Up) -> &'static str {
-        Self::AXES
-            .into_iter()
-            .find(|(axis, _)| up.turned(*axis) == way)
-            .map_or("", |(_, name)| name)
-    }
 }
 
 /// A number with the sign of the volume that the triangles enclose, seen from the middle of the box.

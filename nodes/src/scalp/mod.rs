@@ -1,5 +1,6 @@
 //! The head: where hair grows, and curves brought to it.
 
+mod axes;
 pub mod bust;
 pub(crate) mod detour;
 mod face;

@@ -10,7 +10,7 @@ use super::find::Pieces;
 use crate::data::mesh::{Mesh, keep};
 use crate::data::scalp::Part;
 use glam::Vec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// So many of the largest pieces have names.
@@ -20,6 +20,8 @@ const MOST_ABOVE: usize = 4;
 /// So many names are told in a message, and so many in a list.
 const MOST_TOLD: usize = 40;
 const MOST_LISTED: usize = 200;
+/// So many names are proposed one by one.
+const FEW: usize = 8;
 /// What stands over more patches of the crown than this is in the way.
 const IN_THE_WAY: u32 = 1;
 /// What holds more than this of the head is proposed only if its name says that it is hair ...
@@ -188,10 +190,32 @@ impl Parts {
             .collect();
         (!proposed.is_empty()).then(|| Proposal {
             told: told(&proposed),
-            value: proposed.iter().map(|name| as_pattern(name)).collect::<Vec<_>>().join(", "),
+            value: self.as_patterns(&proposed).join(", "),
             count: proposed.len(),
             in_the_way,
         })
+    }
+
+    /// Names as patterns: many that differ in their numbers alone become one, where it matches no other.
+    fn as_patterns(&self, names: &[&str]) -> Vec<String> {
+        if names.len() <= FEW {
+            return names.iter().map(|name| as_pattern(name)).collect();
+        }
+        let stem = |name: &&str| name.trim_end_matches(|c: char| !c.is_alphabetic()).to_owned();
+        let stems: BTreeSet<String> = names.iter().map(stem).collect();
+        let is_own = |pattern: &str| {
+            let mut all = self.names.iter().zip(&self.is_proposed);
+            all.all(|(name, proposed)| *proposed || !is_match(pattern, name))
+        };
+        let short = stems.into_iter().filter(|stem| !stem.is_empty()).take(MOST_TOLD);
+        let short: Vec<String> = short.map(|stem| as_pattern(&stem) + "*").collect();
+        let mut patterns: Vec<String> = short.into_iter().filter(|p| is_own(p)).collect();
+        for name in names {
+            if !patterns.iter().any(|pattern| is_match(pattern, name)) {
+                patterns.push(as_pattern(name));
+            }
+        }
+        patterns
     }
 
     /// All names, for messages.
@@ -347,6 +371,20 @@ mod tests {
         }
         // A name with a comma in it is written so that the list does not end there.
         assert!(is_match(&as_pattern("hair, long"), "hair, long"));
+    }
+
+    #[test]
+    fn many_numbered_names_are_proposed_as_one_pattern() {
+        let parts = ["head", "hairy face"].map(str::to_owned).into_iter();
+        let parts = parts.chain((0..20).map(|k| format!("card.{k:03}"))).chain(["hat".to_owned()]);
+        let names: Vec<String> = parts.collect();
+        let is_proposed = names.iter().map(|n| n.starts_with("card") || n == "hat").collect();
+        let none = vec![false; names.len()];
+        let (is_all, is_left_out) = (none.clone(), none);
+        let parts = Parts { names, columns: vec![], is_all, is_left_out, is_proposed };
+        let proposed: Vec<&str> = parts.names[2..].iter().map(String::as_str).collect();
+        assert_eq!(parts.as_patterns(&proposed), ["card*", "hat*"]);
+        assert_eq!(parts.as_patterns(&proposed[19..]), ["card.019", "hat"]);
     }
 
     #[test]
