@@ -304,18 +304,20 @@ fn find_head(
     if asked.fit.is_some_and(|fit| fit.head_like()) {
         return Ok((inputs.up, asked));
     }
-    let off = match asked.fit.filter(|fit| fit.p50.is_finite()) {
-        Some(fit) => {
-            format!("half of it is farther off than {:.0} % of the radius", fit.p50 * 100.0)
-        }
-        None => "no sphere fits there".to_owned(),
+    let up = inputs.up.name();
+    let seen = match asked.fit.filter(|fit| fit.p50.is_finite()) {
+        Some(fit) => format!(
+            "with {up} up half of what lies under the highest point is farther than {:.0} % of the radius from a sphere, of a \
+             head less than {:.0} %",
+            fit.p50 * 100.0,
+            fit::HEAD_LIKE * 100.0
+        ),
+        None => format!("with {up} up no sphere fits what lies under the highest point"),
     };
     cx.warn(format!(
-        "no human cranium was found: under the highest point with {} up a head is a sphere to within {:.0} %, {off}, and \
-         with another axis up there is no head either. So the mesh keeps its own coordinates. If it is an animal or a thing, set fit to none; \
-         if it is a person, set up, or name in leave_out what stands on the head",
-        inputs.up.name(),
-        fit::HEAD_LIKE * 100.0,
+        "no human cranium was found: {seen}; with another axis up no head was found either. So the mesh keeps its own \
+         coordinates. If it is an animal or a thing, set fit to none; if it is a person, set up, or name in leave_out what \
+         stands on the head"
     ));
     Ok((inputs.up, Found::default()))
 }

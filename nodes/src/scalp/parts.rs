@@ -35,6 +35,8 @@ pub(crate) struct Parts {
     columns: Vec<Column>,
     /// Whether all of the mesh goes by a name.
     is_all: Vec<bool>,
+    /// The first name of a piece; those before are the file's.
+    first_piece: usize,
     is_left_out: Vec<bool>,
     is_proposed: Vec<bool>,
 }
@@ -89,11 +91,15 @@ impl Parts {
             column(&mesh.also_of, mesh.also.iter().map(at).collect());
         }
         column(&mesh.material_of, mesh.materials.iter().map(|name| number(name)).collect());
+        let mut of_pieces = vec![];
         if pieces.count() > 1 {
-            let named =
-                (1..=pieces.count().min(MOST_PIECES)).map(|n| number(&format!("piece {n}")));
-            column(&pieces.of, named.collect());
+            of_pieces = (1..=pieces.count().min(MOST_PIECES))
+                .map(|n| number(&format!("piece {n}")))
+                .collect();
         }
+        let first_piece = of_pieces.iter().flatten().min().copied();
+        column(&pieces.of, of_pieces);
+        let first_piece = first_piece.unwrap_or(names.len());
         let count = names.len();
         let mut is_all = vec![false; count];
         for column in &columns {
@@ -105,6 +111,7 @@ impl Parts {
             names,
             columns,
             is_all,
+            first_piece,
             is_left_out: vec![false; count],
             is_proposed: vec![false; count],
         }
@@ -220,7 +227,14 @@ impl Parts {
 
     /// All names, for messages.
     pub(crate) fn told(&self) -> String {
-        told(&self.names)
+        let names = (0..self.names.len()).filter(|i| self.is_worth_telling(*i));
+        told(&names.map(|i| &self.names[i]).collect::<Vec<_>>())
+    }
+
+    /// Whether a name is the file's, or a piece that it names in no better way.
+    fn is_worth_telling(&self, name: usize) -> bool {
+        let has_names = self.is_all[..self.first_piece].iter().any(|all| !all);
+        name < self.first_piece || !has_names || self.is_left_out[name] || self.is_proposed[name]
     }
 
     /// All parts but those that are all of the mesh; those first that are proposed or left out.
@@ -231,7 +245,7 @@ impl Parts {
             is_left_out: self.is_left_out[i],
             is_proposed: self.is_proposed[i],
         };
-        let some = (0..self.names.len()).filter(|i| !self.is_all[*i]);
+        let some = (0..self.names.len()).filter(|i| !self.is_all[*i] && self.is_worth_telling(*i));
         let mut parts: Vec<Part> = some.map(part).collect();
         parts.sort_by_key(|part| !(part.is_left_out || part.is_proposed));
         parts.truncate(MOST_LISTED);
@@ -381,7 +395,8 @@ mod tests {
         let is_proposed = names.iter().map(|n| n.starts_with("card") || n == "hat").collect();
         let none = vec![false; names.len()];
         let (is_all, is_left_out) = (none.clone(), none);
-        let parts = Parts { names, columns: vec![], is_all, is_left_out, is_proposed };
+        let first_piece = names.len();
+        let parts = Parts { names, columns: vec![], is_all, first_piece, is_left_out, is_proposed };
         let proposed: Vec<&str> = parts.names[2..].iter().map(String::as_str).collect();
         assert_eq!(parts.as_patterns(&proposed), ["card*", "hat*"]);
         assert_eq!(parts.as_patterns(&proposed[19..]), ["card.019", "hat"]);

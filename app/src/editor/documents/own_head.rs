@@ -46,6 +46,8 @@ pub(crate) struct OwnHead {
     done: usize,
 }
 
+/// How wide the panel is, in points.
+const WIDTH: f32 = 440.0;
 /// Axes that a face may look along; those that may point up, and what they are called.
 const AXES: [&str; 6] = ["+z", "-z", "+x", "-x", "+y", "-y"];
 const UPS: [(&str, &str); 6] =
@@ -190,6 +192,7 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
         .resizable(false)
         .collapsible(true)
         .show(ctx, |ui| {
+            ui.set_max_width(WIDTH);
             let name = Path::new(&head.path).file_name().unwrap_or_default().to_string_lossy();
             ui.label(format!("{name}: is this how it stands?"));
             found(head, state, ui);
@@ -264,12 +267,12 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
                     "For animals and things: no sphere is fitted, and hair may grow everywhere",
                 );
                 ui.end_row();
-                if !head.parts.is_empty() {
-                    ui.label("Leave out");
-                    leave_out(&head.parts, &mut placing, ui);
-                    ui.end_row();
-                }
             });
+            if !head.parts.is_empty() {
+                ui.separator();
+                ui.label("Leave out what is no head");
+                leave_out(&head.parts, &mut placing, ui);
+            }
             ui.separator();
             ui.horizontal(|ui| {
                 if ui.add(Button::new("Accept")).on_hover_text("The head stays as it is").clicked()
