@@ -13,6 +13,7 @@ use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::Value;
 use coif_nodes::eval::Quality;
+use coif_nodes::formats::usd::read::{ReadCurves, read_stage};
 use coif_shaders::{Gpu, Precision};
 use serde_json::Value as Json;
 use std::path::{Path, PathBuf};
@@ -236,6 +237,19 @@ pub fn run_with<S: AsRef<std::ffi::OsStr>>(
         out: String::from_utf8_lossy(&stdout).into_owned(),
         err: String::from_utf8_lossy(&stderr).into_owned(),
     }
+}
+
+/// The curves of a written USD file, in which nothing may be amiss.
+///
+/// # Panics
+/// When it is not read, or something in it is left out.
+pub fn curves_in(file: &Path) -> Vec<ReadCurves> {
+    let bytes = std::fs::read(file).expect("it was written");
+    let name = file.file_name().expect("a file").to_string_lossy();
+    let nothing = &mut |_: &str| Err("there is nothing beside it".to_owned());
+    let read = read_stage(&bytes, &name, nothing).expect("it is read");
+    assert_eq!(read.left_out, []);
+    read.curves
 }
 
 /// Evaluates a graph and gives the report; it must end well.

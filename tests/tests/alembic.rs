@@ -4,8 +4,8 @@
 
 use coif_graphs::grooms;
 use coif_nodes::formats::abc;
-use coif_nodes::formats::usd::read::{ReadCurves, read_curves};
-use coif_tests::{Folder, eval, lean, repository, run};
+use coif_nodes::formats::usd::read::ReadCurves;
+use coif_tests::{Folder, curves_in, eval, lean, repository, run};
 use glam::Vec3;
 use serde_json::Value as Json;
 use std::path::{Path, PathBuf};
@@ -17,9 +17,8 @@ fn both(name: &str, more: &[&str]) -> (Folder, Vec<ReadCurves>, Vec<ReadCurves>)
     let out = ["usdc", "abc"].map(|ending| folder.path(&format!("groom.{ending}")));
     let files = out.each_ref().map(|path| path.display().to_string());
     eval(name, &[&["--out", &files[0], "--out", &files[1]], more].concat());
-    let read = out.map(|path| std::fs::read(path).unwrap());
-    let usd = read_curves(&read[0], "usdc").unwrap();
-    (folder, usd, abc::read_curves(&read[1]).unwrap())
+    let usd = curves_in(&out[0]);
+    (folder, usd, abc::read_curves(&std::fs::read(&out[1]).unwrap()).unwrap())
 }
 
 /// The last but one part of a path in Alembic, the last in USD: the name that people see.

@@ -26,6 +26,11 @@ pub struct Mesh {
     pub parts: Vec<String>,
     /// Index into `parts` for each triangle; empty when there is one nameless part.
     pub part_of: Vec<u32>,
+    /// For each mesh at its place the other names by which it goes: its own, where the part is named after its node, and those
+    /// of the nodes that it lies in, the nearest first.
+    pub also: Vec<Vec<String>>,
+    /// Index into `also` for each triangle; empty when there are no such names.
+    pub also_of: Vec<u32>,
     /// Painted values, 0 to 1, one for each point (vertex colours as `name.r`, `.g`, `.b`).
     pub masks: BTreeMap<String, Vec<f32>>,
     /// Centimetres per unit where the format states it (glTF: 100).
@@ -71,6 +76,7 @@ impl Mesh {
             ("uv", self.uvs.as_ref().map(Vec::len)),
             ("material", (!self.material_of.is_empty()).then_some(self.material_of.len())),
             ("part", (!self.part_of.is_empty()).then_some(self.part_of.len())),
+            ("mesh", (!self.also_of.is_empty()).then_some(self.also_of.len())),
         ];
         for (what, length) in lengths {
             if length.is_some_and(|length| length != self.triangles.len()) {
@@ -81,5 +87,57 @@ impl Mesh {
             return Err(MeshError::at(format!("mask {name}"), "there is not one value a vertex"));
         }
         Ok(())
+    }
+
+    /// Drops triangles, and points that no other uses. Names stay, also those of which nothing is left.
+    pub fn leave_out(&mut self, gone: &[bool]) {
+        keep(&mut self.triangles, gone);
+        self.uvs.iter_mut().for_each(|uvs| keep(uvs, gone));
+        for of in [&mut self.material_of, &mut self.part_of, &mut self.also_of] {
+            keep(of, gone);
+        }
+        let mut is_unused = vec![true; self.points.len()];
+        self.triangles.iter().flatten().for_each(|v| is_unused[*v as usize] = false);
+        let mut n = 0;
+        let number = |unused: &bool| {
+            n += u32::from(!unused);
+            n.wrapping_sub(1)
+        };
+        let to: Vec<u32> = is_unused.iter().map(number).collect();
+        self.triangles.iter_mut().flatten().for_each(|v| *v = to[*v as usize]);
+        keep(&mut self.points, &is_unused);
+        self.masks.values_mut().for_each(|mask| keep(mask, &is_unused));
+    }
+}
+
+/// Keeps what is not gone; a column that is not there stays so.
+pub(crate) fn keep<T>(column: &mut Vec<T>, gone: &[bool]) {
+    let mut gone = gone.iter();
+    column.retain(|_| !gone.next().copied().unwrap_or(false));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_out_takes_its_points_along_and_leaves_the_rest_as_it_was() {
+        let mut mesh = Mesh {
+            points: (0..5).map(|x| Vec3::X * x as f32).collect(),
+            triangles: vec![[0, 1, 2], [2, 3, 4], [2, 4, 1]],
+            uvs: Some([0.0, 1.0, 2.0].map(|u| [Vec2::X * u; 3]).to_vec()),
+            parts: vec!["a".to_owned(), "b".to_owned()],
+            part_of: vec![0, 1, 1],
+            masks: [("m".to_owned(), vec![0.0, 0.1, 0.2, 0.3, 0.4])].into(),
+            ..Mesh::default()
+        };
+        mesh.leave_out(&[true, false, false]);
+        // Point 0 was the first triangle's alone.
+        assert_eq!(mesh.points, [1.0, 2.0, 3.0, 4.0].map(|x| Vec3::X * x));
+        assert_eq!(mesh.triangles, [[1, 2, 3], [1, 3, 0]]);
+        assert_eq!(mesh.uvs.as_ref().map(|uvs| uvs[0][0].x), Some(1.0));
+        assert_eq!((mesh.part_of.as_slice(), mesh.parts.len()), (&[1, 1][..], 2));
+        assert_eq!(mesh.masks["m"], [0.1, 0.2, 0.3, 0.4]);
+        assert_eq!(mesh.check(), Ok(()));
     }
 }

@@ -79,12 +79,27 @@ pub struct Root {
     pub normal: Vec3,
 }
 
+/// A named part of the mesh that a head was read from, for whoever chooses what is no head.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Name of a node, mesh, group or material, or "piece 2".
+    pub name: String,
+    /// The same as the head node's `leave_out` names it.
+    pub pattern: String,
+    /// Whether it is left out.
+    pub is_left_out: bool,
+    /// Whether it is proposed to be left out: it sounds like hair or stands over the crown.
+    pub is_proposed: bool,
+}
+
 /// A head with everything that nodes ask of it. Parting it ([`Scalp::parted`]) costs nothing: all but the sections is
 /// shared.
 pub struct Scalp {
     key: Key,
     /// For the report only: coordinates are in cm already.
     cm_per_unit: f32,
+    /// For the editor only.
+    parts: Arc<[Part]>,
     head: Arc<Head>,
     sections: Option<Arc<Sections>>,
 }
@@ -133,6 +148,7 @@ impl Scalp {
         Self {
             key: key.finish(),
             cm_per_unit: 1.0,
+            parts: Arc::default(),
             head: Arc::new(Head { surface, uvs, frame, masks, field, chart }),
             sections: None,
         }
@@ -144,6 +160,7 @@ impl Scalp {
         Self {
             key: KeyBuilder::new("parted").key(whole).key(sections.key()).finish(),
             cm_per_unit: self.cm_per_unit,
+            parts: self.parts.clone(),
             head: self.head.clone(),
             sections: Some(sections),
         }
@@ -204,6 +221,16 @@ impl Scalp {
     /// Centimetres in one unit of the mesh file.
     pub fn cm_per_unit(&self) -> f32 {
         self.cm_per_unit
+    }
+
+    /// Notes the named parts of the mesh.
+    pub fn with_parts(mut self, parts: Vec<Part>) -> Self {
+        self.parts = parts.into();
+        self
+    }
+    /// The named parts of the mesh, those first that are or may have to be left out.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
     }
 
     /// Hash of the content.

@@ -251,6 +251,9 @@ struct Total {
 impl Total {
     fn add(&mut self, tables: &Tables, draw: &Draw, budget: &mut Budget) -> Result<(), MeshError> {
         budget.take(&draw.place, Names::memory(draw.name.len()))?;
+        for name in &draw.also {
+            budget.take(&draw.place, 32 + name.len() as u64)?;
+        }
         for primitive in Primitive::all(tables, draw.mesh)? {
             // About what a primitive costs even where nothing has to be walked over.
             tables.doc.tire(20)?;
@@ -272,7 +275,7 @@ impl Total {
 
     fn memory(&self) -> u64 {
         let point = 12 + super::mesh_in::WELD_BYTES_PER_POINT + if self.colours { 12 } else { 0 };
-        let triangle = 12 + 4 + 4 + if self.uvs { 24 } else { 0 };
+        let triangle = 12 + 4 + 4 + 4 + if self.uvs { 24 } else { 0 };
         self.points * point + self.triangles * triangle
     }
 }
@@ -313,6 +316,7 @@ impl<'a> Reader<'_, 'a> {
         self.mesh.triangles.reserve_exact(n_triangles);
         self.mesh.material_of.reserve_exact(n_triangles);
         self.mesh.part_of.reserve_exact(n_triangles);
+        self.mesh.also_of.reserve_exact(n_triangles);
         if total.uvs {
             self.uvs.reserve_exact(n_triangles);
         }
@@ -325,6 +329,8 @@ impl<'a> Reader<'_, 'a> {
 
     fn add(&mut self, draw: &Draw<'a>, budget: &mut Budget) -> Result<(), MeshError> {
         let part = self.parts.number(&draw.name);
+        let also = self.mesh.also.len() as u32;
+        self.mesh.also.push(draw.also.clone());
         self.notes.instanced += usize::from(draw.instanced);
         for primitive in Primitive::all(self.tables, draw.mesh)? {
             let primitive = match primitive? {
@@ -348,6 +354,7 @@ impl<'a> Reader<'_, 'a> {
             let n = self.mesh.triangles.len();
             self.mesh.material_of.resize(n, material);
             self.mesh.part_of.resize(n, part);
+            self.mesh.also_of.resize(n, also);
             self.notes.left_over += primitive.left_over() as usize;
             if primitive.uv.is_none() {
                 self.notes.without_uv += n - before;
@@ -532,6 +539,19 @@ mod tests {
     }
 
     #[test]
+    fn a_mesh_goes_by_its_own_name_and_those_of_the_nodes_it_lies_in_too() {
+        let nodes = r#"[{"name":"rig","children":[1,2]},{"name":"Hair","children":[3]},
+                        {"mesh":0,"name":"Object_1"},{"mesh":0,"name":"Object_1"}]"#;
+        let mesh = r#"[{"name":"strip","primitives":[{"attributes":{"POSITION":0},"indices":3}]}]"#;
+        let json = square(&[("nodes", nodes), ("meshes", mesh)]);
+        let mesh = read(json.as_bytes(), &|_| Some(Arc::from(numbers()))).unwrap();
+        // Both nodes have one name, and are two to leave out.
+        assert_eq!(mesh.parts, ["Object_1"]);
+        assert_eq!(mesh.also, [vec!["strip", "Hair", "rig"], vec!["strip", "rig"]]);
+        assert_eq!(mesh.also_of, [0, 0, 1, 1]);
+    }
+
+    #[test]
     fn without_a_scene_nodes_and_then_meshes_stand_in() {
         let note = "note: no scene shows a mesh: all nodes were read";
         check(&[("scenes", "")], &["@", "#", note]);
@@ -630,7 +650,7 @@ mod tests {
         );
         assert_eq!(
             accessor("4e9", "12"),
-            "file: reading this takes 116984 MiB of memory, where a file of this size may take 64"
+            "file: reading this takes 122070 MiB of memory, where a file of this size may take 64"
         );
     }
 

@@ -1,4 +1,4 @@
-//! Where the cranium is, which way the face looks, and how many centimetres a file's unit has.
+//! Where the cranium is, and how many centimetres a file's unit has.
 //!
 //! methods.md 0.1. The sphere is fitted by integrating over triangles, so that neither the density of the
 //! mesh nor a random seed moves it: large triangles are cut into cells of a fortieth of the radius, small
@@ -8,12 +8,12 @@
 //! mesh. Not promised: that a mesh which is no head gets a sensible sphere; [`Fit::p50`] tells.
 
 use crate::define::NodeError;
-use crate::maths::transcendental::{atan2, sin_cos_turns};
+use crate::maths::transcendental::atan2;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
 /// The cranium sphere and how well the crown lies on it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Fit {
     /// Centre, in the mesh's units.
     pub(crate) centre: Vec3,
@@ -23,13 +23,16 @@ pub(crate) struct Fit {
     pub(crate) p50: f32,
     /// The same for 95 % of that surface.
     pub(crate) p95: f32,
+    /// How much of the sphere above its centre has surface near it, 0 to 1.
+    pub(crate) cover: f32,
     /// Whether most of the crown's triangles face inwards.
     pub(crate) inside_out: bool,
 }
 
-/// A piece of the surface: its middle, its area, and its normal.
-struct Cell {
-    at: Vec3,
+/// A piece of the surface: its triangle, its middle, its area, and its normal.
+pub(crate) struct Cell {
+    pub(crate) of: usize,
+    pub(crate) at: Vec3,
     area: f32,
     normal: Vec3,
 }
@@ -46,11 +49,11 @@ const SHELL: f32 = 0.15;
 /// The fit ends when a step moves it less than this, in radii.
 const STILL: f32 = 1e-5;
 /// Cells that a triangle is cut into have edges of at most this, in radii.
-const CELL: f32 = 1.0 / 40.0;
-/// Most parts along a triangle's edge, so that a giant triangle cannot make millions of cells.
+pub(crate) const CELL: f32 = 1.0 / 40.0;
+/// Most parts along a triangle's edge, so that a giant triangle cannot make millions of cells ...
 const MOST_PARTS: f32 = 64.0;
-/// Most cells of a surface, about: for more, as long slivers by the thousand make, they are larger.
-const MOST_CELLS: usize = 400_000;
+/// ... and most cells of a mesh, beside one for each triangle: a head has some tens of thousands.
+const MOST_CELLS: f32 = 4e5;
 
 /// Fits the cranium sphere; none where the mesh has no surface that a sphere fits to. `check` is called now and
 /// then and may stop the work.
@@ -116,42 +119,69 @@ fn judged(surface: &[Cell], centre: Vec3, radius: f32) -> Fit {
         });
         found.map_or(f32::INFINITY, |o| o.0)
     };
-    let crown = above().filter(|c| on_shell(c, centre, radius));
-    let outward: f64 = crown.map(|c| f64::from(c.area * c.normal.dot(c.at - centre))).sum();
-    Fit { centre, radius, p50: quantile(0.5), p95: quantile(0.95), inside_out: outward < 0.0 }
+    let crown = || above().filter(|c| on_shell(c, centre, radius));
+    let outward: f64 = crown().map(|c| f64::from(c.area * c.normal.dot(c.at - centre))).sum();
+    let mut covered = [false; Patches::COUNT];
+    crown().filter_map(|c| Patches::above(c.at - centre)).for_each(|at| covered[at] = true);
+    let cover = covered.iter().filter(|covered| **covered).count() as f32 / Patches::COUNT as f32;
+    Fit {
+        centre,
+        radius,
+        p50: quantile(0.5),
+        p95: quantile(0.95),
+        cover,
+        inside_out: outward < 0.0,
+    }
 }
 
-/// The surface above `low` in cells of at most `size`, where that makes not too many.
-fn cells(points: &[Vec3], triangles: &[[u32; 3]], low: f32, size: f32) -> Vec<Cell> {
-    let above = || {
-        let corners = triangles.iter().map(|t| t.map(|v| points[v as usize]));
-        corners.filter(move |[a, b, c]| a.y.max(b.y).max(c.y) > low)
+/// Patches of equal size that a sphere is cut into above its centre: four bands, each in 24 round the axis.
+pub(crate) struct Patches;
+
+impl Patches {
+    /// How many there are.
+    pub(crate) const COUNT: usize = Self::BANDS * Self::ROUND;
+    const BANDS: usize = 4;
+    const ROUND: usize = 24;
+
+    /// The patch in a direction from the centre; none below it.
+    pub(crate) fn above(way: Vec3) -> Option<usize> {
+        let way = way.try_normalize().filter(|way| way.y > 0.0)?;
+        let band = ((way.y * Self::BANDS as f32) as usize).min(Self::BANDS - 1);
+        let turns = (atan2(way.x, way.z) / TAU).rem_euclid(1.0);
+        Some(band * Self::ROUND + (turns * Self::ROUND as f32) as usize % Self::ROUND)
+    }
+}
+
+/// The surface above `low` in cells of at most `size`.
+pub(crate) fn cells(points: &[Vec3], triangles: &[[u32; 3]], low: f32, size: f32) -> Vec<Cell> {
+    let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
+    let longest = |[a, b, c]: [Vec3; 3]| a.distance(b).max(b.distance(c)).max(c.distance(a));
+    let counts = |[a, b, c]: &[Vec3; 3]| a.y.max(b.y).max(c.y) > low;
+    let n_parts = |t: [Vec3; 3], size: f32| (longest(t) / size).ceil().clamp(1.0, MOST_PARTS);
+    let n_cells = |size: f32| -> f32 {
+        let parts = triangles.iter().map(corners).filter(counts).map(|t| n_parts(t, size) - 1.0);
+        parts.map(|more| more * more).sum()
     };
-    let parts = |[a, b, c]: [Vec3; 3], size: f32| {
-        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-        (longest / size).ceil().clamp(1.0, MOST_PARTS) as usize
-    };
-    let count = |size: f32| above().map(|corners| parts(corners, size).pow(2)).sum::<usize>();
-    let few = above().count().max(MOST_CELLS);
     let mut size = size;
-    while count(size) > few {
+    while n_cells(size) > MOST_CELLS && size.is_finite() {
         size *= 2.0;
     }
     let mut out = vec![];
-    for corners in above() {
-        let [a, b, c] = corners;
+    let all = triangles.iter().map(corners).enumerate();
+    for (of, t) in all.filter(|(_, t)| counts(t)) {
+        let [a, b, c] = t;
         let across = (b - a).cross(c - a);
         let Some(normal) = across.try_normalize() else { continue };
-        let parts = parts(corners, size);
-        let n = parts as f32;
+        let n = n_parts(t, size);
+        let parts = n as usize;
         let area = 0.5 * across.length() / (n * n);
         let at = |i: f32, j: f32| a + (b - a) * (i / n) + (c - a) * (j / n);
         for i in 0..parts {
             for j in 0..parts - i {
                 let (x, y) = (i as f32, j as f32);
-                out.push(Cell { at: at(x + 1.0 / 3.0, y + 1.0 / 3.0), area, normal });
+                out.push(Cell { of, at: at(x + 1.0 / 3.0, y + 1.0 / 3.0), area, normal });
                 if i + j + 1 < parts {
-                    out.push(Cell { at: at(x + 2.0 / 3.0, y + 2.0 / 3.0), area, normal });
+                    out.push(Cell { of, at: at(x + 2.0 / 3.0, y + 2.0 / 3.0), area, normal });
                 }
             }
         }
@@ -215,97 +245,21 @@ impl Normal {
 
 /// Fits worse than this (half of the crown farther off than this part of the radius) are no human cranium: heads
 /// have 0.04 to 0.05, a rat 0.11, a cow 0.21.
-const HEAD_LIKE: f32 = 0.08;
+pub(crate) const HEAD_LIKE: f32 = 0.08;
+
+/// Where the last 5 % of the crown are farther off than this, something stands on it: bald heads have 0.11 to 0.16, one
+/// with hair sculpted on it 0.19, one with a bun or a pony tail 0.27 to 0.5.
+pub(crate) const BARE: f32 = 0.2;
 
 impl Fit {
     /// Whether the crown lies on the sphere as a person's does.
     pub(crate) fn head_like(&self) -> bool {
         self.p50 < HEAD_LIKE
     }
-}
-
-/// Where the face looks, level and unit.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Face {
-    /// In the plane that the head mirrors in.
-    Mirrored(Vec3),
-    /// To the point farthest from the vertical axis, on a head that mirrors in no plane.
-    Farthest(Vec3),
-}
-
-/// Levels that the outline of a head is taken at, from [`LOW`] to [`HIGH`] about the centre, in radii.
-const LEVELS: usize = 18;
-const LOW: f32 = -1.2;
-const HIGH: f32 = 0.6;
-/// Directions that it is taken in.
-const DIRECTIONS: usize = 240;
-/// What is farther from the vertical axis is no head, in radii.
-const WIDEST: f32 = 1.7;
-/// The nose is below this, in radii.
-const UNDER_BROWS: f32 = -0.1;
-/// What is less alike than this on both sides counts no more: a parting, the frame of a pair of glasses, half a shoulder.
-const UNLIKE: f32 = 0.15;
-/// The nose is not farther than this from the plane in which the head mirrors, in directions.
-const NOSE: usize = 6;
-
-/// Where the face looks. The outline of the head is mirrored in every vertical plane through its centre; the plane in which
-/// it is most alike goes through the face, at that end where it reaches farther: the nose is at 1.2 to 1.4 r. The farthest
-/// point alone (methods.md 0.1) may be a corner of a pair of glasses.
-pub(crate) fn face(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit) -> Option<Face> {
-    let points: Vec<Vec3> = points.iter().map(|p| (*p - fit.centre) / fit.radius).collect();
-    let mut outline = vec![[0.0f32; DIRECTIONS]; LEVELS];
-    let mut farthest = Vec3::ZERO;
-    for cell in cells(&points, triangles, LOW, CELL) {
-        let (out, high) = (cell.at.with_y(0.0), cell.at.y);
-        let reach = out.length();
-        if !(LOW..HIGH).contains(&high) || reach > WIDEST {
-            continue;
-        }
-        let turns = atan2(out.x, out.z) / TAU;
-        let level = ((high - LOW) / (HIGH - LOW) * LEVELS as f32) as usize;
-        let direction = (turns.rem_euclid(1.0) * DIRECTIONS as f32) as usize % DIRECTIONS;
-        let at = &mut outline[level.min(LEVELS - 1)][direction];
-        *at = at.max(reach);
-        if high < UNDER_BROWS && reach > farthest.length() {
-            farthest = out;
-        }
+    /// Whether nothing stands on the crown.
+    pub(crate) fn is_bare(&self) -> bool {
+        self.p95 < BARE
     }
-    // Plane `k` goes through the edges between directions: the k-th half direction from +z.
-    let unlike = |k: usize| -> f32 {
-        let mirrored = |i: usize| (2 * DIRECTIONS + k - 1 - i) % DIRECTIONS;
-        let off = |level: &[f32; DIRECTIONS]| -> f32 {
-            (0..DIRECTIONS).map(|i| (level[i] - level[mirrored(i)]).abs().min(UNLIKE)).sum()
-        };
-        outline.iter().map(off).sum()
-    };
-    let all: Vec<f32> = (0..DIRECTIONS).map(unlike).collect();
-    let best = (0..DIRECTIONS).min_by(|a, b| all[*a].total_cmp(&all[*b]))?;
-    let mut sorted = all.clone();
-    sorted.sort_by(f32::total_cmp);
-    if all[best] > 0.5 * sorted[DIRECTIONS / 2] {
-        return farthest.try_normalize().map(Face::Farthest);
-    }
-    // Between planes: the bottom of the parabola through it and its neighbours.
-    let side = |by: usize| all[(best + by) % DIRECTIONS];
-    let (before, after) = (side(DIRECTIONS - 1), side(1));
-    let bend = before + after - 2.0 * all[best];
-    let part = if bend > 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
-    let turns = 0.5 * (best as f32 + part) / DIRECTIONS as f32;
-    let faces = ((UNDER_BROWS - LOW) / (HIGH - LOW) * LEVELS as f32) as usize;
-    let reach = |end: usize| {
-        let about = best / 2 + end * DIRECTIONS / 2 + DIRECTIONS;
-        let near = about - NOSE..about + NOSE;
-        let levels = outline[..faces].iter();
-        levels.flat_map(|level| near.clone().map(|i| level[i % DIRECTIONS])).fold(0.0, f32::max)
-    };
-    let (front, back) = (reach(0), reach(1));
-    // A cap of hair mirrors in two planes, and has no face below its brows.
-    if front.max(back) == 0.0 {
-        return None;
-    }
-    let turns = if back > front { turns + 0.5 } else { turns };
-    let (sin, cos) = sin_cos_turns(turns);
-    Some(Face::Mirrored(Vec3::new(sin, 0.0, cos)))
 }
 
 /// A radius that a person's cranium can have, cm.
@@ -332,6 +286,7 @@ pub(crate) fn unit_of_height(height: f32) -> (f32, &'static str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maths::transcendental::sin_cos_turns;
 
     #[test]
     fn slivers_by_the_thousand_make_no_more_cells_than_a_head() {
@@ -348,7 +303,7 @@ mod tests {
         };
         let triangles: Vec<[u32; 3]> = (0..1000).flat_map(wall).collect();
         let made = cells(&points, &triangles, -1.0, 0.001);
-        assert!(made.len() <= MOST_CELLS, "{}", made.len());
+        assert!(made.len() as f32 <= MOST_CELLS + triangles.len() as f32, "{}", made.len());
         let area: f32 = made.iter().map(|cell| cell.area).sum();
         assert!((area / TAU - 1.0).abs() < 1e-3, "{area}");
     }

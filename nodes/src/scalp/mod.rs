@@ -1,11 +1,15 @@
 //! The head: where hair grows, and curves brought to it.
 
+mod axes;
 pub mod bust;
 pub(crate) mod detour;
+mod face;
+mod find;
 mod fit;
 mod head;
 mod hollow;
 pub(crate) mod lay;
+mod parts;
 #[cfg(test)]
 mod posed_heads;
 pub(crate) mod region;

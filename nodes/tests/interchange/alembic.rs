@@ -7,10 +7,10 @@ use coif_nodes::data::scalp::{HeadFrame, REGION, Scalp};
 use coif_nodes::formats::abc::read::{Archive, Kind, Object, Property, entry, read_curves};
 use coif_nodes::formats::abc::write;
 use coif_nodes::formats::export::{self, About, Format, Group};
+use coif_nodes::formats::usd::form::Form;
 use coif_nodes::formats::usd::groom::{
     CurveSet, Interpolation, Primvar, PrimvarValues, Stage, UpAxis, Widths,
 };
-use coif_nodes::formats::usd::form::Form;
 use coif_nodes::formats::usd::read::{ReadCurves, ReadValues};
 use coif_nodes::maths::closest::Surface;
 use glam::{Vec2, Vec3};

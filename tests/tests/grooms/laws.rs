@@ -1,7 +1,7 @@
 //! Laws of methods.md on whole grooms, on the built-in head and on real ones, measured on what was written.
 
-use coif_nodes::formats::usd::read::{ReadCurves, read_curves};
-use coif_tests::{Folder, eval, run, smooth_heads};
+use coif_nodes::formats::usd::read::ReadCurves;
+use coif_tests::{Folder, curves_in, eval, run, smooth_heads};
 use glam::DVec3;
 use serde_json::Value as Json;
 use std::path::PathBuf;
@@ -21,7 +21,7 @@ fn written(graph: &str, outputs: &[&str], head: &[&str]) -> (Vec<ReadCurves>, Pa
     let out = file.display().to_string();
     let wanted = outputs.iter().flat_map(|output| ["--output", output]);
     eval(graph, &wanted.chain(["--out", &out]).chain(head.iter().copied()).collect::<Vec<_>>());
-    let curves = read_curves(&std::fs::read(&file).unwrap(), "usdc").unwrap();
+    let curves = curves_in(&file);
     (curves, file, folder)
 }
 
@@ -94,10 +94,11 @@ fn sphere(points: &[DVec3]) -> (DVec3, f64) {
 fn more_density_only_adds_strands_and_the_rest_keeps_its_ids() {
     let ids = |count: &str| {
         let folder = Folder::new(&format!("laws-density-{count}"));
-        let out = folder.path("hair.usda").display().to_string();
+        let file = folder.path("hair.usda");
+        let out = file.display().to_string();
         let set = format!("hair.count={count}");
         eval("clusters", &["--output", "hair.curves", "--set", &set, "--out", &out]);
-        let curves = read_curves(&std::fs::read(&out).unwrap(), "usda").unwrap();
+        let curves = curves_in(&file);
         let id = curves[0].primvars.iter().find(|p| p.name == "id").unwrap();
         match &id.values {
             coif_nodes::formats::usd::read::ReadValues::Int(ids) => {

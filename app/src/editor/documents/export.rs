@@ -177,8 +177,7 @@ fn said(path: &Path, report: &Report) -> String {
     }
     let curves: usize = report.outputs.iter().map(|output| output.curves).sum();
     let points: usize = report.outputs.iter().map(|output| output.points).sum();
-    let hashes: Vec<String> =
-        report.outputs.iter().map(|output| output.hash.to_string()).collect();
+    let hashes: Vec<String> = report.outputs.iter().map(|output| output.hash.to_string()).collect();
     format!(
         "exported {path}: {} curves, {} points, hash {}",
         crate::words::grouped(curves),

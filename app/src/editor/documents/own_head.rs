@@ -11,8 +11,9 @@ use crate::editor::notes::Note;
 use crate::editor::state::{Select, State};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{NodeId, Setting};
+use coif_nodes::data::scalp::Part;
 use coif_nodes::define::Value;
-use egui::{Button, DragValue, Grid, Slider};
+use egui::{Button, DragValue, Grid, ScrollArea, Slider};
 use std::path::Path;
 
 /// How a head is understood: the inputs of the head node that people may have to correct.
@@ -22,8 +23,10 @@ pub struct Placing {
     pub turn: f32,
     /// The axis that the face looks along; empty finds the face.
     pub forward: &'static str,
-    /// Whether Z points up in the file.
-    pub z_up: bool,
+    /// The axis that points up in the file; empty takes Y, and another one where no head is found so.
+    pub up: &'static str,
+    /// What is no head, as the head node's `leave_out` names it.
+    pub leave_out: Vec<String>,
     /// Centimetres in one unit of the file; 0 finds them.
     pub scale: f32,
     /// Radius of the cranium, cm; 0 keeps the fitted sphere.
@@ -37,15 +40,18 @@ pub(crate) struct OwnHead {
     node: NodeId,
     path: String,
     placing: Placing,
+    /// The parts of the mesh, once it was read.
+    parts: Vec<Part>,
     /// How many steps were done when the last try was made.
     done: usize,
 }
 
-/// Axes that a face may look along, for Y up and for Z up.
-const AXES: [[(&str, &str); 5]; 2] = [
-    [("", "find the face"), ("+z", "+z"), ("-z", "-z"), ("+x", "+x"), ("-x", "-x")],
-    [("", "find the face"), ("-y", "-y"), ("+y", "+y"), ("+x", "+x"), ("-x", "-x")],
-];
+/// How wide the panel is, in points.
+const WIDTH: f32 = 440.0;
+/// Axes that a face may look along; those that may point up, and what they are called.
+const AXES: [&str; 6] = ["+z", "-z", "+x", "-x", "+y", "-y"];
+const UPS: [(&str, &str); 6] =
+    [("", "y"), ("z", "z"), ("x", "x"), ("-y", "y down"), ("-z", "z down"), ("-x", "x down")];
 
 impl Editor {
     /// A mesh becomes the head: the active one, else the first; a document without gets one.
@@ -56,8 +62,9 @@ impl Editor {
         let path = self.name_for(path);
         self.state.history.end(&self.state.document);
         let before = self.state.history.done();
+        let placing = Placing::default();
         self.documents.head =
-            Some(OwnHead { node: node.clone(), path, placing: Placing::default(), done: before });
+            Some(OwnHead { node: node.clone(), path, placing, parts: vec![], done: before });
         if self.make(&Placing::default(), false) {
             self.documents.welcome.is_open = false;
             self.apply(Event::Select(Select::Nodes(vec![node])));
@@ -147,7 +154,8 @@ fn as_edits(node: &NodeId, path: &str, placing: &Placing) -> Vec<Edit> {
     set("mesh", Some(text(path)));
     set("turn", not_zero(placing.turn));
     set("forward", (!placing.forward.is_empty()).then(|| text(placing.forward)));
-    set("up", placing.z_up.then(|| text("z")));
+    set("up", (!placing.up.is_empty()).then(|| text(placing.up)));
+    set("leave_out", (!placing.leave_out.is_empty()).then(|| text(&placing.leave_out.join(", "))));
     set("units", (placing.scale > 0.0).then(|| text("custom")));
     set("scale", (placing.scale > 0.0).then_some(Value::Float(placing.scale)));
     set("radius", not_zero(placing.radius));
@@ -156,9 +164,14 @@ fn as_edits(node: &NodeId, path: &str, placing: &Placing) -> Vec<Edit> {
     edits
 }
 
-/// Forgets a head that is gone, by undo or by hand.
+/// Forgets a head that is gone, by undo or by hand, and notes the parts of one that was read.
 pub(super) fn settle(editor: &mut Editor) {
     let document = &editor.state.document;
+    let shown = editor.state.shown.as_ref();
+    let read = shown.filter(|shown| shown.revision == editor.state.revision);
+    if let (Some(head), Some(scalp)) = (&mut editor.documents.head, read.and_then(|s| s.scalp())) {
+        head.parts = scalp.parts().to_vec();
+    }
     let gone = editor.documents.head.as_ref().is_some_and(|head| {
         let node = document.node(head.node.as_str());
         let mesh = node.and_then(|node| node.inputs.get("mesh"));
@@ -179,6 +192,7 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
         .resizable(false)
         .collapsible(true)
         .show(ctx, |ui| {
+            ui.set_max_width(WIDTH);
             let name = Path::new(&head.path).file_name().unwrap_or_default().to_string_lossy();
             ui.label(format!("{name}: is this how it stands?"));
             found(head, state, ui);
@@ -186,8 +200,11 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
             Grid::new("own head placing").num_columns(2).show(ui, |ui| {
                 ui.label("The face looks along");
                 ui.horizontal_wrapped(|ui| {
-                    for (axis, name) in AXES[usize::from(placing.z_up)] {
-                        if ui.selectable_label(placing.forward == axis, name).clicked() {
+                    if ui.selectable_label(placing.forward.is_empty(), "find the face").clicked() {
+                        placing.forward = "";
+                    }
+                    for axis in AXES.into_iter().filter(|axis| is_level(axis, placing.up)) {
+                        if ui.selectable_label(placing.forward == axis, axis).clicked() {
                             placing.forward = axis;
                         }
                     }
@@ -195,9 +212,9 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
                 ui.end_row();
                 ui.label("Up in the file");
                 ui.horizontal(|ui| {
-                    for (z_up, name) in [(false, "y"), (true, "z")] {
-                        if ui.selectable_label(placing.z_up == z_up, name).clicked() {
-                            placing.z_up = z_up;
+                    for (up, name) in UPS {
+                        if ui.selectable_label(placing.up == up, name).clicked() {
+                            placing.up = up;
                             placing.forward = "";
                         }
                     }
@@ -251,6 +268,11 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
                 );
                 ui.end_row();
             });
+            if !head.parts.is_empty() {
+                ui.separator();
+                ui.label("Leave out what is no head");
+                leave_out(&head.parts, &mut placing, ui);
+            }
             ui.separator();
             ui.horizontal(|ui| {
                 if ui.add(Button::new("Accept")).on_hover_text("The head stays as it is").clicked()
@@ -266,6 +288,40 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
         choice = Some(HeadChoice::Try(placing, drags));
     }
     out.extend(choice.map(|choice| Event::Documents(FileEvent::Head(choice))));
+}
+
+/// A tick for each part of the mesh. What looks like hair stands first and says so; nothing is ticked by itself.
+fn leave_out(parts: &[Part], placing: &mut Placing, ui: &mut egui::Ui) {
+    ScrollArea::vertical().max_height(130.0).show(ui, |ui| {
+        for part in parts {
+            let before = placing.leave_out.iter().position(|name| *name == part.pattern);
+            let mut is_left_out = before.is_some();
+            let short: String = part.name.chars().take(MOST_LETTERS).collect();
+            ui.horizontal(|ui| {
+                let tick = ui.checkbox(&mut is_left_out, short);
+                if tick.on_hover_text(format!("{}: {LEAVE_OUT}", part.name)).changed() {
+                    match before {
+                        Some(at) => drop(placing.leave_out.remove(at)),
+                        None => placing.leave_out.push(part.pattern.clone()),
+                    }
+                }
+                if part.is_proposed {
+                    ui.weak("hair, or worn?");
+                }
+            });
+        }
+    });
+}
+
+const LEAVE_OUT: &str =
+    "left out, it is no skin, no hair grows on it, and the sphere is not fitted to it";
+/// A longer name is told by hovering.
+const MOST_LETTERS: usize = 32;
+
+/// Whether a face may look along an axis with this one up.
+fn is_level(axis: &str, up: &str) -> bool {
+    let letter = |axis: &str| axis.chars().last().unwrap_or('y');
+    letter(axis) != letter(up)
 }
 
 const FIND_SCALE: &str =

@@ -273,6 +273,60 @@ fn grooms_and_meshes_are_dropped_on_the_window() {
     assert_eq!(ui.state().state.document, before);
 }
 
+/// A bust and a bun, in a mesh file of two objects.
+fn bust_with_a_bun() -> String {
+    use std::fmt::Write;
+    let bust = coif_nodes::scalp::bust::adult();
+    let mut text = "o Head\n".to_owned();
+    for p in &bust.points {
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+    }
+    for [a, b, c] in &bust.triangles {
+        let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
+    }
+    // An octahedron that stands on the crown.
+    let _ = writeln!(text, "o Top_Bun");
+    for [x, y, z] in [[3, 10, 0], [0, 10, 3], [-3, 10, 0], [0, 10, -3], [0, 14, 0], [0, 7, 0]] {
+        let _ = writeln!(text, "v {x} {y} {z}");
+    }
+    let n = bust.points.len();
+    for [a, b, c] in
+        [[1, 5, 2], [2, 5, 3], [3, 5, 4], [4, 5, 1], [2, 6, 1], [3, 6, 2], [4, 6, 3], [1, 6, 4]]
+    {
+        let _ = writeln!(text, "f {} {} {}", a + n, b + n, c + n);
+    }
+    text
+}
+
+#[test]
+fn what_looks_like_hair_is_named_in_the_panel_and_left_out_by_a_tick() {
+    let folder = Folder::new("life-leave-out");
+    std::fs::write(folder.path("head.obj"), bust_with_a_bun()).unwrap();
+    let (mut ui, _) = on_empty_head();
+    drop_on(&mut ui, &folder.path("head.obj"));
+    let head = life::head_of(&ui.state().state.document, None).unwrap();
+    let left_out = |ui: &Ui| {
+        let node = &ui.state().state.document.nodes[&head];
+        node.inputs.get("leave_out").cloned()
+    };
+    until("its parts are listed", || {
+        ui.step();
+        ui.query_by_label("Top_Bun").is_some()
+    });
+    ui.get_by_label("hair, or worn?");
+    assert_eq!(left_out(&ui), None, "nothing is ticked by itself");
+    press(&mut ui, "Top_Bun");
+    assert_eq!(left_out(&ui), Some(Setting::Known(Value::Text("Top_Bun".into()))));
+    until("it is gone", || {
+        ui.step();
+        let shown = ui.state().state.shown.as_ref();
+        shown.and_then(|shown| Some(shown.scalp()?.surface().bounds().1.y < 10.0)) == Some(true)
+    });
+    ui.get_by_label("Top_Bun");
+    press(&mut ui, "Top_Bun");
+    assert_eq!(left_out(&ui), None);
+}
+
 #[test]
 fn a_file_that_others_change_is_told_and_reloaded_kept_or_compared() {
     let folder = Folder::new("life-disk");

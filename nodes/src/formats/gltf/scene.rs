@@ -11,6 +11,9 @@ use crate::formats::mesh_in::Names;
 /// How deep nodes may lie in nodes. Rigs reach a few dozen; a stack of this height is 140 kB.
 pub(super) const MOST_DEPTH: usize = 1024;
 
+/// So many nodes that a node lies in may name its mesh.
+const MOST_ABOVE: usize = 4;
+
 /// A mesh at its place.
 #[derive(Debug)]
 pub(super) struct Draw<'a> {
@@ -19,6 +22,8 @@ pub(super) struct Draw<'a> {
     pub(super) world_from_mesh: Affine,
     /// Of the node, or else of the mesh, or else a number.
     pub(super) name: String,
+    /// The name of the mesh, then those of the nearest nodes that the node lies in; empty where there is none.
+    pub(super) also: Vec<String>,
     pub(super) skin: Option<u32>,
     /// How far the node turns its mesh into each morph target, where it says so itself.
     pub(super) weights: Option<Value<'a>>,
@@ -97,6 +102,7 @@ pub(super) fn walk<'a>(
                     mesh: number,
                     world_from_mesh: Affine::IDENTITY,
                     name: name.map_or_else(|| format!("mesh {number}"), Names::cut),
+                    also: vec![],
                     skin: None,
                     weights: None,
                     instanced: false,
@@ -171,14 +177,18 @@ impl<'r, 'a> Walk<'r, 'a> {
         }
         let world = world_from_parent.times(&Affine::of_node(node, &place)?);
         if let Some(mesh) = index_or(node, "mesh", &place)? {
-            let name = match name_of(node) {
-                Some(name) => Some(name),
-                None => name_of(self.tables.meshes.item(mesh, &place)?),
-            };
+            let mesh_name = name_of(self.tables.meshes.item(mesh, &place)?);
+            let name = name_of(node).or(mesh_name);
+            let mut also = vec![mesh_name.map_or_else(String::new, Names::cut)];
+            for (above, ..) in self.stack.iter().rev().take(MOST_ABOVE) {
+                let name = name_of(self.tables.nodes.item(*above, &place)?);
+                also.push(name.map_or_else(String::new, Names::cut));
+            }
             draw(&Draw {
                 mesh,
                 world_from_mesh: world,
                 name: name.map_or_else(|| format!("node {number}"), Names::cut),
+                also,
                 skin: index_or(node, "skin", &place)?,
                 weights: node.get("weights"),
                 instanced: extension("EXT_mesh_gpu_instancing").is_some(),

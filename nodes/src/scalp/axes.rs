@@ -1,0 +1,104 @@
+//! Axes of a mesh file: which one points up, and which one the face looks along.
+//!
+//! Heads are Y up inside the program; what a file has up is turned there. Names are the file's.
+
+use crate::define::choice;
+use glam::Vec3;
+
+choice! {
+    /// The file's axis that points up.
+    Up {
+        /// Y up, as most files have it.
+        Y = "y",
+        /// Z up.
+        Z = "z",
+        /// X up.
+        X = "x",
+        /// Y down.
+        MinusY = "-y",
+        /// Z down.
+        MinusZ = "-z",
+        /// X down.
+        MinusX = "-x",
+    }
+}
+
+choice! {
+    /// The file's axis that the face looks along.
+    Forward {
+        /// Where the face looks, as found.
+        Auto = "auto",
+        /// Along the file's X.
+        PlusX = "+x",
+        /// Against the file's X.
+        MinusX = "-x",
+        /// Along the file's Y.
+        PlusY = "+y",
+        /// Against the file's Y.
+        MinusY = "-y",
+        /// Along the file's Z.
+        PlusZ = "+z",
+        /// Against the file's Z.
+        MinusZ = "-z",
+    }
+}
+
+impl Up {
+    /// All axes, likeliest first.
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Y, Self::Z, Self::X, Self::MinusY, Self::MinusZ, Self::MinusX];
+
+    /// A point or direction of a file with this axis up, in Y up. The same person in a file with Z up looks along -Y.
+    pub(crate) fn turned(self, p: Vec3) -> Vec3 {
+        match self {
+            Self::Y => p,
+            Self::Z => Vec3::new(p.x, p.z, -p.y),
+            Self::X => Vec3::new(-p.y, p.x, p.z),
+            Self::MinusY => Vec3::new(-p.x, -p.y, p.z),
+            Self::MinusZ => Vec3::new(p.x, -p.z, p.y),
+            Self::MinusX => Vec3::new(p.y, -p.x, p.z),
+        }
+    }
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Y => "y",
+            Self::Z => "z",
+            Self::X => "x",
+            Self::MinusY => "-y",
+            Self::MinusZ => "-z",
+            Self::MinusX => "-x",
+        }
+    }
+}
+
+impl Forward {
+    /// The file's axes and their names.
+    const AXES: [(Vec3, &str); 6] = [
+        (Vec3::X, "+x"),
+        (Vec3::NEG_X, "-x"),
+        (Vec3::Y, "+y"),
+        (Vec3::NEG_Y, "-y"),
+        (Vec3::Z, "+z"),
+        (Vec3::NEG_Z, "-z"),
+    ];
+
+    /// The file's axis; none where the face is to be found.
+    pub(crate) fn axis(self) -> Option<Vec3> {
+        Some(match self {
+            Self::Auto => return None,
+            Self::PlusX => Vec3::X,
+            Self::MinusX => Vec3::NEG_X,
+            Self::PlusY => Vec3::Y,
+            Self::MinusY => Vec3::NEG_Y,
+            Self::PlusZ => Vec3::Z,
+            Self::MinusZ => Vec3::NEG_Z,
+        })
+    }
+    /// The name of the file's axis that lies along `way` once the file is turned to Y up.
+    pub(crate) fn name_of(way: Vec3, up: Up) -> &'static str {
+        Self::AXES
+            .into_iter()
+            .find(|(axis, _)| up.turned(*axis) == way)
+            .map_or("", |(_, name)| name)
+    }
+}

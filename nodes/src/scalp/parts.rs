@@ -1,0 +1,456 @@
+//! The parts of a mesh by name: which of them are left out, and which it is proposed to leave out.
+//!
+//! A part goes by the name of its node, mesh, object or group, of the nodes that it lies in, of its material, and, among the
+//! largest pieces of a mesh, by "piece 1", the largest, and so on: pieces are what hangs together, and some files name nothing.
+//!
+//! Guarantees: nothing is left out that was not named. What sounds like hair or stands over the crown is proposed, never
+//! what holds most of the head.
+
+use super::find::Pieces;
+use crate::data::mesh::{Mesh, keep};
+use crate::data::scalp::Part;
+use glam::Vec3;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+
+/// So many of the largest pieces have names.
+const MOST_PIECES: usize = 16;
+/// So many nodes that a mesh lies in count as its names, beside the name of the mesh.
+const MOST_ABOVE: usize = 4;
+/// So many names are told in a message, and so many in a list.
+const MOST_TOLD: usize = 40;
+const MOST_LISTED: usize = 200;
+/// So many names are proposed one by one.
+const FEW: usize = 8;
+/// What stands over more patches of the crown than this is in the way.
+const IN_THE_WAY: u32 = 1;
+/// What holds more than this of the head is proposed only if its name says that it is hair ...
+const SOME: f64 = 0.02;
+/// ... and what holds more than this of it not even then.
+const MOST: f64 = 0.5;
+
+/// The names of a mesh and the triangles that go by them.
+pub(crate) struct Parts {
+    names: Vec<String>,
+    columns: Vec<Column>,
+    /// Whether all of the mesh goes by a name.
+    is_all: Vec<bool>,
+    /// The first name of a piece; those before are the file's.
+    first_piece: usize,
+    is_left_out: Vec<bool>,
+    is_proposed: Vec<bool>,
+}
+
+/// One way to name triangles: the group of each, and the name of each group.
+struct Column {
+    of: Vec<u32>,
+    names: Vec<Option<usize>>,
+}
+
+/// What is left out.
+pub(crate) struct LeftOut {
+    /// For each triangle whether it is.
+    pub(crate) gone: Vec<bool>,
+    /// Names and patterns that match nothing.
+    pub(crate) unknown: Vec<String>,
+}
+
+/// What is proposed to be left out.
+pub(crate) struct Proposal {
+    /// Its names, each in quotes.
+    pub(crate) told: String,
+    /// What `leave_out` has to be.
+    pub(crate) value: String,
+    /// How many names there are.
+    pub(crate) count: usize,
+    /// Whether some of it stands over the crown.
+    pub(crate) in_the_way: bool,
+}
+
+impl Parts {
+    /// The parts of a mesh and its pieces.
+    pub(crate) fn of(mesh: &Mesh, pieces: &Pieces) -> Self {
+        let (mut names, mut numbers, mut columns) = (vec![], BTreeMap::new(), vec![]);
+        let mut number = |name: &str| -> Option<usize> {
+            let name = name.trim();
+            (!name.is_empty()).then(|| {
+                *numbers.entry(name.to_owned()).or_insert_with(|| {
+                    names.push(name.to_owned());
+                    names.len() - 1
+                })
+            })
+        };
+        let mut column = |of: &[u32], names: Vec<Option<usize>>| {
+            if !of.is_empty() && names.iter().any(Option::is_some) {
+                columns.push(Column { of: of.to_vec(), names });
+            }
+        };
+        column(&mesh.part_of, mesh.parts.iter().map(|name| number(name)).collect());
+        for at in 0..=MOST_ABOVE {
+            let at = |also: &Vec<String>| also.get(at).and_then(|name| number(name));
+            column(&mesh.also_of, mesh.also.iter().map(at).collect());
+        }
+        column(&mesh.material_of, mesh.materials.iter().map(|name| number(name)).collect());
+        let mut of_pieces = vec![];
+        if pieces.count() > 1 {
+            of_pieces = (1..=pieces.count().min(MOST_PIECES))
+                .map(|n| number(&format!("piece {n}")))
+                .collect();
+        }
+        let first_piece = of_pieces.iter().flatten().min().copied();
+        column(&pieces.of, of_pieces);
+        let first_piece = first_piece.unwrap_or(names.len());
+        let count = names.len();
+        let mut is_all = vec![false; count];
+        for column in &columns {
+            if let Some(Some(first)) = column.each().next() {
+                is_all[first] |= column.each().all(|name| name == Some(first));
+            }
+        }
+        Self {
+            names,
+            columns,
+            is_all,
+            first_piece,
+            is_left_out: vec![false; count],
+            is_proposed: vec![false; count],
+        }
+    }
+
+    /// What the names and patterns of `text` leave out; they are separated by commas.
+    pub(crate) fn leave_out(&mut self, text: &str) -> LeftOut {
+        let mut unknown = vec![];
+        for pattern in text.split(',').map(str::trim).filter(|pattern| !pattern.is_empty()) {
+            let matches = self.names.iter().map(|name| is_match(pattern, name));
+            let matched: Vec<usize> =
+                matches.enumerate().filter_map(|(i, fits)| fits.then_some(i)).collect();
+            if matched.is_empty() {
+                unknown.push(pattern.to_owned());
+            }
+            matched.into_iter().for_each(|name| self.is_left_out[name] = true);
+        }
+        let count = self.columns.first().map_or(0, |column| column.of.len());
+        let mut gone = vec![false; count];
+        for column in &self.columns {
+            for (gone, name) in gone.iter_mut().zip(column.each()) {
+                *gone |= name.is_some_and(|name| self.is_left_out[name]);
+            }
+        }
+        for column in &mut self.columns {
+            keep(&mut column.of, &gone);
+        }
+        LeftOut { gone, unknown }
+    }
+
+    /// What may be hair: parts that sound like it, and parts that stand over the crown. `over` has one bit for each patch
+    /// of the crown that a triangle stands over, `is_skin` says what is certainly head; both are empty where there is none.
+    pub(crate) fn propose(
+        &mut self,
+        points: &[Vec3],
+        triangles: &[[u32; 3]],
+        is_skin: &[bool],
+        over: &[u128],
+    ) -> Option<Proposal> {
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| points[v as usize].as_dvec3());
+            (b - a).cross(c - a).length()
+        };
+        let areas: Vec<f64> = triangles.iter().map(area).collect();
+        let skin = |t: usize| is_skin.get(t).copied().unwrap_or(is_skin.is_empty());
+        let whole: f64 = areas.iter().enumerate().filter(|(t, _)| skin(*t)).map(|(_, a)| a).sum();
+        // How much of the head each name holds.
+        let mut holds = vec![0.0f64; self.names.len()];
+        for column in &self.columns {
+            for (t, name) in column.each().enumerate().filter(|(t, _)| skin(*t)) {
+                name.into_iter().for_each(|name| holds[name] += areas[t]);
+            }
+        }
+        let sounds: Vec<bool> = self.names.iter().map(|name| sounds_like_hair(name)).collect();
+        let mut taken = vec![false; triangles.len()];
+        let mut in_the_way = false;
+        for column in &self.columns {
+            let mut patches = vec![0u128; self.names.len()];
+            let mut is_there = vec![false; self.names.len()];
+            let left = column.each().enumerate().filter(|(t, _)| !taken[*t]);
+            for (t, name) in left.filter_map(|(t, name)| Some((t, name?))) {
+                is_there[name] = true;
+                patches[name] |= over.get(t).copied().unwrap_or(0);
+            }
+            for name in 0..self.names.len() {
+                let held = holds[name] / whole.max(f64::MIN_POSITIVE);
+                if !is_there[name] || held > MOST {
+                    continue;
+                }
+                let blocks = patches[name].count_ones() > IN_THE_WAY && held < SOME;
+                in_the_way |= blocks;
+                self.is_proposed[name] |= blocks || sounds[name];
+            }
+            for (taken, name) in taken.iter_mut().zip(column.each()) {
+                *taken |= name.is_some_and(|name| self.is_proposed[name]);
+            }
+        }
+        let proposed: Vec<&str> = self
+            .names
+            .iter()
+            .zip(&self.is_proposed)
+            .filter_map(|(name, proposed)| proposed.then_some(name.as_str()))
+            .collect();
+        (!proposed.is_empty()).then(|| Proposal {
+            told: told(&proposed),
+            value: self.as_patterns(&proposed).join(", "),
+            count: proposed.len(),
+            in_the_way,
+        })
+    }
+
+    /// Names as patterns: many that differ in their numbers alone become one, where it matches no other.
+    fn as_patterns(&self, names: &[&str]) -> Vec<String> {
+        if names.len() <= FEW {
+            return names.iter().map(|name| as_pattern(name)).collect();
+        }
+        let stem = |name: &&str| name.trim_end_matches(|c: char| !c.is_alphabetic()).to_owned();
+        let stems: BTreeSet<String> = names.iter().map(stem).collect();
+        let is_own = |pattern: &str| {
+            let mut all = self.names.iter().zip(&self.is_proposed);
+            all.all(|(name, proposed)| *proposed || !is_match(pattern, name))
+        };
+        let short = stems.into_iter().filter(|stem| !stem.is_empty()).take(MOST_TOLD);
+        let short: Vec<String> = short.map(|stem| as_pattern(&stem) + "*").collect();
+        let mut patterns: Vec<String> = short.into_iter().filter(|p| is_own(p)).collect();
+        for name in names {
+            if !patterns.iter().any(|pattern| is_match(pattern, name)) {
+                patterns.push(as_pattern(name));
+            }
+        }
+        patterns
+    }
+
+    /// All names, for messages.
+    pub(crate) fn told(&self) -> String {
+        let names = (0..self.names.len()).filter(|i| self.is_worth_telling(*i));
+        told(&names.map(|i| &self.names[i]).collect::<Vec<_>>())
+    }
+
+    /// Whether a name is the file's, or a piece that it names in no better way.
+    fn is_worth_telling(&self, name: usize) -> bool {
+        let has_names = self.is_all[..self.first_piece].iter().any(|all| !all);
+        name < self.first_piece || !has_names || self.is_left_out[name] || self.is_proposed[name]
+    }
+
+    /// All parts but those that are all of the mesh; those first that are proposed or left out.
+    pub(crate) fn list(&self) -> Vec<Part> {
+        let part = |i: usize| Part {
+            name: self.names[i].clone(),
+            pattern: as_pattern(&self.names[i]),
+            is_left_out: self.is_left_out[i],
+            is_proposed: self.is_proposed[i],
+        };
+        let some = (0..self.names.len()).filter(|i| !self.is_all[*i] && self.is_worth_telling(*i));
+        let mut parts: Vec<Part> = some.map(part).collect();
+        parts.sort_by_key(|part| !(part.is_left_out || part.is_proposed));
+        parts.truncate(MOST_LISTED);
+        parts
+    }
+}
+
+impl Column {
+    /// The name of each triangle.
+    fn each(&self) -> impl Iterator<Item = Option<usize>> {
+        self.of.iter().map(|group| self.names.get(*group as usize).copied().flatten())
+    }
+}
+
+fn told(names: &[impl AsRef<str>]) -> String {
+    let mut text = String::new();
+    for (i, name) in names.iter().take(MOST_TOLD).enumerate() {
+        let _ = write!(text, "{}{:?}", if i > 0 { ", " } else { "" }, name.as_ref());
+    }
+    if names.len() > MOST_TOLD {
+        let _ = write!(text, " and {} more", names.len() - MOST_TOLD);
+    }
+    text
+}
+
+/// A name as a pattern that matches it.
+fn as_pattern(name: &str) -> String {
+    name.replace(',', "*")
+}
+
+/// Whether a name is what a pattern says, in any case; `*` stands for any text.
+fn is_match(pattern: &str, name: &str) -> bool {
+    let (pattern, name) = (pattern.to_lowercase(), name.trim().to_lowercase());
+    let (pattern, name) = (pattern.as_bytes(), name.as_bytes());
+    let (mut p, mut n) = (0, 0);
+    // The last `*`, and what it was taken to stand for ends before `n`.
+    let mut star: Option<(usize, usize)> = None;
+    while n < name.len() {
+        if pattern.get(p) == Some(&b'*') {
+            star = Some((p, n));
+            p += 1;
+        } else if pattern.get(p) == Some(&name[n]) {
+            (p, n) = (p + 1, n + 1);
+        } else if let Some((at, until)) = star {
+            star = Some((at, until + 1));
+            (p, n) = (at + 1, until + 1);
+        } else {
+            return false;
+        }
+    }
+    pattern[p..].iter().all(|c| *c == b'*')
+}
+
+/// Words for hair and for what is worn on a head, in the singular.
+const WORDS: &[&str] = &[
+    "hair",
+    "brow",
+    "eyebrow",
+    "lash",
+    "eyelash",
+    "beard",
+    "moustache",
+    "mustache",
+    "wig",
+    "pony",
+    "ponytail",
+    "pigtail",
+    "braid",
+    "bun",
+    "fringe",
+    "bang",
+    "hat",
+    "cap",
+    "helmet",
+    "glasses",
+    "hood",
+    "eyeglasses",
+    "sunglasses",
+    "goggle",
+    "headphone",
+    "bandana",
+    "headband",
+];
+/// Those that longer words begin or end with.
+const STEMS: &[&str] = &["hair", "eyebrow", "eyelash", "ponytail", "helmet", "beard", "glasses"];
+
+/// Whether a name sounds like hair, or like what is worn on a head.
+fn sounds_like_hair(name: &str) -> bool {
+    words(name).iter().any(|word| {
+        let word = word.as_str();
+        let singular = word.strip_suffix('s').unwrap_or(word);
+        let shortest = singular.strip_suffix('e').unwrap_or(singular);
+        let stem =
+            |stem: &str| word.starts_with(stem) || singular.ends_with(stem) || word.ends_with(stem);
+        WORDS.iter().any(|known| [word, singular, shortest].contains(known))
+            || (!singular.ends_with("chair") && STEMS.iter().any(|known| stem(known)))
+    })
+}
+
+/// The words of a name: letters that follow each other, with a new one at each capital after a small letter.
+fn words(name: &str) -> Vec<String> {
+    let (mut words, mut was_small) = (vec![String::new()], false);
+    for c in name.chars() {
+        if !c.is_alphabetic() || (c.is_uppercase() && was_small) {
+            words.push(String::new());
+        }
+        was_small = c.is_lowercase();
+        if c.is_alphabetic() {
+            words.last_mut().unwrap_or(&mut String::new()).extend(c.to_lowercase());
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pattern_stands_for_what_it_says_in_any_case() {
+        for (pattern, name, fits) in [
+            ("hair", "Hair", true),
+            ("hair", "Hair_01", false),
+            ("hair*", "Hair_01", true),
+            ("*hair", "LongHair", true),
+            ("*air*1", "Hair_01", true),
+            ("*air*2", "Hair_01", false),
+            ("a*b*c", "aXbXbXc", true),
+            ("*", "", true),
+            ("a**", "a", true),
+            ("", "a", false),
+            ("hair", " hair ", true),
+            ("Ä*", "ärmel", true),
+        ] {
+            assert_eq!(is_match(pattern, name), fits, "{pattern:?} {name:?}");
+        }
+        // A name with a comma in it is written so that the list does not end there.
+        assert!(is_match(&as_pattern("hair, long"), "hair, long"));
+    }
+
+    #[test]
+    fn many_numbered_names_are_proposed_as_one_pattern() {
+        let parts = ["head", "hairy face"].map(str::to_owned).into_iter();
+        let parts = parts.chain((0..20).map(|k| format!("card.{k:03}"))).chain(["hat".to_owned()]);
+        let names: Vec<String> = parts.collect();
+        let is_proposed = names.iter().map(|n| n.starts_with("card") || n == "hat").collect();
+        let none = vec![false; names.len()];
+        let (is_all, is_left_out) = (none.clone(), none);
+        let first_piece = names.len();
+        let parts = Parts { names, columns: vec![], is_all, first_piece, is_left_out, is_proposed };
+        let proposed: Vec<&str> = parts.names[2..].iter().map(String::as_str).collect();
+        assert_eq!(parts.as_patterns(&proposed), ["card*", "hat*"]);
+        assert_eq!(parts.as_patterns(&proposed[19..]), ["card.019", "hat"]);
+    }
+
+    #[test]
+    fn hair_and_what_is_worn_is_known_by_its_words() {
+        for name in [
+            "Hair",
+            "hair_01",
+            "HairCap",
+            "GEO-hair",
+            "long_hair.002",
+            "Eyebrows",
+            "M_EyeLashes",
+            "eyelash",
+            "brow.L",
+            "Hat",
+            "hats",
+            "Glasses",
+            "sunglasses",
+            "beard_mat",
+            "cap",
+            "Helmet2",
+            "ponyTail",
+            "Pony",
+            "bun",
+            "buns",
+            "fringe",
+            "Bangs",
+        ] {
+            assert!(sounds_like_hair(name), "{name}");
+        }
+        for name in [
+            "chair",
+            "armchairs",
+            "that",
+            "hatch",
+            "capsule",
+            "brown",
+            "M_Brown",
+            "splash",
+            "bundle",
+            "scape",
+            "bunny",
+            "skin",
+            "head",
+            "glass",
+            "banger",
+            "eyes",
+            "",
+            "0_1",
+        ] {
+            assert!(!sounds_like_hair(name), "{name}");
+        }
+    }
+}
