@@ -226,7 +226,7 @@ const ALONE: &[Case] = &[
             ["/c", "payload", "outside"],
             ["/d", "reference", "beside"],
             ["/d", "reference", "beside"],
-            ["/e", "reference", "#usda"],
+            ["/e", "reference", "expected def"],
         ],
     },
     Case {
