@@ -250,6 +250,7 @@ const ALONE: &[Case] = &[
             ["/a", "reference", "back"],
             ["/b", "reference", "back"],
             ["/c/d", "reference", "back"],
+            ["/", "sublayer", "back"],
             ["/e", "reference", "back"],
         ],
     },
