@@ -262,6 +262,8 @@ def world_report(stage, predicate=Usd.PrimAllPrimsPredicate):
     report = {}
     cache = UsdGeom.XformCache(Usd.TimeCode(3.0))
     y_up = Gf.Matrix4d(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1)
+    if UsdGeom.GetStageUpAxis(stage) != UsdGeom.Tokens.z:
+        y_up = Gf.Matrix4d(1)
     centimetres = Gf.Matrix4d().SetScale(UsdGeom.GetStageMetersPerUnit(stage) * 100)
     for prim in stage.Traverse(predicate):
         if not prim.IsA(UsdGeom.BasisCurves):

@@ -226,7 +226,7 @@ const ALONE: &[Case] = &[
             ["/c", "payload", "outside"],
             ["/d", "reference", "beside"],
             ["/d", "reference", "beside"],
-            ["/e", "reference", "#usda"],
+            ["/e", "reference", "expected def"],
         ],
     },
     Case {
@@ -250,6 +250,7 @@ const ALONE: &[Case] = &[
             ["/a", "reference", "back"],
             ["/b", "reference", "back"],
             ["/c/d", "reference", "back"],
+            ["/", "sublayer", "back"],
             ["/e", "reference", "back"],
         ],
     },

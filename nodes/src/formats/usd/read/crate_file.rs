@@ -193,7 +193,8 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         let indices = self.packed_ints(&mut section, entries, Width::Bits32)?;
         let elements = self.packed_ints(&mut section, entries, Width::Bits32)?;
         let jumps = self.packed_ints(&mut section, entries, Width::Bits32)?;
-        if paths > entries {
+        // The empty path, where a reference to a default prim leads, is counted and not in the tree.
+        if paths > entries.saturating_add(1) {
             return Err(section.damaged("more paths than the tree of paths has"));
         }
         self.budget.charge_items::<Path>(paths)?;
