@@ -2,6 +2,7 @@
 
 use super::*;
 use coif_nodes::maths::transcendental::{cos, sin};
+use std::f32::consts::TAU;
 
 /// What is measured of a file of this text.
 #[track_caller]
@@ -95,11 +96,11 @@ fn a_closed_curve_has_its_closing_segment() {
     check("bezier", "periodic", &ring, 6.284_07, [-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]);
     // Of 24 points on a circle, Catmull-Rom goes through them, nearly round. A B-spline lies on a smaller one: at a point it
     // is (1 + 4 + 1) / 6 of it, with cos 15° for the neighbours: (2 + cos 15°) / 3 = 0.988642.
-    let turn = |k: usize| k as f32 * std::f32::consts::TAU / 24.0;
+    let turn = |k: usize| k as f32 * TAU / 24.0;
     let round: Vec<[f32; 3]> = (0..24).map(|k| [cos(turn(k)), sin(turn(k)), 0.0]).collect();
-    check("catmullRom", "periodic", &round, 6.283_2, [-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]);
+    check("catmullRom", "periodic", &round, TAU, [-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]);
     let r = 0.988_642;
-    check("bspline", "periodic", &round, r * 6.283_185, [-r, -r, 0.0], [r, r, 0.0]);
+    check("bspline", "periodic", &round, r * TAU, [-r, -r, 0.0], [r, r, 0.0]);
 }
 
 #[test]

@@ -140,7 +140,7 @@ impl Form {
         let [a, b, c, d] = self.control(values, span);
         let bent = d - a + (b - c) * 3.0;
         match self.basis {
-            Basis::Linear => [a, b - a, a - a, a - a],
+            Basis::Linear => [a, b - a, a * 0.0, a * 0.0],
             Basis::Bezier => [a, (b - a) * 3.0, (a - b - b + c) * 3.0, bent],
             Basis::Bspline => {
                 let sixth = 1.0 / 6.0;

@@ -78,7 +78,8 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
         // Buns at the back and on top.
         0 | 1 => {
             let size = any(0, 0.2, 0.6);
-            let above = if kind % KINDS == 0 { any(1, -20.0, 80.0) } else { any(1, 60.0, 90.0) };
+            let above =
+                if kind.is_multiple_of(KINDS) { any(1, -20.0, 80.0) } else { any(1, 60.0, 90.0) };
             let half = Vec3::new(any(3, 0.7, 1.2), any(4, 0.7, 1.2), any(5, 0.7, 1.2)) * size;
             Shape::ball(way(any(2, 100.0, 260.0), above) * (1.0 + 0.6 * size), half)
         }
