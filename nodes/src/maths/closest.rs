@@ -465,7 +465,7 @@ pub(crate) mod tests {
             let brute = numbers
                 .clone()
                 .map(|t| (closest_on_triangle(p, surface.corners(t)).1.distance_squared(p), t))
-                .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+                .min_by(|a, b| a.partial_cmp(b).unwrap())
                 .unwrap();
             let hit = surface.closest(p).unwrap();
             assert_eq!((hit.distance, hit.triangle), (brute.0.sqrt(), brute.1), "{name}: {p}");
@@ -474,7 +474,7 @@ pub(crate) mod tests {
             let met = numbers
                 .clone()
                 .filter_map(|t| Some((ray_triangle(p, v, surface.corners(t))?.0, t)))
-                .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+                .min_by(|a, b| a.partial_cmp(b).unwrap());
             let ray = surface.ray(p, v, f32::MAX).map(|hit| (hit.distance, hit.triangle));
             assert_eq!(ray, met, "{name}: ray from {p} along {v}");
             assert_eq!(surface.ray_meets(p, v, f32::MAX), met.is_some());
