@@ -88,7 +88,8 @@ fn blender(test: &str) -> Option<PathBuf> {
 /// What Blender finds in a file.
 fn opened(python: &Path, file: &Path, folder: &Folder) -> Json {
     let script = repository().join("tests/blender/read.py");
-    let args = [script.as_path(), file, &folder.path("")];
+    let into = folder.path("");
+    let args = [script.as_path(), file, into.as_path()];
     let output = Command::new(python).args(args).output().unwrap();
     let (out, err) = [&output.stdout, &output.stderr].map(|b| String::from_utf8_lossy(b)).into();
     let line = out.lines().find_map(|line| line.strip_prefix("BLENDER "));

@@ -21,9 +21,9 @@
 //! curves went through [`super::conform`], so both are the same hair.
 //!
 //! **Attributes** are those of USD under the same names (see [`super::export`]), as GeomParams: `con` one value, `uni` one a
-//! curve, `vtx` one a point. `width` is the diameter, one a point: Blender passes over a single one for all,
-//! and Unreal reads 0 for that where another set has many. `groom_color` is `displayColor`, one a point, for Unreal takes no other. Values that are the same are
-//! in the file once.
+//! curve, `vtx` one a point. `width` is the diameter, one a point: Blender passes over a single one for all, and Unreal reads 0 for
+//! that where another set has many. `groom_color` is `displayColor`, one a point, for Unreal takes no other. Values that are the
+//! same are in the file once.
 //!
 //! Unreal takes a file with a mesh in it for no groom: write the head for others only.
 

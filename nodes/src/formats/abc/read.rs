@@ -635,3 +635,41 @@ impl ReadValues {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a point of an Xform with these operations and values lies, below a world that moves by 10 along x.
+    #[track_caller]
+    fn check(ops: &[u8], numbers: &[f64], inherits: u8, point: [f64; 3], expected: [f64; 3]) {
+        let numbers: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+        let inherits = [inherits];
+        let property = |name, pod, bytes| {
+            let kind = Kind::Values { pod, extent: 1, is_scalar: true, bytes };
+            Property { name, metadata: "", kind }
+        };
+        let xform = [
+            property(".inherits", 0, &inherits[..]),
+            property(".ops", 1, ops),
+            property(".vals", 11, &numbers[..]),
+        ];
+        let world = DMat4::from_translation(DVec3::X * 10.0);
+        let found = transform(&xform, world).unwrap().transform_point3(DVec3::from(point));
+        assert!(found.distance(DVec3::from(expected)) < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn the_last_operation_of_a_transform_meets_points_first() {
+        let x = [1.0, 0.0, 0.0];
+        // A quarter turn about z takes x to y, then all moves by 1, 2, 3 and by the 10 of the world.
+        check(&[0x10, 0x60], &[1.0, 2.0, 3.0, 90.0], 1, x, [11.0, 3.0, 3.0]);
+        check(&[0x10, 0x60], &[1.0, 2.0, 3.0, 90.0], 0, x, [1.0, 3.0, 3.0]);
+        // About the axis z by 90 degrees, after doubling.
+        check(&[0x20, 0x00], &[0.0, 0.0, 5.0, 90.0, 2.0, 2.0, 2.0], 0, x, [0.0, 2.0, 0.0]);
+        // A matrix of row vectors moves by its last row.
+        let mut matrix = DMat4::IDENTITY.to_cols_array();
+        matrix[12..15].copy_from_slice(&[4.0, 5.0, 6.0]);
+        check(&[0x30], &matrix, 0, x, [5.0, 5.0, 6.0]);
+    }
+}

@@ -69,7 +69,8 @@ impl World {
     }
 }
 
-/// By how much a transform widens what is as wide as long: the cube root of how much it makes volumes grow, 1 exactly when it does not.
+/// By how much a transform widens what is as wide as long: the cube root of how much volumes grow, 1 exactly when they
+/// do not.
 pub(in crate::formats) fn width_scale(matrix: DMat4) -> f64 {
     if matrix == DMat4::IDENTITY {
         return 1.0;
