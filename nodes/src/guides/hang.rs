@@ -299,7 +299,8 @@ mod tests {
             let steps: Vec<f32> = points.windows(2).map(|w| w[0].distance(w[1])).collect();
             for pair in steps.windows(2) {
                 let ratio = (pair[0] / pair[1]).max(pair[1] / pair[0]);
-                assert!(ratio < 1.2, "{ratio} {steps:?}");
+                // Even along the arc; where one thread slips off another a chord is up to a fifth shorter than its arc.
+                assert!(ratio < 1.3, "{ratio} {steps:?}");
             }
         }
     }
