@@ -221,7 +221,7 @@ pub struct Ran {
     pub err: String,
 }
 
-/// Runs [`coif`] with arguments.
+/// Runs [`coif()`] with arguments.
 pub fn run<S: AsRef<std::ffi::OsStr>>(args: impl IntoIterator<Item = S>) -> Ran {
     run_with(coif(), args)
 }
