@@ -235,7 +235,7 @@ fn with_neither_display_nor_driver_the_start_up_groom_is_written_here() {
     let folder = Folder::new("start-bare");
     std::fs::write(folder.path("start.usdc"), "somebody's own").unwrap();
     // No driver is found: the loader of Vulkan looks into an empty file, and there is no display for another.
-    let mut bare = coif_tests::coif();
+    let mut bare = coif_tests::program();
     bare.current_dir(folder.path("")).env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
     bare.env("VK_DRIVER_FILES", "/dev/null").env("VK_ICD_FILENAMES", "/dev/null");
     let out = bare.output().unwrap();

@@ -13,6 +13,9 @@ pub(crate) struct CheckArgs {
     /// Also evaluate, and tell what a program would cut off (exit code 2), and what it would make up (a note)
     #[arg(long, value_enum)]
     target: Option<Target>,
+    /// With a target: evaluate even what makes more than 16.8 million points
+    #[arg(long)]
+    allow_large: bool,
 }
 
 /// A program that grooms are made for.
@@ -47,14 +50,16 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
             continue;
         }
         let found = match args.target {
-            Some(Target::Unreal) => match unreal::found(&document, folder, shown.to_string()) {
-                Ok(found) => found,
-                Err(stop) => {
-                    stop.lines().iter().for_each(complain);
-                    exit = Exit::Refused;
-                    continue;
+            Some(Target::Unreal) => {
+                match unreal::found(&document, folder, shown.to_string(), args.allow_large) {
+                    Ok(found) => found,
+                    Err(stop) => {
+                        stop.lines().iter().for_each(complain);
+                        exit = Exit::Refused;
+                        continue;
+                    }
                 }
-            },
+            }
             None => unreal::Found::default(),
         };
         for line in &found.lost {

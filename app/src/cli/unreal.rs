@@ -33,9 +33,13 @@ pub(super) struct Found {
 }
 
 /// Evaluates the document's outputs and tells what becomes of them.
-pub(super) fn found(document: &Document, folder: PathBuf, graph: String) -> Result<Found, Stop> {
-    // How large it is is what is asked.
-    let opened = Opened::of(document.clone(), folder, graph, true)?;
+pub(super) fn found(
+    document: &Document,
+    folder: PathBuf,
+    graph: String,
+    allow_large: bool,
+) -> Result<Found, Stop> {
+    let opened = Opened::of(document.clone(), folder, graph, allow_large)?;
     let mut report = Report::new(String::new());
     let cancel = CancelToken::default();
     let evaluated = opened.evaluate(Quality::Final, 0, &[], &cancel, &Quiet, &mut report)?;

@@ -170,7 +170,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             let last = (tuft.range(curve).len() - 1).max(1) as f32;
             let radius = open_radius(tuft, curve, &asked, |cv| cv as f32 / last);
             let strands = strands_in(density, radius);
-            if strands > most.2 || radius > most.0 && most.2 == 0.0 {
+            if strands > most.2 || radius >= most.0 && most.2 == 0.0 {
                 most = (radius, density, strands);
             }
             // What asks for more is left out.
