@@ -61,7 +61,7 @@ fn light() -> impl Iterator<Item = &'static str> {
 
 #[test]
 fn every_groom_evaluates_on_the_built_in_head() {
-    light().for_each(|name| check_on(name, "the built-in head", &shipped(name)));
+    light().for_each(|name| check_on(name, "the built-in head", shipped(name)));
 }
 
 #[test]

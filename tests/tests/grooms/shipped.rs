@@ -4,7 +4,7 @@ use coif_graphs::grooms;
 use coif_tests::{Folder, RealHead, eval, run};
 use serde_json::Value as Json;
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock};
 
 /// A groom that was evaluated and measured.
 pub(crate) struct Shipped {
@@ -21,23 +21,11 @@ impl Shipped {
     }
 }
 
-type Once = Arc<OnceLock<Shipped>>;
-
 /// A groom with all its hair on the built-in head, evaluated by whoever asks first.
-pub(crate) fn shipped(name: &'static str) -> impl std::ops::Deref<Target = Shipped> {
-    static ALL: OnceLock<BTreeMap<&str, Once>> = OnceLock::new();
-    struct Of(Once);
-    impl std::ops::Deref for Of {
-        type Target = Shipped;
-        fn deref(&self) -> &Shipped {
-            self.0.get().expect("it was evaluated")
-        }
-    }
-    let all =
-        ALL.get_or_init(|| grooms::ALL.iter().map(|(name, _)| (*name, Once::default())).collect());
-    let once = all[name].clone();
-    once.get_or_init(|| evaluate(name, None, &["--threads", "2"]));
-    Of(once)
+pub(crate) fn shipped(name: &'static str) -> &'static Shipped {
+    static ALL: OnceLock<BTreeMap<&str, OnceLock<Shipped>>> = OnceLock::new();
+    let all = || grooms::ALL.iter().map(|(name, _)| (*name, OnceLock::new())).collect();
+    ALL.get_or_init(all)[name].get_or_init(|| evaluate(name, None, &["--threads", "2"]))
 }
 
 /// Evaluates a groom to a file and measures that.
