@@ -214,6 +214,9 @@ impl Shape {
     }
 }
 
+/// What a ball without skin is taken to be smaller by, cm, for what is rounded.
+const SURE: f32 = 1e-3;
+
 /// A point as compilers take all of it at once; the last number is nothing.
 type Lanes = [f32; 4];
 
@@ -297,11 +300,14 @@ impl Maker<'_> {
         let over =
             home.map_or(1, |home| (1..each).take_while(|k| home.is_under(at(*k))).count().max(1));
         // A ball about each of its points holds no skin: what is in it need not be asked about.
-        let clear: Vec<(Vec3, f32)> = (0..each)
-            .map(|k| (at(k), self.skin.filter(|_| depths[k] == 0.0)))
-            .map(|(p, skin)| (p, skin.map_or(0.0, |skin| skin.clear_about(p))))
-            .map(|(p, radius)| (p, radius * radius))
-            .collect();
+        let mut clear = vec![(Vec3::ZERO, 0.0); each];
+        if let Some(skin) = &self.skin {
+            let radii = skin.clear_along((0..each).map(at));
+            for (k, radius) in radii.enumerate().filter(|(k, _)| depths[*k] == 0.0) {
+                let sure = (radius - SURE).max(0.0);
+                clear[k] = (at(k), sure * sure);
+            }
+        }
 
         let guide_passes = home.is_some_and(|home| home.passes(own.curve(0)));
 

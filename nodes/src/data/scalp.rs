@@ -365,18 +365,25 @@ impl Skin<'_> {
     /// Whether the field alone tells that all of a ball is outside the skin. False says nothing.
     #[inline]
     pub fn is_clear(&self, middle: Vec3, radius: f32) -> bool {
-        radius < self.clear_about(middle)
+        match self.field.depth(self.surface, middle) {
+            Depth::Outside => radius < self.field.band(),
+            Depth::Near(d, _, doubt) => radius < (d - doubt).max(0.0),
+            Depth::Inside => false,
+        }
     }
 
-    /// The radius (cm) of a ball about `p` of which the field alone tells that all of it is outside the skin; 0 where it tells of
-    /// none.
-    #[inline]
-    pub fn clear_about(&self, p: Vec3) -> f32 {
-        match self.field.depth(self.surface, p) {
-            Depth::Outside => self.field.band(),
-            Depth::Near(d, _, doubt) => (d - doubt).max(0.0),
-            Depth::Inside => 0.0,
-        }
+    /// How far each of these points, one near the other, is outside the skin, cm; 0 of those inside. Exact, and no cell of the field is
+    /// made for it: a ball so large about the point holds no skin.
+    pub fn clear_along(&self, points: impl Iterator<Item = Vec3>) -> impl Iterator<Item = f32> {
+        let mut near = None;
+        points.map(move |p| {
+            let hit = match near {
+                Some(near) => self.surface.closest_from(p, near),
+                None => self.surface.closest(p),
+            };
+            near = hit.map(|hit| hit.triangle).or(near);
+            hit.map_or(0.0, |hit| self.surface.signed_distance(p, &hit).max(0.0))
+        })
     }
 
     /// What the field alone says about `p`: distance, the way out (zero where that is not known), and how far the distance may
@@ -422,6 +429,9 @@ impl Skin<'_> {
 
     #[inline]
     fn raise(&self, p: Vec3, height: f32) -> (Vec3, bool) {
+        if self.field.is_clear(self.surface, p, height.max(0.0)) {
+            return (p, false);
+        }
         match self.field.depth(self.surface, p) {
             Depth::Outside => (p, false),
             // What may lie in the skin is asked of the surface: in folds thinner than its cells the field knows little inside.

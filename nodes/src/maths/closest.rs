@@ -8,6 +8,7 @@
 
 use super::triangle_tree::TriangleTree;
 use glam::{Vec2, Vec3};
+use std::sync::OnceLock;
 
 /// Triangles with their normals and their tree.
 pub struct Surface {
@@ -19,6 +20,9 @@ pub struct Surface {
     /// face has area.
     pub normals: Vec<Vec3>,
     edge_normals: Vec<[Vec3; 3]>,
+    /// The triangle over each edge of each, itself where there is none.
+    beside: Vec<[u32; 3]>,
+    order: OnceLock<Vec<u32>>,
     tree: TriangleTree,
     /// Which triangles nothing meets; empty where all are met.
     gone: Vec<bool>,
@@ -66,14 +70,17 @@ impl Surface {
         }
         sides.sort_unstable();
         let mut edge_normals = vec![[Vec3::ZERO; 3]; triangles.len()];
+        let mut beside = vec![[0; 3]; triangles.len()];
         for same in sides.chunk_by(|a, b| a.0 == b.0) {
             let sum = same.iter().fold(Vec3::ZERO, |sum, (_, n)| sum + faces[*n as usize / 3]);
-            for (_, n) in same {
+            for (i, (_, n)) in same.iter().enumerate() {
                 edge_normals[*n as usize / 3][*n as usize % 3] = sum;
+                beside[*n as usize / 3][*n as usize % 3] = same[(i + 1) % same.len()].1 / 3;
             }
         }
         let tree = tree(&points, &triangles, |_| true);
-        Self { points, triangles, normals, edge_normals, tree, gone: vec![] }
+        let order = OnceLock::new();
+        Self { points, triangles, normals, edge_normals, beside, order, tree, gone: vec![] }
     }
 
     /// The same triangles under the same numbers, of which those that are `gone` are met by nothing any more.
@@ -85,6 +92,11 @@ impl Surface {
     /// Whether nothing meets a triangle any more.
     pub fn is_gone(&self, triangle: u32) -> bool {
         self.gone.get(triangle as usize).copied().unwrap_or(false)
+    }
+
+    /// All triangles, gone ones too, so that those that follow each other lie together; depends on how they are joined alone.
+    pub fn order(&self) -> &[u32] {
+        self.order.get_or_init(|| super::triangle_order::triangle_order(&self.beside))
     }
 
     /// The three corners of a triangle.

@@ -57,8 +57,40 @@ pub struct DistanceField {
 enum Block {
     Inside,
     Outside,
-    /// With the triangle that its middle is closest to.
-    Near(u32, Box<[OnceLock<Box<Brick>>; 8]>),
+    Near(Box<Near>),
+}
+
+/// A block that the surface is near.
+struct Near {
+    /// The triangle that its middle is closest to, and how far outside that its middle is, cm.
+    triangle: u32,
+    distance: f32,
+    bricks: [OnceLock<Box<Brick>>; 8],
+}
+
+/// Where a point is in a field.
+enum Place<'a> {
+    Inside,
+    Outside,
+    /// In cells from the lowest, exactly and the cell; and the block.
+    Near {
+        q: Vec3,
+        i: IVec3,
+        block: &'a Near,
+    },
+}
+
+/// Which of its block's bricks a cell is in.
+#[inline]
+fn which(i: IVec3) -> usize {
+    ((i.z & 4) | ((i.y & 4) >> 1) | ((i.x & 4) >> 2)) as usize
+}
+
+/// Which sample of its brick is at a cell's lowest corner.
+#[inline]
+fn sample_at(i: IVec3) -> usize {
+    let [x, y, z] = (i & 3).to_array().map(|k| k as usize);
+    (z * SIDE + y) * SIDE + x
 }
 
 /// A part of a block, so that one lookup touches little memory. Its numbers are made one by one, by whoever needs one first; two
@@ -135,25 +167,17 @@ impl DistanceField {
     /// What is known at `p` (cm), interpolated between samples. `surface` is the one the field was made for.
     #[inline]
     pub fn depth(&self, surface: &Surface, p: Vec3) -> Depth {
-        let q = (p - self.lowest) * self.per_cell;
-        // Truncated where it is positive: a floor, without asking the library for one.
-        let i = q.as_ivec3();
-        let b = IVec3::new(i.x >> 3, i.y >> 3, i.z >> 3);
-        if !q.cmpge(Vec3::ZERO).all() || b.cmpge(self.blocks_along).any() {
-            return Depth::Outside;
-        }
-        let index = ((b.z * self.blocks_along.y + b.y) * self.blocks_along.x + b.x) as usize;
-        let block = &self.blocks[index];
-        let (near, bricks) = match block.get_or_init(|| self.block(surface, b)) {
-            Block::Inside => return Depth::Inside,
-            Block::Outside => return Depth::Outside,
-            Block::Near(near, bricks) => (near, bricks),
+        let (q, i, brick) = match self.place(surface, p) {
+            Place::Inside => return Depth::Inside,
+            Place::Outside => return Depth::Outside,
+            Place::Near { q, i, block: Near { triangle, bricks, .. } } => {
+                let brick = bricks[which(i)].get_or_init(|| Brick::new(*triangle));
+                (q, i, brick)
+            }
         };
-        let which = (i.z & 4) | ((i.y & 4) >> 1) | ((i.x & 4) >> 2);
-        let brick = bricks[which as usize].get_or_init(|| Brick::new(*near));
+        let corner = sample_at(i);
         let [x, y, z] = (i & 3).to_array().map(|k| k as usize);
         let more = &brick.more[(z * 4 + y) * 4 + x];
-        let corner = (z * SIDE + y) * SIDE + x;
         // Who sees this number sees the corners: they were stored before it.
         let known = match more.load(Ordering::Acquire) {
             UNMADE => self.make(surface, brick, i, corner, more),
@@ -161,6 +185,59 @@ impl DistanceField {
         };
         let (d, gradient, doubt) = self.between(brick, corner, q - i.as_vec3());
         Depth::Near(d, gradient, doubt + f32::from(known) * (MORE * self.cell))
+    }
+
+    /// Whether `p` is farther than `height` (cm, at least 0) outside, as one distance or two tell that are known for a point near it:
+    /// it is at most so much less there as it is far from there. False says nothing. Most points of hair stand a little way off, and
+    /// need no cell of their own.
+    #[inline]
+    pub fn is_clear(&self, surface: &Surface, p: Vec3, height: f32) -> bool {
+        let (q, i, block) = match self.place(surface, p) {
+            Place::Inside => return false,
+            Place::Outside => return height < self.band(),
+            Place::Near { q, i, block } => (q, i, block),
+        };
+        // Rounding of coordinates, and more.
+        let height = height + 0.01 * self.cell + 1e-6 * p.abs().max_element();
+        let clears = |distance: f32, cells: IVec3| {
+            distance - q.distance(cells.as_vec3()) * self.cell > height
+        };
+        let middle = |size: i32| (i & !(size - 1)) + size / 2;
+        if clears(block.distance, middle(BLOCK)) {
+            return true;
+        }
+        let brick = block.bricks[which(i)].get_or_init(|| Brick::new(block.triangle));
+        let corner = (q + 0.5).as_ivec3();
+        [middle(BRICK), corner.min((i | 3) + 1)].into_iter().any(|cells| {
+            let [x, y, z] = (cells - (i & !3)).to_array().map(|k| k as usize);
+            let sample = &brick.samples[(z * SIDE + y) * SIDE + x];
+            let mut distance = f32::from_bits(sample.load(Ordering::Relaxed));
+            if distance.to_bits() == UNKNOWN {
+                let mut near = brick.near.load(Ordering::Relaxed);
+                distance = self.exact(surface, cells.as_vec3(), &mut near);
+                sample.store(distance.to_bits(), Ordering::Relaxed);
+                brick.near.store(near, Ordering::Relaxed);
+            }
+            clears(distance, cells)
+        })
+    }
+
+    /// The block that `p` is in, and where in the field, in cells.
+    #[inline]
+    fn place(&self, surface: &Surface, p: Vec3) -> Place<'_> {
+        let q = (p - self.lowest) * self.per_cell;
+        // Truncated where it is positive: a floor, without asking the library for one.
+        let i = q.as_ivec3();
+        let b = IVec3::new(i.x >> 3, i.y >> 3, i.z >> 3);
+        if !q.cmpge(Vec3::ZERO).all() || b.cmpge(self.blocks_along).any() {
+            return Place::Outside;
+        }
+        let index = ((b.z * self.blocks_along.y + b.y) * self.blocks_along.x + b.x) as usize;
+        match self.blocks[index].get_or_init(|| self.block(surface, b)) {
+            Block::Inside => Place::Inside,
+            Block::Outside => Place::Outside,
+            Block::Near(block) => Place::Near { q, i, block },
+        }
     }
 
     /// Distance, gradient and doubt at a fraction of a cell of a brick.
@@ -201,7 +278,11 @@ impl DistanceField {
             let inside = surface.signed_distance(middle, &hit) < 0.0;
             return if inside { Block::Inside } else { Block::Outside };
         }
-        Block::Near(hit.triangle, Box::new([const { OnceLock::new() }; 8]))
+        Block::Near(Box::new(Near {
+            triangle: hit.triangle,
+            distance: surface.signed_distance(middle, &hit),
+            bricks: [const { OnceLock::new() }; 8],
+        }))
     }
 
     /// Makes the samples at the corners of cell `i` of the field that are not there yet, and gives and notes how much farther off
@@ -216,35 +297,36 @@ impl DistanceField {
         corner: usize,
         more: &AtomicU8,
     ) -> u8 {
-        // Of a whole number of cells, so that a corner is the same place for all cells that it is of.
-        let place = |cells: Vec3| self.lowest + cells * self.cell;
         let low = i.as_vec3();
         let mut near = brick.near.load(Ordering::Relaxed);
-        // What is not finite has no closest point, and is nowhere near the skin.
-        let mut exact = |p: Vec3| match surface.closest_from(p, near) {
-            Some(hit) => {
-                near = hit.triangle;
-                surface.signed_distance(p, &hit)
-            }
-            None => self.band(),
-        };
         for (at, off) in CORNERS {
             let sample = &brick.samples[corner + at];
             if sample.load(Ordering::Relaxed) == UNKNOWN {
-                let distance = exact(place(low + Vec3::from(off)));
+                let distance = self.exact(surface, low + Vec3::from(off), &mut near);
                 sample.store(distance.to_bits(), Ordering::Relaxed);
             }
         }
         let (d, _, doubt) = self.between(brick, corner, Vec3::splat(0.5));
         let mut steps = 0;
         if d.abs() <= 1.5 * self.cell {
-            let off = (exact(place(low + 0.5)) - d).abs() - doubt;
+            let off = (self.exact(surface, low + 0.5, &mut near) - d).abs() - doubt;
             // (As many as there are; `as` takes a negative number for 0.)
             steps = ((off * self.per_cell / MORE).ceil() as u8).min(UNMADE - 1);
         }
         brick.near.store(near, Ordering::Relaxed);
         more.store(steps, Ordering::Release);
         steps
+    }
+
+    /// The signed distance at so many cells from the lowest: a whole number of cells is the same place for all that ask there. `near`
+    /// is a triangle to begin with, and the closest one then.
+    fn exact(&self, surface: &Surface, cells: Vec3, near: &mut u32) -> f32 {
+        let p = self.lowest + cells * self.cell;
+        // What is not finite has no closest point, and is nowhere near the skin.
+        surface.closest_from(p, *near).map_or(self.band(), |hit| {
+            *near = hit.triangle;
+            surface.signed_distance(p, &hit)
+        })
     }
 
     /// How far outside the surface everything is that the field calls outside, cm.
@@ -262,15 +344,15 @@ impl DistanceField {
     /// Bytes held so far.
     pub fn bytes(&self) -> usize {
         let near = self.blocks.iter().filter_map(|block| match block.get() {
-            Some(Block::Near(_, bricks)) => Some(bricks),
+            Some(Block::Near(near)) => Some(near),
             _ => None,
         });
-        let of_block = |bricks: &[OnceLock<Box<Brick>>; 8]| {
-            let made = bricks.iter().filter(|brick| brick.get().is_some()).count();
-            size_of_val(bricks) + made * size_of::<Brick>()
+        let of_block = |near: &Near| {
+            let made = near.bricks.iter().filter(|brick| brick.get().is_some()).count();
+            size_of::<Near>() + made * size_of::<Brick>()
         };
         self.blocks.len() * size_of::<OnceLock<Block>>()
-            + near.map(|bricks| of_block(bricks)).sum::<usize>()
+            + near.map(|near| of_block(near)).sum::<usize>()
     }
 }
 
@@ -346,6 +428,32 @@ mod tests {
     }
 
     #[test]
+    fn what_is_clear_is_farther_off_than_it_must_be_and_few_samples_tell() {
+        let surface = sphere(6.0, 64);
+        let field = DistanceField::new(&surface);
+        let dice = Dice::new(11, 0, "query");
+        let (mut clear, mut off) = (0, 0);
+        for id in 0..5000 {
+            let v = Vec3::new(dice.signed(id, 0), dice.signed(id, 1), dice.signed(id, 2));
+            let p = v.normalize_or(Vec3::X) * (6.0 + 1.5 * dice.signed(id, 3));
+            let height = 0.3 * dice.unit(id, 4);
+            let exact = surface.signed_distance(p, &surface.closest(p).unwrap());
+            let is_clear = field.is_clear(&surface, p, height);
+            assert!(!is_clear || exact > height, "{p}: {exact} {height}");
+            // The nearest corner is at most 0.173 off, and may be so much nearer to the surface.
+            assert!(is_clear || exact < height + 0.36, "{p}: {exact} {height}");
+            clear += usize::from(is_clear);
+            off += usize::from(exact > height);
+        }
+        assert!(clear > 1700 && off < 2400, "{clear} of {off}");
+        // No cell was made, and of a thin shell of bricks one sample or two for each point.
+        let (samples, cells) = made(&field);
+        assert!(samples < 6000 && cells == 0, "{samples} {cells}");
+        assert!(field.is_clear(&surface, Vec3::Y * 9.0, 0.5));
+        assert!(!field.is_clear(&surface, Vec3::ZERO, 0.0));
+    }
+
+    #[test]
     fn who_asks_first_does_not_matter() {
         let surface = sphere(3.0, 16);
         let (a, b) = (DistanceField::new(&surface), DistanceField::new(&surface));
@@ -363,10 +471,10 @@ mod tests {
     /// How many samples and cells are made.
     fn made(field: &DistanceField) -> (usize, usize) {
         let near = field.blocks.iter().filter_map(|block| match block.get() {
-            Some(Block::Near(_, bricks)) => Some(bricks),
+            Some(Block::Near(near)) => Some(near),
             _ => None,
         });
-        let bricks = near.flat_map(|bricks| bricks.iter().filter_map(OnceLock::get));
+        let bricks = near.flat_map(|near| near.bricks.iter().filter_map(OnceLock::get));
         bricks.fold((0, 0), |(samples, cells), brick| {
             let known = brick.samples.iter().filter(|s| s.load(Ordering::Relaxed) != UNKNOWN);
             let made = brick.more.iter().filter(|m| m.load(Ordering::Relaxed) != UNMADE);
@@ -381,7 +489,7 @@ mod tests {
         let empty = field.bytes();
         field.depth(&surface, Vec3::Y * 6.0);
         // The eight bricks of a block are pointers but for one, and of its 125 samples the corners of a cell are known.
-        let brick = size_of::<[OnceLock<Box<Brick>>; 8]>() + size_of::<Brick>();
+        let brick = size_of::<Near>() + size_of::<Brick>();
         assert_eq!(field.bytes(), empty + brick);
         assert_eq!(made(&field), (8, 1));
         // A neighbour shares four of them.
