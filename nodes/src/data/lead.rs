@@ -5,7 +5,8 @@
 //!
 //! Guarantees: the first point stays; every other ends where [`Skin::push_out`] lets it be; a hair that nothing tears comes
 //! out as if each of its points had been pushed alone. Four ways aside are tried, each at most 3 cm long; where the least
-//! torn of them is torn still, the hair is laid on the shortest way round (`way_round.rs`). Not promised: that there is one.
+//! torn of them is torn still, the hair is laid on the shortest way round (`way_round.rs`). Not promised: that there is one; in a
+//! mesh that is folded all over none is looked for.
 
 use super::scalp::Skin;
 use super::way_round::way_round;
@@ -56,8 +57,8 @@ impl Skin<'_> {
         // Where points were, for those that were moved.
         let mut was: Vec<(usize, Vec3)> = vec![];
         self.push_all(points, &depth, &mut was);
-        if was.is_empty() {
-            return false;
+        if was.is_empty() || self.is_folded() {
+            return !was.is_empty();
         }
         // The least torn so far.
         let mut best: Option<(f32, Vec<Vec3>, Vec<(usize, Vec3)>)> = None;

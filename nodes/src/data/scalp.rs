@@ -112,6 +112,7 @@ struct Head {
     /// Name to one value for each vertex, 0 to 1. Always holds `scalp`, the region where hair grows.
     masks: BTreeMap<String, Vec<f32>>,
     field: OnceLock<DistanceField>,
+    folded: OnceLock<bool>,
     chart: OnceLock<Chart>,
 }
 
@@ -144,12 +145,12 @@ impl Scalp {
         for (name, mask) in &masks {
             key = key.text(name).column(mask);
         }
-        let (field, chart) = (OnceLock::new(), OnceLock::new());
+        let (field, folded, chart) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
         Self {
             key: key.finish(),
             cm_per_unit: 1.0,
             parts: Arc::default(),
-            head: Arc::new(Head { surface, uvs, frame, masks, field, chart }),
+            head: Arc::new(Head { surface, uvs, frame, masks, field, folded, chart }),
             sections: None,
         }
     }
@@ -296,7 +297,7 @@ impl Scalp {
     pub fn skin(&self) -> Skin<'_> {
         let head = &*self.head;
         let field = head.field.get_or_init(|| DistanceField::new(&head.surface));
-        Skin { surface: &head.surface, field }
+        Skin { surface: &head.surface, field, head }
     }
     /// Bytes held.
     pub fn bytes(&self) -> usize {
@@ -322,7 +323,41 @@ impl std::fmt::Debug for Scalp {
 pub struct Skin<'a> {
     surface: &'a Surface,
     field: &'a DistanceField,
+    head: &'a Head,
 }
+
+impl Head {
+    /// See [`Skin::is_folded`].
+    fn is_folded(&self) -> bool {
+        let (surface, region) = (&self.surface, &self.masks[REGION]);
+        let area = |t: u32| {
+            let [a, b, c] = surface.triangles[t as usize].map(|v| region[v as usize]);
+            f64::from(surface.area_vector(t).length()) * f64::from(a.max(b).max(c).min(1.0))
+        };
+        let areas = surface.order().iter().map(|t| (*t, area(*t))).filter(|(_, a)| a.is_finite());
+        let areas: Vec<(u32, f64)> = areas.collect();
+        let each = areas.iter().map(|(_, area)| area).sum::<f64>() / LOOKS;
+        let (mut sum, mut next) = (0.0, 0.5 * each);
+        let (mut looks, mut faced) = (0, 0);
+        for (triangle, area) in areas {
+            sum += area;
+            while sum > next {
+                next += each;
+                let (from, out) =
+                    (surface.at(triangle, Vec2::splat(1.0 / 3.0)), surface.face_normal(triangle));
+                let reach = FACED * self.frame.unit();
+                looks += 1;
+                faced += u32::from(surface.ray_meets(from + out * (0.01 * reach), out, reach));
+            }
+        }
+        2 * faced > looks
+    }
+}
+
+/// At about so many places of the region one looks whether skin is faced.
+const LOOKS: f64 = 400.0;
+/// Skin nearer than this, in head units, is faced.
+const FACED: f32 = HEAD_RADIUS;
 
 /// Nearer to the skin than this (cm) [`Skin::distance`] asks the surface itself.
 const EXACT: f32 = 0.1;
@@ -344,6 +379,12 @@ impl Skin<'_> {
         }
     }
 
+    /// Whether more than half of the scalp region has other skin before it, within the radius of a head, as crumpled cloth,
+    /// leaves or many layers have and heads have not: there hair that the skin tears has no way round.
+    pub fn is_folded(&self) -> bool {
+        *self.head.folded.get_or_init(|| self.head.is_folded())
+    }
+
     /// Signed distance of `p` from the skin as the field tells it, cm: within a fiftieth of a centimetre where the skin is
     /// smooth, off by up to a tenth at creases, +-1 beyond the field's band. Cheap; for whoever may err on the safe side.
     #[inline]
@@ -351,15 +392,13 @@ impl Skin<'_> {
         self.roughly(p).map_or(1.0, |(d, ..)| d)
     }
 
-    /// The scalp point closest to `p`: [`Surface::closest`], told by the field how far to look.
+    /// The scalp point closest to `p`: [`Surface::closest`], told by the field where to look first.
     #[inline]
     pub fn closest(&self, p: Vec3) -> Option<Hit> {
-        if let Depth::Near(d, ..) = self.field.depth(self.surface, p)
-            && let Some(hit) = self.surface.closest_within(p, d.abs() + self.field.error())
-        {
-            return Some(hit);
+        match self.field.hint(self.surface, p) {
+            Some(near) => self.surface.closest_from(p, near),
+            None => self.surface.closest(p),
         }
-        self.surface.closest(p)
     }
 
     /// Whether the field alone tells that all of a ball is outside the skin. False says nothing.

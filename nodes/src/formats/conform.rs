@@ -75,7 +75,10 @@ pub fn conform(
         each(host, tufts.len(), |i| look_at(&tufts[i], &land, &is_cancelled))?;
     let is_astray = |looked: &Looked| looked.changed.iter().filter(|one| one.astray).count();
     // How hard each curve that still differs is tried hangs from how many there are: not on how many threads find them.
-    let effort = Effort::of(looked.iter().map(is_astray).sum());
+    let effort = match skin.is_some_and(|skin| skin.is_folded()) {
+        true => Effort::None,
+        false => Effort::of(looked.iter().map(is_astray).sum()),
+    };
     if effort != Effort::None {
         try_again(&mut looked, tufts, (&land, effort), effort.most_tried(), host)?;
     }

@@ -56,13 +56,16 @@ const ROUNDS: usize = 16;
 /// Rounds after which they are made so at half the pace: where a curve turns by a right angle from point to point, a full
 /// step oversteps.
 const QUICK: usize = 8;
-/// Rounds without a better one after which it is given up.
+/// Rounds without a better one after which it is given up: in the air, and where the skin has a say, whose leaps no round mends.
 const STALE: usize = 5;
+const STALE_ON_SKIN: usize = 2;
 /// Chords within this ratio are alike.
 const ALIKE: f32 = 1.01;
 
 /// To ask the skin about a point costs as much as so many that are only placed.
 const ASKED: u64 = 8;
+/// To push one out of the skin costs as much as so many.
+const PUSHED: u64 = 100;
 /// What it costs to lead a curve round what tears it, in points placed: ways through the air are looked for.
 const LED: u64 = 100_000;
 
@@ -136,11 +139,14 @@ impl Mender<'_> {
     pub(super) fn read_alike(&mut self, effort: Effort) -> Read {
         let mut tried: Vec<Read> = vec![];
         for finer in FINER {
-            let read = self.resampled(finer);
+            let (read, leaps) = self.resampled(finer);
             if read.agrees() && !(self.is_barred)(&read) {
                 return read;
             }
             tried.push(read);
+            if leaps {
+                break;
+            }
         }
         if let (Some(skin), Effort::Moved | Effort::Led) = (self.skin, effort) {
             let leads = if effort == Effort::Led { &LEADS[..] } else { &[] };
@@ -187,7 +193,12 @@ impl Mender<'_> {
     }
 
     fn clear(&self, p: Vec3, place: Place) -> Vec3 {
-        self.skin.map_or(p, |skin| skin.push_out(p, (self.depth)(place)).0)
+        let Some(skin) = self.skin else { return p };
+        let (out, moved) = skin.push_out(p, (self.depth)(place));
+        if moved {
+            self.patience.has(PUSHED);
+        }
+        out
     }
 
     /// How far the deepest point of the curve would have to go to be clear of the skin, cm: at as many as four a segment.
@@ -210,23 +221,37 @@ impl Mender<'_> {
         read.points.iter().zip(&read.stops).map(far).fold(0.0, f32::max)
     }
 
-    /// Points with chords alike, out of the skin.
-    fn resampled(&self, finer: f32) -> Read {
+    /// Points with chords alike, out of the skin; and whether that makes them leap, which more points would not mend.
+    fn resampled(&self, finer: f32) -> (Read, bool) {
         let last = self.segments(self.old.len() - 1, finer);
         let mut read = Read::default();
-        alike_chords(self.spline, last, &mut read, self.patience, |k, place| match k {
-            0 => self.old[0],
-            k if k == last => self.old[self.old.len() - 1],
-            _ => self.clear(self.spline.point(place), place),
-        });
-        read.judged()
+        // Among folds each round would be torn anew: what is alike in the air is pushed once.
+        let once = self.skin.is_some_and(Skin::is_folded);
+        let pushed = Cell::new(false);
+        let stale = || if pushed.get() { STALE_ON_SKIN } else { STALE };
+        let alike =
+            alike_chords(self.spline, last, &mut read, self.patience, &stale, |k, place| match k {
+                0 => self.old[0],
+                k if k == last => self.old[self.old.len() - 1],
+                _ => {
+                    let p = self.spline.point(place);
+                    let out = if once { p } else { self.clear(p, place) };
+                    pushed.set(pushed.get() || out != p);
+                    out
+                }
+            });
+        if once {
+            let inner = read.points.iter_mut().zip(&read.stops).take(last).skip(1);
+            inner.for_each(|(p, (_, place))| *p = self.clear(*p, *place));
+        }
+        (read.judged(), !alike && pushed.get())
     }
 
     /// The same of the curve led round what tears it.
     fn led_round(&mut self, skin: &Skin, torn: Torn) -> Read {
         let last = self.segments(self.old.len() - 1, 1.0);
         let mut read = Read::default();
-        alike_chords(self.spline, last, &mut read, self.patience, |_, place| {
+        alike_chords(self.spline, last, &mut read, self.patience, &|| STALE, |_, place| {
             self.spline.point(place)
         });
         let Read { points, stops, .. } = &mut read;
@@ -247,7 +272,7 @@ impl Mender<'_> {
             let (a, b) = (was[place.span], was[place.span + 1]);
             a + (b - a) * place.t
         };
-        alike_chords(self.led, last, read, self.patience, |k, place| match k {
+        alike_chords(self.led, last, read, self.patience, &|| STALE, |k, place| match k {
             0 => self.old[0],
             k if k == last => tip,
             _ if clears => {
@@ -294,14 +319,16 @@ impl Mender<'_> {
 
 /// `last` + 1 points of the spline whose chords are so much alike that both readings agree, and where they lie on it (arc
 /// length and place): through such points both are one curve, however sharply it bends; points at even arc length have
-/// shorter chords where it bends. `point` gives the point of a place, which may have to keep clear of the skin.
+/// shorter chords where it bends. `point` gives the point of a place, which may have to keep clear of the skin; `most_stale` how many
+/// rounds that are no better there may be. Tells whether they came to be alike.
 fn alike_chords(
     spline: &Spline,
     last: usize,
     read: &mut Read,
     patience: &Patience,
+    most_stale: &dyn Fn() -> usize,
     point: impl Fn(usize, Place) -> Vec3,
-) {
+) -> bool {
     let Read { points, stops, .. } = read;
     // Places the points at these arc lengths; gives the longest chord over the shortest.
     let sample = |wanted: &[f32], stops: &mut Vec<(f32, Place)>, points: &mut Vec<Vec3>| -> f32 {
@@ -322,16 +349,18 @@ fn alike_chords(
     let mut stale = 0;
     for round in 0..ROUNDS {
         let ratio = sample(&wanted, stops, points);
-        if ratio <= ALIKE || readings_differ(points) <= AGREE || !patience.has(points.len() as u64)
-        {
-            return;
+        if ratio <= ALIKE || readings_differ(points) <= AGREE {
+            return true;
+        }
+        if !patience.has(points.len() as u64) {
+            return false;
         }
         stale += 1;
         if ratio < best.0 {
             best = (ratio, wanted.clone());
             stale = 0;
         }
-        if stale == STALE {
+        if stale >= most_stale() {
             break;
         }
         // What arc length has come where the chords have come to their even share.
@@ -352,6 +381,7 @@ fn alike_chords(
     if sample(&wanted, stops, points) > best.0 {
         sample(&best.1, stops, points);
     }
+    false
 }
 
 /// Moves what is deeper in the skin than allowed out of it, `beyond` times as far as it has to, and what lies beside it along,
@@ -494,7 +524,7 @@ mod tests {
         let patience = Patience::new(None, &|| false);
         let mut mender = mender(&coil, &spline, &mut led, &skin, &patience);
         let deepest = |points: &[Vec3]| points.iter().map(|p| 8.9 - p.length()).fold(0.0, f32::max);
-        let mut from = mender.resampled(1.0);
+        let (mut from, _) = mender.resampled(1.0);
         for (p, stop) in from.points.iter_mut().zip(&from.stops) {
             *p = spline.point(stop.1);
         }

@@ -222,6 +222,14 @@ impl DistanceField {
         })
     }
 
+    /// A triangle that is near `p`; none where none is. Makes no cell.
+    #[inline]
+    pub fn hint(&self, surface: &Surface, p: Vec3) -> Option<u32> {
+        let Place::Near { i, block, .. } = self.place(surface, p) else { return None };
+        let brick = block.bricks[which(i)].get();
+        Some(brick.map_or(block.triangle, |brick| brick.near.load(Ordering::Relaxed)))
+    }
+
     /// The block that `p` is in, and where in the field, in cells.
     #[inline]
     fn place(&self, surface: &Surface, p: Vec3) -> Place<'_> {
