@@ -165,9 +165,36 @@ impl Surface {
         Some(Hit { triangle, bary, point: origin + direction * distance, distance })
     }
 
+    /// Where the ray meets one triangle, in multiples of `direction`.
+    pub fn ray_to(&self, origin: Vec3, direction: Vec3, triangle: u32) -> Option<f32> {
+        ray_triangle(origin, direction, self.corners(triangle)).map(|(far, _)| far)
+    }
+
     /// Whether the ray meets anything at all within `reach` times `direction`.
     pub fn ray_meets(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
-        self.tree.any(origin, direction, reach, |corners| ray_triangle(origin, direction, corners))
+        let meets = |corners| ray_triangle(origin, direction, corners);
+        self.tree.any(origin, direction, reach, meets).is_some()
+    }
+
+    /// The same, with what is met put into `likely`, which is looked at first: what hides a point often hides its neighbours.
+    pub fn ray_meets_again(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        reach: f32,
+        likely: &mut Option<u32>,
+    ) -> bool {
+        let met = |triangle: &u32| {
+            !self.is_gone(*triangle)
+                && self.ray_to(origin, direction, *triangle).is_some_and(|far| far <= reach)
+        };
+        if likely.as_ref().is_some_and(met) {
+            return true;
+        }
+        let meets = |corners| ray_triangle(origin, direction, corners);
+        let found = self.tree.any(origin, direction, reach, meets);
+        *likely = found.or(*likely);
+        found.is_some()
     }
 
     /// The point at barycentric coordinates of a triangle.

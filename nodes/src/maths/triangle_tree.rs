@@ -192,7 +192,7 @@ impl TriangleTree {
         best
     }
 
-    /// Whether a ray meets any triangle within `reach` times `direction`.
+    /// Any triangle that a ray meets within `reach` times `direction`; which one, if several, is not promised.
     #[inline]
     pub(super) fn any(
         &self,
@@ -200,13 +200,15 @@ impl TriangleTree {
         direction: Vec3,
         reach: f32,
         meets: impl Fn([Vec3; 3]) -> Option<(f32, Vec2)>,
-    ) -> bool {
-        let mut any = false;
+    ) -> Option<u32> {
+        let mut any = None;
         self.walk(
             |node| node.entries(origin, direction),
             |leaf| {
-                any = any || meets(leaf.corners).is_some_and(|(t, _)| t <= reach);
-                if any { f32::NEG_INFINITY } else { past(reach) }
+                if any.is_none() && meets(leaf.corners).is_some_and(|(t, _)| t <= reach) {
+                    any = Some(leaf.triangle);
+                }
+                if any.is_some() { f32::NEG_INFINITY } else { past(reach) }
             },
             past(reach),
         );

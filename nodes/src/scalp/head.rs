@@ -7,7 +7,7 @@
 
 use super::axes::{Forward, Up};
 use super::face::{By, FACE};
-use super::find::{self, Found, Pieces};
+use super::find::{self, Found, Pieces, Search};
 use super::fit::{self, Fit};
 use super::parts::Parts;
 use super::{bust, hollow, region};
@@ -263,6 +263,9 @@ fn leave_out(
     Ok(())
 }
 
+/// So many other axes, the most promising ones, are looked at closely.
+const MOST_AXES: usize = 2;
+
 /// The head with the asked axis up; where none is there, with another one that surely shows one. A cranium that is none is
 /// left out, and told.
 fn find_head(
@@ -272,24 +275,26 @@ fn find_head(
     triangles: &[[u32; 3]],
     pieces: &Pieces,
 ) -> Result<(Up, Found), NodeError> {
-    let with = |up: Up, likely: bool| -> Result<Found, NodeError> {
-        let points: Vec<Vec3> = points.iter().map(|p| up.turned(*p)).collect();
-        find::head(&points, triangles, pieces, likely, || cx.check())
-    };
-    let asked = with(inputs.up, true)?;
+    let mut search = Search::new(points, triangles, pieces);
+    let check = || cx.check();
+    let tried = search.try_up(inputs.up, &check)?;
+    let asked = search.head(&tried, true, &check)?;
     if asked.is_sure() {
         return Ok((inputs.up, asked));
     }
+    // What is said of the face has to stay true.
+    let stays_true =
+        |other: &Up| inputs.forward.axis().is_none_or(|axis| other.turned(axis).y == 0.0);
+    let others = Up::ALL.into_iter().filter(|other| *other != inputs.up).filter(stays_true);
+    let mut promising =
+        others.map(|other| search.try_up(other, &check)).collect::<Result<Vec<_>, _>>()?;
+    promising.sort_by(|a, b| b.promises().total_cmp(&a.promises()));
     let (mut best, mut up) = (None::<Found>, inputs.up);
-    for other in Up::ALL.into_iter().filter(|other| *other != inputs.up) {
-        // What is said of the face has to stay true.
-        if inputs.forward.axis().is_some_and(|axis| other.turned(axis).y != 0.0) {
-            continue;
-        }
-        let found = with(other, false)?;
+    for tried in promising.iter().filter(|tried| tried.promises() > 0.0).take(MOST_AXES) {
+        let found = search.head(tried, false, &check)?;
         let before = best.as_ref().map_or(FACE, Found::likeness);
         if found.is_sure() && found.is_bare() && found.likeness() > before {
-            (best, up) = (Some(found), other);
+            (best, up) = (Some(found), tried.up());
         }
     }
     if let Some(found) = best {

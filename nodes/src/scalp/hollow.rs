@@ -7,7 +7,7 @@
 //! are seen neither from its middle nor across it, such as in a chin, stay what they are.
 
 use crate::define::NodeError;
-use crate::maths::closest::Surface;
+use crate::maths::closest::{Hit, Surface};
 use crate::maths::frame::round_about;
 use glam::Vec3;
 
@@ -56,37 +56,48 @@ pub(crate) fn inner_wall(
         .filter(|(_, at, _)| at.distance(middle) < FAR * radius)
         .collect();
     let mut wall = vec![false; surface.triangles.len()];
-    let mut eyes: Vec<(f32, Vec3)> = vec![];
+    let mut eyes: Vec<(f32, Vec3, usize)> = vec![];
+    // What last hid a triangle from each place hides its neighbours too, most often.
+    let mut hides: Vec<u32> = vec![0; from.len()];
     for (i, (t, at, normal)) in faces.iter().enumerate() {
         if i % BETWEEN == 0 {
             check()?;
         }
         eyes.clear();
-        let ways = from.iter().map(|eye| *at - *eye);
-        let facing = ways.filter(|way| normal.dot(*way) < 0.0);
-        eyes.extend(facing.map(|way| (way.length(), way)));
-        eyes.retain(|(far, _)| *far < SIGHT * radius);
+        let ways = from.iter().enumerate().map(|(i, eye)| (*at - *eye, i));
+        let facing = ways.filter(|(way, _)| normal.dot(*way) < 0.0);
+        eyes.extend(facing.map(|(way, i)| (way.length(), way, i)));
+        eyes.retain(|(far, ..)| *far < SIGHT * radius);
         eyes.sort_by(|a, b| a.0.total_cmp(&b.0));
-        wall[*t as usize] = eyes.iter().take(EYES).any(|(_, way)| {
-            let seen = surface.ray(*at - *way, *way, 1.001);
+        wall[*t as usize] = eyes.iter().take(EYES).any(|(_, way, eye)| {
+            let from = *at - *way;
+            let is_hidden = surface.ray_to(from, *way, *t).is_some_and(|own| {
+                let before = surface.ray_to(from, *way, hides[*eye]);
+                before.is_some_and(|far| (far, hides[*eye]) < (own, *t))
+            });
+            if is_hidden {
+                return false;
+            }
+            let seen = surface.ray(from, *way, 1.001);
+            hides[*eye] = seen.map_or(hides[*eye], |hit| hit.triangle);
             seen.is_some_and(|hit| hit.triangle == *t)
         });
     }
-    for _ in 0..ACROSS {
-        let mut more = vec![];
-        for (i, (t, at, normal)) in faces.iter().enumerate() {
-            if i % BETWEEN == 0 {
-                check()?;
-            }
-            if wall[*t as usize] {
-                continue;
-            }
-            let across = surface.ray(*at + *normal * (1e-4 * radius), *normal, FAR * radius);
-            let is_wall = |triangle: u32| {
-                wall[triangle as usize] && surface.area_vector(triangle).dot(*normal) < 0.0
-            };
-            more.extend(across.is_some_and(|hit| is_wall(hit.triangle)).then_some(*t));
+    let mut across: Vec<(u32, u32)> = vec![];
+    for (i, (t, at, normal)) in faces.iter().enumerate() {
+        if i % BETWEEN == 0 {
+            check()?;
         }
+        if wall[*t as usize] {
+            continue;
+        }
+        let hit = surface.ray(*at + *normal * (1e-4 * radius), *normal, FAR * radius);
+        let faces = |hit: &Hit| surface.area_vector(hit.triangle).dot(*normal) < 0.0;
+        across.extend(hit.filter(faces).map(|hit| (*t, hit.triangle)));
+    }
+    for _ in 0..ACROSS {
+        let is_more = |(t, hit): &&(u32, u32)| !wall[*t as usize] && wall[*hit as usize];
+        let more: Vec<u32> = across.iter().filter(is_more).map(|(t, _)| *t).collect();
         if more.is_empty() {
             break;
         }

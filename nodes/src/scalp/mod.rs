@@ -14,6 +14,7 @@ mod parts;
 mod posed_heads;
 pub(crate) mod region;
 mod scalp_projection;
+mod sketch;
 
 use crate::define::NodeDef;
 
