@@ -165,35 +165,63 @@ impl Surface {
         Some(Hit { triangle, bary, point: origin + direction * distance, distance })
     }
 
-    /// Where the ray meets one triangle, in multiples of `direction`.
-    pub fn ray_to(&self, origin: Vec3, direction: Vec3, triangle: u32) -> Option<f32> {
-        ray_triangle(origin, direction, self.corners(triangle)).map(|(far, _)| far)
-    }
-
     /// Whether the ray meets anything at all within `reach` times `direction`.
     pub fn ray_meets(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
-        let meets = |corners| ray_triangle(origin, direction, corners);
-        self.tree.any(origin, direction, reach, meets).is_some()
+        self.ray_meets_again(origin, direction, reach, &mut None)
     }
 
-    /// The same, with what is met put into `likely`, which is looked at first: what hides a point often hides its neighbours.
+    /// The same, with what is met put into `last`: what hides a point often hides its neighbours, and is looked at first.
     pub fn ray_meets_again(
         &self,
         origin: Vec3,
         direction: Vec3,
         reach: f32,
-        likely: &mut Option<u32>,
+        last: &mut Option<u32>,
     ) -> bool {
-        let met = |triangle: &u32| {
-            !self.is_gone(*triangle)
-                && self.ray_to(origin, direction, *triangle).is_some_and(|far| far <= reach)
+        let met = |_: u32, corners| {
+            ray_triangle(origin, direction, corners).is_some_and(|(far, _)| far <= reach)
         };
-        if likely.as_ref().is_some_and(met) {
-            return true;
+        self.meets(origin, direction, reach, last, met)
+    }
+
+    /// Whether the ray meets `triangle` before all others, as [`Self::ray`] finds it; if not, what is before it is put into `last`.
+    pub fn ray_sees(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        reach: f32,
+        triangle: u32,
+        last: &mut Option<u32>,
+    ) -> bool {
+        let far = |corners| ray_triangle(origin, direction, corners).map(|(far, _)| far);
+        let Some(own) = far(self.corners(triangle)).filter(|own| *own <= reach) else {
+            return false;
+        };
+        let is_before = |other: u32, corners| {
+            other != triangle && far(corners).is_some_and(|far| (far, other) < (own, triangle))
+        };
+        !self.is_gone(triangle) && !self.meets(origin, direction, own, last, is_before)
+    }
+
+    /// Whether any triangle is `met`, those first that follow `last` in the file.
+    fn meets(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        reach: f32,
+        last: &mut Option<u32>,
+        met: impl Fn(u32, [Vec3; 3]) -> bool,
+    ) -> bool {
+        if let Some(at) = *last {
+            let near = at.saturating_sub(1)..self.triangles.len().min(at as usize + 4) as u32;
+            let mut there = near.filter(|other| !self.is_gone(*other));
+            if let Some(found) = there.find(|other| met(*other, self.corners(*other))) {
+                *last = Some(found);
+                return true;
+            }
         }
-        let meets = |corners| ray_triangle(origin, direction, corners);
-        let found = self.tree.any(origin, direction, reach, meets);
-        *likely = found.or(*likely);
+        let found = self.tree.any(origin, direction, reach, met);
+        *last = found.or(*last);
         found.is_some()
     }
 

@@ -10,7 +10,7 @@ use super::face::{By, FACE};
 use super::find::{self, Found, Pieces, Search};
 use super::fit::{self, Fit};
 use super::parts::Parts;
-use super::{bust, hollow, region};
+use super::{bust, facing, hollow, region};
 use crate::data::mesh::Mesh;
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION, Scalp};
 use crate::data::strokes::Strokes;
@@ -178,7 +178,6 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     cx.check()?;
     let inside_out = fit.map_or_else(|| volume(&points, &triangles) < 0.0, |fit| fit.inside_out);
     if inside_out {
-        cx.warn("the mesh is inside out, so its faces were turned round");
         triangles.iter_mut().for_each(|t| t.swap(1, 2));
         uvs.iter_mut().flatten().for_each(|uv| uv.swap(1, 2));
     }
@@ -199,6 +198,23 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     }
     let mut surface = Surface::new(points, triangles);
     cx.check()?;
+    let turned = match fit {
+        Some(fit) => {
+            let (middle, radius) = (fit.centre * scale, fit.radius * scale);
+            facing::turned(&surface, middle, radius, || cx.check())?
+        }
+        None => None,
+    };
+    if let Some(turned) = &turned {
+        let Surface { points, mut triangles, .. } = surface;
+        let is_turned = |(_, turned): &(_, &bool)| **turned;
+        triangles.iter_mut().zip(turned).filter(is_turned).for_each(|(t, _)| t.swap(1, 2));
+        let uvs = uvs.iter_mut().flatten().zip(turned);
+        uvs.filter(|(_, turned)| **turned).for_each(|(uv, _)| uv.swap(1, 2));
+        surface = Surface::new(points, triangles);
+        cx.check()?;
+    }
+    tell_turned(cx, inside_out, turned, &parts);
     let mut masks = mesh.masks;
     if let Some(fit) = fit
         && let Some(wall) = {
@@ -228,6 +244,25 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = Scalp::new(surface, uvs, frame, masks);
     let scalp = scalp.with_cm_per_unit(scale).with_parts(parts.list());
     Ok(Outputs { scalp: Arc::new(scalp) })
+}
+
+/// Says what was turned round: all of an `inside_out` mesh, but for what was then turned back.
+fn tell_turned(cx: &EvalCx, inside_out: bool, turned: Option<Vec<bool>>, parts: &Parts) {
+    let Some(mut turned) = turned else {
+        if inside_out {
+            cx.warn("the mesh is inside out, so its faces were turned round");
+        }
+        return;
+    };
+    turned.iter_mut().for_each(|turned| *turned ^= inside_out);
+    let (count, all) = (turned.iter().filter(|turned| **turned).count(), turned.len());
+    let of = match parts.told_of(&turned) {
+        names if names.is_empty() => String::new(),
+        names => format!(", those of {names}"),
+    };
+    cx.warn(format!(
+        "{count} of {all} triangles are inside out{of}, so their faces were turned round"
+    ));
 }
 
 /// Takes what `leave_out` names out of the mesh.

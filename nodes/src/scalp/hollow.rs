@@ -57,8 +57,7 @@ pub(crate) fn inner_wall(
         .collect();
     let mut wall = vec![false; surface.triangles.len()];
     let mut eyes: Vec<(f32, Vec3, usize)> = vec![];
-    // What last hid a triangle from each place hides its neighbours too, most often.
-    let mut hides: Vec<u32> = vec![0; from.len()];
+    let mut hides: Vec<Option<u32>> = vec![None; from.len()];
     for (i, (t, at, normal)) in faces.iter().enumerate() {
         if i % BETWEEN == 0 {
             check()?;
@@ -69,19 +68,10 @@ pub(crate) fn inner_wall(
         eyes.extend(facing.map(|(way, i)| (way.length(), way, i)));
         eyes.retain(|(far, ..)| *far < SIGHT * radius);
         eyes.sort_by(|a, b| a.0.total_cmp(&b.0));
-        wall[*t as usize] = eyes.iter().take(EYES).any(|(_, way, eye)| {
-            let from = *at - *way;
-            let is_hidden = surface.ray_to(from, *way, *t).is_some_and(|own| {
-                let before = surface.ray_to(from, *way, hides[*eye]);
-                before.is_some_and(|far| (far, hides[*eye]) < (own, *t))
-            });
-            if is_hidden {
-                return false;
-            }
-            let seen = surface.ray(from, *way, 1.001);
-            hides[*eye] = seen.map_or(hides[*eye], |hit| hit.triangle);
-            seen.is_some_and(|hit| hit.triangle == *t)
-        });
+        wall[*t as usize] = eyes
+            .iter()
+            .take(EYES)
+            .any(|(_, way, eye)| surface.ray_sees(*at - *way, *way, 1.001, *t, &mut hides[*eye]));
     }
     let mut across: Vec<(u32, u32)> = vec![];
     for (i, (t, at, normal)) in faces.iter().enumerate() {

@@ -4,6 +4,7 @@ mod axes;
 pub mod bust;
 pub(crate) mod detour;
 mod face;
+mod facing;
 mod find;
 mod fit;
 mod head;

@@ -231,6 +231,23 @@ impl Parts {
         told(&names.map(|i| &self.names[i]).collect::<Vec<_>>())
     }
 
+    /// The names of which more than half of the triangles are `some`, for messages.
+    pub(crate) fn told_of(&self, some: &[bool]) -> String {
+        let mut counts = vec![[0usize; 2]; self.names.len()];
+        for column in &self.columns {
+            for (name, some) in
+                column.each().zip(some).filter_map(|(name, some)| Some((name?, some)))
+            {
+                counts[name][usize::from(*some)] += 1;
+            }
+        }
+        let names = (0..self.names.len()).filter(|i| {
+            let [others, some] = counts[*i];
+            some > others && !self.is_all[*i] && self.is_worth_telling(*i)
+        });
+        told(&names.map(|i| &self.names[i]).collect::<Vec<_>>())
+    }
+
     /// Whether a name is the file's, or a piece that it names in no better way.
     fn is_worth_telling(&self, name: usize) -> bool {
         let has_names = self.is_all[..self.first_piece].iter().any(|all| !all);
