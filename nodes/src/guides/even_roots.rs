@@ -170,7 +170,7 @@ static CORNERS: [[[f32; 2]; 3]; PARTS as usize] = {
 
 /// How far along a Hilbert curve through 1024^3 cells a cell lies (Skilling 2004, "Programming the
 /// Hilbert curve").
-fn hilbert(mut cell: [u32; 3]) -> u32 {
+pub(crate) fn hilbert(mut cell: [u32; 3]) -> u32 {
     const BITS: u32 = 10;
     let mut q = 1 << (BITS - 1);
     while q > 1 {

@@ -40,6 +40,9 @@ const DOUBT: f32 = 0.15;
 /// ... and as long as no more cells than these were looked at, and a face is worth so many of them.
 const MOST_SPENT: usize = 30_000_000;
 const COST_OF_A_FACE: usize = 2_000_000;
+/// What is as like a face as this, seen roughly, and so many radii beside a head is another head.
+const SURELY: f32 = 0.65;
+const APART: f32 = 1.5;
 /// A head has at least this share of the surface of the largest: of a dressed body it has a tenth, and an eye a fiftieth of it.
 const LEAST_AREA: f64 = 0.025;
 /// So much of the sphere's upper half is covered by a whole cranium.
@@ -58,6 +61,8 @@ pub(crate) struct Found {
     pub(crate) face: Option<Face>,
     /// The piece that is the head; none where none is by itself.
     pub(crate) piece: Option<u32>,
+    /// Pieces that are heads too, beside this one.
+    pub(crate) others: Vec<u32>,
 }
 
 impl Found {
@@ -119,13 +124,21 @@ pub(crate) struct Search<'a> {
 pub(crate) struct Tried {
     up: Up,
     points: Vec<Vec3>,
-    seeming: Vec<(Which, f32)>,
+    seeming: Vec<Seeming>,
+}
+
+/// A part of the mesh that may be a head: how much so, and its sphere, seen roughly.
+#[derive(Clone, Copy)]
+struct Seeming {
+    which: Which,
+    likeness: f32,
+    fit: Fit,
 }
 
 impl Tried {
     /// How much the likeliest part seems to be a head; -1 where none does.
     pub(crate) fn promises(&self) -> f32 {
-        self.seeming.first().map_or(-1.0, |(_, likeness)| *likeness)
+        self.seeming.first().map_or(-1.0, |seeming| seeming.likeness)
     }
     /// Which axis is up.
     pub(crate) fn up(&self) -> Up {
@@ -138,6 +151,12 @@ impl<'a> Search<'a> {
     pub(crate) fn new(points: &'a [Vec3], triangles: &'a [[u32; 3]], pieces: &'a Pieces) -> Self {
         let sketch = Sketch::of(points, triangles, pieces);
         Self { points, triangles, pieces, sketch, spent: 0 }
+    }
+
+    /// How many cells were looked at so far, and what faces are worth in them.
+    #[cfg(test)]
+    pub(crate) fn spent(&self) -> usize {
+        self.spent
     }
 
     /// The mesh with an axis up, seen roughly. `check` is called now and then and may stop the work.
@@ -162,13 +181,14 @@ impl<'a> Search<'a> {
         tried: &Tried,
         parts: impl Iterator<Item = Which>,
         check: &impl Fn() -> Result<(), NodeError>,
-    ) -> Result<Vec<(Which, f32)>, NodeError> {
+    ) -> Result<Vec<Seeming>, NodeError> {
         let mut seeming = vec![];
         for which in parts {
             check()?;
             if let Some(fit) = self.sketch.cranium(tried.up, |piece| which.keeps(piece)) {
                 let (points, triangles) = self.mesh(tried, which);
-                seeming.push((which, face::glimpse(&points, &triangles, &fit, false)));
+                let likeness = face::glimpse(&points, &triangles, &fit, false);
+                seeming.push(Seeming { which, likeness, fit });
             }
         }
         Ok(most(seeming))
@@ -209,7 +229,7 @@ impl<'a> Search<'a> {
         let face = is_head.and_then(|fit| face::face(&points, &triangles, &fit));
         drop((points, triangles));
         self.spent += spent + COST_OF_A_FACE;
-        Ok(Found { fit, face, piece: None })
+        Ok(Found { fit, face, ..Found::default() })
     }
 
     /// The best of those parts that seem to be heads; none where none is one. One that is much more like a head than those
@@ -217,12 +237,12 @@ impl<'a> Search<'a> {
     fn best(
         &mut self,
         tried: &Tried,
-        seeming: &[(Which, f32)],
+        seeming: &[Seeming],
         more_than: f32,
         check: &impl Fn() -> Result<(), NodeError>,
     ) -> Result<Option<(Which, Found)>, NodeError> {
         let mut best: Option<(Which, Found)> = None;
-        for (which, seems) in seeming {
+        for Seeming { which, likeness: seems, .. } in seeming {
             let before = best.as_ref().map_or(more_than, |(_, best)| best.likeness());
             if self.spent > MOST_SPENT || before >= seems + DOUBT {
                 break;
@@ -245,7 +265,7 @@ impl<'a> Search<'a> {
         likely: bool,
         check: &impl Fn() -> Result<(), NodeError>,
     ) -> Result<Found, NodeError> {
-        let seems = tried.seeming.iter().any(|(which, _)| *which == Which::Whole);
+        let seems = tried.seeming.iter().any(|seeming| seeming.which == Which::Whole);
         let whole = match likely || (seems && self.spent <= MOST_SPENT) {
             true => self.one(tried, Which::Whole, check)?,
             false => Found::default(),
@@ -254,11 +274,17 @@ impl<'a> Search<'a> {
         if self.pieces.count() <= 1 {
             return Ok(Found { piece: whole.is_sure().then_some(0), ..whole });
         }
-        let pieces: Vec<(Which, f32)> =
-            tried.seeming.iter().filter(|(which, _)| *which != Which::Whole).copied().collect();
+        let pieces = tried.seeming.iter().filter(|seeming| seeming.which != Which::Whole);
+        let pieces: Vec<Seeming> = pieces.copied().collect();
         if let Some((Which::Only(piece), best)) = self.best(tried, &pieces, -1.0, check)? {
             let found = if whole.agrees(&best) { whole } else { best };
-            return Ok(Found { piece: Some(piece), ..found });
+            let others =
+                pieces.iter().filter(|other| found.fit.is_some_and(|fit| other.is_besides(&fit)));
+            let others = others.filter_map(|other| match other.which {
+                Which::Only(other) => Some(other),
+                _ => None,
+            });
+            return Ok(Found { piece: Some(piece), others: others.collect(), ..found });
         }
         // No piece is a head by itself, as where face and skull are two: one may stand in the way of the others.
         let mut best = whole;
@@ -276,9 +302,10 @@ impl<'a> Search<'a> {
             for which in large.map(Which::Only) {
                 check()?;
                 let (points, triangles) = self.mesh(tried, which);
-                seeming.push((which, face::glimpse(&points, &triangles, &fit, true)));
+                let likeness = face::glimpse(&points, &triangles, &fit, true);
+                seeming.push(Seeming { which, likeness, fit });
             }
-            for (which, _) in most(seeming) {
+            for Seeming { which, .. } in most(seeming) {
                 let (points, triangles) = self.mesh(tried, which);
                 let face = face::face(&points, &triangles, &fit);
                 let likeness = face.map_or(-1.0, |face| face.likeness);
@@ -291,10 +318,19 @@ impl<'a> Search<'a> {
     }
 }
 
+impl Seeming {
+    /// Whether it is surely a head, and another one than that of this cranium.
+    fn is_besides(&self, fit: &Fit) -> bool {
+        let apart = self.fit.centre.distance(fit.centre) / fit.radius;
+        let is_head = self.fit.head_like() && self.fit.cover >= WHOLE && self.likeness >= SURELY;
+        is_head && apart > APART && (0.5..2.0).contains(&(self.fit.radius / fit.radius))
+    }
+}
+
 /// Those that seem most to be heads, likeliest first.
-fn most(mut seeming: Vec<(Which, f32)>) -> Vec<(Which, f32)> {
-    seeming.retain(|(_, likeness)| *likeness >= PROMISING);
-    seeming.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+fn most(mut seeming: Vec<Seeming>) -> Vec<Seeming> {
+    seeming.retain(|seeming| seeming.likeness >= PROMISING);
+    seeming.sort_by(|a, b| b.likeness.total_cmp(&a.likeness).then(a.which.cmp(&b.which)));
     seeming.truncate(MOST_LOOKED_AT);
     seeming
 }

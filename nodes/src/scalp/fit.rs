@@ -206,6 +206,8 @@ impl Patches {
     pub(crate) const COUNT: usize = Self::BANDS * Self::ROUND;
     const BANDS: usize = 4;
     const ROUND: usize = 24;
+    /// Those more than 30 degrees above the centre, one bit each.
+    pub(crate) const UPPER: u128 = !0 << (Self::BANDS / 2 * Self::ROUND);
 
     /// The patch in a direction from the centre; none below it.
     pub(crate) fn above(way: Vec3) -> Option<usize> {

@@ -155,25 +155,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         (Some(fit), false) => find::over_the_crown(&points, &triangles, fit, |t| is_skin[t]),
         _ => vec![],
     };
+    tell_others(cx, &found, &pieces, &parts);
     if let Some(proposal) = parts.propose(&points, &triangles, &is_skin, &over) {
-        let (told, value) = (&proposal.told, &proposal.value);
-        let one = proposal.count == 1;
-        let text = match proposal.in_the_way {
-            true => format!(
-                "{told} {} the crown and {} skin, on which hair grows",
-                if one { "stands over" } else { "stand over" },
-                if one { "counts as" } else { "count as" },
-            ),
-            false => format!(
-                "{told} may be hair or worn, and {} as skin",
-                if one { "counts" } else { "count" }
-            ),
-        };
-        let text = format!(
-            "{text}; to leave {} out, set leave_out to {value:?}",
-            if one { "it" } else { "them" }
-        );
-        if proposal.in_the_way { cx.warn(text) } else { cx.remark(text) }
+        let (said, is_in_the_way) = proposal.said();
+        if is_in_the_way { cx.warn(said) } else { cx.remark(said) }
     }
     cx.check()?;
     let inside_out = fit.map_or_else(|| volume(&points, &triangles) < 0.0, |fit| fit.inside_out);
@@ -244,6 +229,24 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = Scalp::new(surface, uvs, frame, masks);
     let scalp = scalp.with_cm_per_unit(scale).with_parts(parts.list());
     Ok(Outputs { scalp: Arc::new(scalp) })
+}
+
+/// Says so where there are more heads than one.
+fn tell_others(cx: &EvalCx, found: &Found, pieces: &Pieces, parts: &Parts) {
+    let (Some(piece), false) = (found.piece, found.others.is_empty()) else { return };
+    let told = |is: &dyn Fn(u32) -> bool| {
+        parts.told_of(&pieces.of.iter().map(|of| is(*of)).collect::<Vec<_>>())
+    };
+    let (this, others) = (told(&|of| of == piece), told(&|of| found.others.contains(&of)));
+    let many = if found.others.len() == 1 { "another head" } else { "other heads" };
+    let (which, this) = match this.is_empty() || others.is_empty() {
+        true => (String::new(), "one of them".to_owned()),
+        false => (format!(", {others}"), this),
+    };
+    cx.warn(format!(
+        "the mesh has {many}{which}: hair grows on {this} alone. For hair on another one leave this one out (leave_out), or \
+         choose where it grows (region)"
+    ));
 }
 
 /// Says what was turned round: all of an `inside_out` mesh, but for what was then turned back.
@@ -419,6 +422,9 @@ fn tell_region(
     }
 }
 
+/// What is no higher than this part of its width is flat.
+const FLAT: f32 = 1e-3;
+
 fn read(file: &FileData) -> Result<Mesh, NodeError> {
     let side = |name: &str| file.sides.get(name).cloned();
     read_mesh(&file.extension, &file.bytes, &side)
@@ -488,13 +494,16 @@ fn scale(
             }
         },
         (None, None) => {
-            let low = points.iter().fold(f32::MAX, |y, p| y.min(p.y));
-            let high = points.iter().fold(f32::MIN, |y, p| y.max(p.y));
-            let (cm, name) = fit::unit_of_height(high - low);
-            cx.remark(format!(
-                "the file states no units; by its height of {} they are {name}",
-                high - low
-            ));
+            let first = points.first().copied().unwrap_or_default();
+            let ends = points.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+            let size = ends.1 - ends.0;
+            // What is flat has no height that tells anything.
+            let (what, size) = match size.y < FLAT * size.max_element() {
+                true => ("width (it is flat)", size.max_element()),
+                false => ("height", size.y),
+            };
+            let (cm, name) = fit::unit_of_height(size);
+            cx.remark(format!("the file states no units; by its {what} of {size} they are {name}"));
             cm
         }
     }
@@ -672,6 +681,8 @@ fn area(surface: &Surface, mask: &[f32]) -> f32 {
     triangles.map(|(i, t)| share(t) * 0.5 * surface.area_vector(i as u32).length()).sum()
 }
 
+#[cfg(test)]
+mod doubtful;
 #[cfg(test)]
 mod laws;
 #[cfg(test)]

@@ -7,6 +7,7 @@
 //! are seen neither from its middle nor across it, such as in a chin, stay what they are.
 
 use crate::define::NodeError;
+use crate::guides::even_roots::hilbert;
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::frame::round_about;
 use glam::Vec3;
@@ -47,7 +48,7 @@ pub(crate) fn inner_wall(
         return Ok(None);
     }
     let from = places(surface, middle, radius, &check)?;
-    let faces: Vec<(u32, Vec3, Vec3)> = (0..surface.triangles.len() as u32)
+    let mut faces: Vec<(u32, Vec3, Vec3)> = (0..surface.triangles.len() as u32)
         .filter_map(|t| {
             let normal = surface.area_vector(t).try_normalize()?;
             let [a, b, c] = surface.corners(t);
@@ -55,6 +56,11 @@ pub(crate) fn inner_wall(
         })
         .filter(|(_, at, _)| at.distance(middle) < FAR * radius)
         .collect();
+    // Neighbours one after the other: what is looked at for one is at hand for the next.
+    faces.sort_by_cached_key(|(_, at, _)| {
+        let cell = ((*at - middle) / (FAR * radius) + 1.0) * 511.0;
+        hilbert(cell.to_array().map(|along| along as u32))
+    });
     let mut wall = vec![false; surface.triangles.len()];
     let mut eyes: Vec<(f32, Vec3, usize)> = vec![];
     let mut hides: Vec<Option<u32>> = vec![None; from.len()];

@@ -199,7 +199,7 @@ fn the_built_in_head_stands_at_the_origin() {
     assert!((580.0..650.0).contains(&area), "{area}");
 }
 
-fn adult(set: &[(&str, Value)]) -> (Arc<Scalp>, Vec<String>) {
+pub(super) fn adult(set: &[(&str, Value)]) -> (Arc<Scalp>, Vec<String>) {
     let (out, said) = run(&NODE, set);
     match &out[0] {
         Value::Scalp(scalp) => (scalp.clone(), said),
@@ -351,18 +351,18 @@ fn what_is_wrong_is_named() {
 }
 
 /// The bust as a shape of [`worn`].
-fn bust_shape() -> Shape {
+pub(super) fn bust_shape() -> Shape {
     let bust = bust::adult();
     Shape { points: bust.points, triangles: bust.triangles }
 }
 
 /// What is worn, on a head of the bust's size.
-fn on_the_bust(kind: u32, id: u64) -> Shape {
+pub(super) fn on_the_bust(kind: u32, id: u64) -> Shape {
     worn(kind, Dice::new(7, 0, "worn"), id).placed(|p| p * HEAD_RADIUS)
 }
 
 /// An OBJ file of named shapes.
-fn named(shapes: &[(&str, &Shape)], place: impl Fn(Vec3) -> Vec3) -> Value {
+pub(super) fn named(shapes: &[(&str, &Shape)], place: impl Fn(Vec3) -> Vec3) -> Value {
     use std::fmt::Write;
     let (mut text, mut n) = (String::new(), 1);
     for (name, shape) in shapes {
