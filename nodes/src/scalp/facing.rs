@@ -16,7 +16,7 @@ use glam::Vec3;
 const LINES: usize = 20;
 /// ... that reaches so far from the middle of the cranium, in radii.
 const ABOUT: f32 = 2.0;
-/// Less than this part of what is seen may show its back: holes and flaws.
+/// Less than this part of what is seen may show its back, turned or not: holes and flaws.
 const FLAWS: f32 = 0.02;
 /// A patch is told by so many lines of sight at least, and by this part of all ...
 const FEWEST: u32 = 8;
@@ -69,7 +69,12 @@ pub(crate) fn turned(
         }
     };
     let turned: Vec<bool> = (0..surface.triangles.len() as u32).map(&mut turn).collect();
-    Ok(turned.contains(&true).then_some(turned))
+    let mends: i32 = seen
+        .iter()
+        .filter(|(t, _)| turned[*t as usize])
+        .map(|(_, back)| if *back { 1 } else { -1 })
+        .sum();
+    Ok((mends as f32 > FLAWS * seen.len() as f32).then_some(turned))
 }
 
 /// Triangles that hang together by edges of two; each knows one that it hangs on, and whether it is turned unlike that one.

@@ -280,21 +280,20 @@ impl Normal {
     fn add(&mut self, row: [f32; 4], value: f32, weight: f32) {
         let (row, value, weight) = (row.map(f64::from), f64::from(value), f64::from(weight));
         // The other half mirrors it: products of two f32 are exact.
-        for i in 0..4 {
-            let weighted = weight * row[i];
-            for j in i..4 {
-                self.0[i][j] += weighted * row[j];
+        for (i, x) in row.into_iter().enumerate() {
+            let (weighted, sums) = (weight * x, &mut self.0[i]);
+            for (sum, other) in sums.iter_mut().zip(row).skip(i) {
+                *sum += weighted * other;
             }
-            self.0[i][4] += weighted * value;
+            sums[4] += weighted * value;
         }
     }
     /// By elimination with pivots; none when the rows do not determine the unknowns.
     fn solve(mut self) -> Option<[f32; 4]> {
         let m = &mut self.0;
-        for i in 0..4 {
-            for j in 0..i {
-                m[i][j] = m[j][i];
-            }
+        let half = *m;
+        for (i, row) in m.iter_mut().enumerate() {
+            row.iter_mut().zip(half).take(i).for_each(|(x, above)| *x = above[i]);
         }
         let scale = m.iter().flatten().fold(0.0f64, |s, x| s.max(x.abs()));
         for i in 0..4 {
