@@ -20,7 +20,7 @@ const ABOUT: f32 = 2.0;
 const FLAWS: f32 = 0.02;
 /// A patch is told by so many lines of sight at least, and by this part of all ...
 const FEWEST: u32 = 8;
-const PART: f32 = 0.01;
+const PART: f32 = 0.05;
 /// ... of which so many times more show one side than the other.
 const CLEARLY: u32 = 3;
 

@@ -37,8 +37,8 @@ const PROMISING: f32 = 0.4;
 const MOST_LOOKED_AT: usize = 4;
 /// ... as long as they may be more like one than what was found: what is seen roughly is less off than this ...
 const DOUBT: f32 = 0.15;
-/// ... and as long as no more cells than these were looked at, and a face is worth so many of them.
-const MOST_SPENT: usize = 30_000_000;
+/// ... and, but for the likeliest, as long as no more cells than these were looked at; a face is worth so many of them.
+const MOST_SPENT: usize = 24_000_000;
 const COST_OF_A_FACE: usize = 2_000_000;
 /// What is as like a face as this, seen roughly, and so many radii beside a head is another head.
 const SURELY: f32 = 0.65;
@@ -242,9 +242,9 @@ impl<'a> Search<'a> {
         check: &impl Fn() -> Result<(), NodeError>,
     ) -> Result<Option<(Which, Found)>, NodeError> {
         let mut best: Option<(Which, Found)> = None;
-        for Seeming { which, likeness: seems, .. } in seeming {
+        for (k, Seeming { which, likeness: seems, .. }) in seeming.iter().enumerate() {
             let before = best.as_ref().map_or(more_than, |(_, best)| best.likeness());
-            if self.spent > MOST_SPENT || before >= seems + DOUBT {
+            if (k > 0 && self.spent > MOST_SPENT) || before >= seems + DOUBT {
                 break;
             }
             let found = self.one(tried, *which, check)?;
