@@ -758,6 +758,11 @@ impl OutputDef {
 }
 
 impl NodeDef {
+    /// Its id in a sentence: "a braid", "an interpolate".
+    pub fn told(&self) -> String {
+        let article = if self.id.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+        format!("{article} {}", self.id)
+    }
     pub(crate) const fn new(
         (id, version): (&'static str, u32),
         label: &'static str,

@@ -553,7 +553,12 @@ fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {
         .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
     let (_, input) = def.input(&socket.name).ok_or_else(|| {
         let known: Vec<&str> = def.inputs.iter().map(|i| i.name).collect();
-        fault(format!("a {} has no input {:?}; it has {}", def.id, &*socket.name, known.join(", ")))
+        fault(format!(
+            "{} has no input {:?}; it has {}",
+            def.told(),
+            &*socket.name,
+            known.join(", ")
+        ))
     })?;
     let value = file::parse_value(input.ty, text.trim()).map_err(&fault)?;
     Arc::make_mut(node).inputs.insert(input.name.to_owned(), Setting::Known(value));
@@ -632,8 +637,8 @@ pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Wante
             let known: Vec<&str> = def.outputs.iter().map(|o| o.name).collect();
             match def.output(&socket.name) {
                 None => Err(fault(format!(
-                    "a {} has no such output; it gives {}",
-                    def.id,
+                    "{} has no such output; it gives {}",
+                    def.told(),
                     known.join(", ")
                 ))),
                 Some((_, out)) if out.ty != Type::Curves => {

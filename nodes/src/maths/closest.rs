@@ -179,7 +179,62 @@ impl Surface {
 
     /// Whether the ray meets anything at all within `reach` times `direction`.
     pub fn ray_meets(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
-        self.tree.any(origin, direction, reach, |corners| ray_triangle(origin, direction, corners))
+        self.ray_meets_again(origin, direction, reach, &mut None)
+    }
+
+    /// The same, with what is met put into `last`: what hides a point often hides its neighbours, and is looked at first.
+    pub fn ray_meets_again(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        reach: f32,
+        last: &mut Option<u32>,
+    ) -> bool {
+        let met = |_: u32, corners| {
+            ray_triangle(origin, direction, corners).is_some_and(|(far, _)| far <= reach)
+        };
+        self.meets(origin, direction, reach, last, met)
+    }
+
+    /// Whether the ray meets `triangle` before all others, as [`Self::ray`] finds it; if not, what is before it is put into `last`.
+    pub fn ray_sees(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        reach: f32,
+        triangle: u32,
+        last: &mut Option<u32>,
+    ) -> bool {
+        let far = |corners| ray_triangle(origin, direction, corners).map(|(far, _)| far);
+        let Some(own) = far(self.corners(triangle)).filter(|own| *own <= reach) else {
+            return false;
+        };
+        let is_before = |other: u32, corners| {
+            other != triangle && far(corners).is_some_and(|far| (far, other) < (own, triangle))
+        };
+        !self.is_gone(triangle) && !self.meets(origin, direction, own, last, is_before)
+    }
+
+    /// Whether any triangle is `met`, those first that follow `last` in the file.
+    fn meets(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        reach: f32,
+        last: &mut Option<u32>,
+        met: impl Fn(u32, [Vec3; 3]) -> bool,
+    ) -> bool {
+        if let Some(at) = *last {
+            let near = at.saturating_sub(1)..self.triangles.len().min(at as usize + 4) as u32;
+            let mut there = near.filter(|other| !self.is_gone(*other));
+            if let Some(found) = there.find(|other| met(*other, self.corners(*other))) {
+                *last = Some(found);
+                return true;
+            }
+        }
+        let found = self.tree.any(origin, direction, reach, met);
+        *last = found.or(*last);
+        found.is_some()
     }
 
     /// The point at barycentric coordinates of a triangle.

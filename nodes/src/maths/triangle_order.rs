@@ -83,9 +83,9 @@ fn spread(
     }
 }
 
-/// How far along a Hilbert curve through a cube of cells a cell lies (Skilling 2004, "Programming the
+/// How far along a Hilbert curve through 1024^3 cells a cell lies (Skilling 2004, "Programming the
 /// Hilbert curve").
-fn hilbert(mut cell: [u32; 3]) -> u32 {
+pub(crate) fn hilbert(mut cell: [u32; 3]) -> u32 {
     let mut q = 1 << (BITS - 1);
     while q > 1 {
         let low = q - 1;

@@ -192,21 +192,24 @@ impl TriangleTree {
         best
     }
 
-    /// Whether a ray meets any triangle within `reach` times `direction`.
+    /// Any triangle that is `met` among those whose boxes a ray enters within `reach` times `direction`; which one, if several, is
+    /// not promised.
     #[inline]
     pub(super) fn any(
         &self,
         origin: Vec3,
         direction: Vec3,
         reach: f32,
-        meets: impl Fn([Vec3; 3]) -> Option<(f32, Vec2)>,
-    ) -> bool {
-        let mut any = false;
+        met: impl Fn(u32, [Vec3; 3]) -> bool,
+    ) -> Option<u32> {
+        let mut any = None;
         self.walk(
             |node| node.entries(origin, direction),
             |leaf| {
-                any = any || meets(leaf.corners).is_some_and(|(t, _)| t <= reach);
-                if any { f32::NEG_INFINITY } else { past(reach) }
+                if any.is_none() && met(leaf.triangle, leaf.corners) {
+                    any = Some(leaf.triangle);
+                }
+                if any.is_some() { f32::NEG_INFINITY } else { past(reach) }
             },
             past(reach),
         );

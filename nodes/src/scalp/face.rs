@@ -48,20 +48,25 @@ const CLEARLY: f32 = 0.2;
 const LEVELS: usize = 18;
 const LOW: f32 = -1.2;
 const HIGH: f32 = 0.6;
-/// Directions that it is taken in.
+/// Directions that it is taken in, and those of them that a face is looked at in, 48 degrees to each side of its middle ...
 const DIRECTIONS: usize = 240;
+const WINDOW: usize = 64;
+/// ... and the same of a glimpse, with the cells that its outline is taken from, in radii.
+const FEW_DIRECTIONS: usize = 60;
+const SMALL_WINDOW: usize = 16;
+const LARGE_CELL: f32 = 1.0 / 10.0;
+/// So many cells are enough for it.
+const ENOUGH: usize = 12_000;
 /// What is farther from the vertical axis is no head, in radii.
 const WIDEST: f32 = 1.7;
 /// The nose is below this, in radii.
 const UNDER_BROWS: f32 = -0.1;
 /// What is less alike than this on both sides counts no more: a parting, the frame of a pair of glasses, half a shoulder.
 const UNLIKE: f32 = 0.15;
-/// The nose is not farther than this from the plane in which the head mirrors, in directions.
-const NOSE: usize = 6;
+/// The nose is not farther than this from the plane in which the head mirrors, as a part of all directions.
+const NOSE: usize = 40;
 
-/// A face is looked at so far to each side, in directions: 48 degrees ...
-const SIDE: usize = 32;
-/// ... at these levels: from the chin to the middle of the forehead ...
+/// A face is looked at on these levels: from the chin to the middle of the forehead ...
 const FACE_LEVELS: std::ops::Range<usize> = 1..16;
 /// ... and may lie so many levels higher or lower than the bust's.
 const HIGHER: isize = 3;
@@ -71,26 +76,33 @@ const OUT: f32 = 0.2;
 const SMOOTH: f32 = 0.01;
 /// How much a direction is doubted in whose plane the head mirrors no better than usual.
 const MIRRORS: f32 = 0.5;
+/// A head mirrors in a plane in which its outline is unlike by no more than this part of what is usual ...
+const IS_MIRROR: f32 = 0.5;
+/// ... and by no more than this, seen roughly.
+const HARDLY_MIRRORS: f32 = 0.75;
 /// Of so many directions at a level at least this share must be known.
 const KNOWN: f32 = 0.66;
 
 /// How far a head reaches from its vertical axis, in radii: by level and direction; 0 where nothing is.
-struct Outline {
-    levels: Vec<[f32; DIRECTIONS]>,
+struct Outline<const N: usize, const W: usize> {
+    levels: Vec<[f32; N]>,
     /// The way to the farthest point below the brows.
     farthest: Vec3,
 }
 
-/// One level of a face, once what is round about it is taken off: what stands out of it.
-type Relief = [f32; 2 * SIDE];
+type Fine = Outline<DIRECTIONS, WINDOW>;
+type Coarse = Outline<FEW_DIRECTIONS, SMALL_WINDOW>;
+
+/// What stands out of a face, level by level, once what is round about it is taken off; none where too little is known.
+type Relief<const W: usize> = [Option<[f32; W]>; LEVELS];
 
 /// Where the face of a head with this cranium looks; none where nothing is below its brows.
 pub(crate) fn face(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit) -> Option<Face> {
-    let outline = Outline::of(points, triangles, fit);
+    let outline = Fine::of(points, triangles, fit, CELL, usize::MAX);
     let unlike = outline.unlike();
     if let Some((turns, best)) = mirror(&unlike) {
         let ends = [0, 1].map(|end| best + end * DIRECTIONS);
-        let alike = ends.map(|way| outline.likeness(way));
+        let alike = ends.map(|way| outline.likeness(way, bust_face()));
         let reach = ends.map(|way| outline.reach(way));
         // A cap of hair mirrors in two planes, and has no face below its brows.
         if reach[0].max(reach[1]) == 0.0 {
@@ -113,20 +125,45 @@ pub(crate) fn face(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit) -> Option
     outline.most_alike(&unlike).or_else(farthest)
 }
 
-impl Outline {
-    fn of(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit) -> Self {
+/// How much there may be a face at all, on a head with this cranium: its likeness seen roughly, in the plane that the head
+/// mirrors in or `anywhere`; -1 where there is none.
+pub(crate) fn glimpse(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit, anywhere: bool) -> f32 {
+    static FACE: OnceLock<Relief<SMALL_WINDOW>> = OnceLock::new();
+    let face = FACE.get_or_init(|| Coarse::of_bust(LARGE_CELL, ENOUGH).relief(0));
+    let outline = Coarse::of(points, triangles, fit, LARGE_CELL, ENOUGH);
+    if anywhere {
+        let ways = (0..2 * FEW_DIRECTIONS).step_by(2);
+        return ways.map(|way| outline.likeness(way, face)).fold(-1.0, f32::max);
+    }
+    let unlike = outline.unlike();
+    let best = least(&unlike);
+    if unlike[best] > HARDLY_MIRRORS * median(&unlike) {
+        return -1.0;
+    }
+    let ends = [best, best + FEW_DIRECTIONS];
+    let near = ends
+        .into_iter()
+        .flat_map(|end| end + 2 * FEW_DIRECTIONS - 1..=end + 2 * FEW_DIRECTIONS + 1);
+    near.map(|way| outline.likeness(way, face)).fold(-1.0, f32::max)
+}
+
+impl<const N: usize, const W: usize> Outline<N, W> {
+    /// From cells of this size, and no many more of them than are `enough`.
+    fn of(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit, cell: f32, enough: usize) -> Self {
         let points: Vec<Vec3> = points.iter().map(|p| (*p - fit.centre) / fit.radius).collect();
-        let mut levels = vec![[0.0f32; DIRECTIONS]; LEVELS];
+        let mut levels = vec![[0.0f32; N]; LEVELS];
         let mut farthest = Vec3::ZERO;
-        for cell in fit::cells(&points, triangles, LOW, CELL) {
+        let mut cells = fit::cells(&points, triangles, LOW, cell);
+        cells.retain(|cell| {
+            (LOW..HIGH).contains(&cell.at.y) && cell.at.with_y(0.0).length() <= WIDEST
+        });
+        let every = (cells.len() / enough).max(1);
+        for cell in cells.iter().step_by(every) {
             let (out, high) = (cell.at.with_y(0.0), cell.at.y);
             let reach = out.length();
-            if !(LOW..HIGH).contains(&high) || reach > WIDEST {
-                continue;
-            }
             let turns = atan2(out.x, out.z) / TAU;
             let level = ((high - LOW) / (HIGH - LOW) * LEVELS as f32) as usize;
-            let direction = (turns.rem_euclid(1.0) * DIRECTIONS as f32) as usize % DIRECTIONS;
+            let direction = (turns.rem_euclid(1.0) * N as f32) as usize % N;
             let at = &mut levels[level.min(LEVELS - 1)][direction];
             *at = at.max(reach);
             if high < UNDER_BROWS && reach > farthest.length() {
@@ -136,40 +173,51 @@ impl Outline {
         Self { levels, farthest }
     }
 
+    /// That of the built-in bust.
+    fn of_bust(cell: f32, enough: usize) -> Self {
+        let bust = bust::adult();
+        // Its cranium is where its own description says.
+        let fit = Fit { centre: Vec3::ZERO, radius: HEAD_RADIUS, ..Fit::default() };
+        Self::of(&bust.points, &bust.triangles, &fit, cell, enough)
+    }
+
     /// How little the outline is alike on both sides of each vertical plane. Plane `k` goes through the edges between
     /// directions: the k-th half direction from +z.
-    fn unlike(&self) -> Vec<f32> {
-        let unlike = |k: usize| -> f32 {
-            let mirrored = |i: usize| (2 * DIRECTIONS + k - 1 - i) % DIRECTIONS;
-            let off = |level: &[f32; DIRECTIONS]| -> f32 {
-                (0..DIRECTIONS).map(|i| (level[i] - level[mirrored(i)]).abs().min(UNLIKE)).sum()
-            };
-            self.levels.iter().map(off).sum()
-        };
-        (0..DIRECTIONS).map(unlike).collect()
+    fn unlike(&self) -> [f32; N] {
+        let mut all = [0.0; N];
+        for level in &self.levels {
+            // All planes side by side, so that processors add several at a time.
+            let twice: Vec<f32> = level.iter().chain(level).copied().collect();
+            let mut here = [0.0; N];
+            for (i, out) in level.iter().enumerate() {
+                let mirrored = &twice[N - 1 - i..][..N];
+                for (sum, other) in here.iter_mut().zip(mirrored) {
+                    *sum += (out - other).abs().min(UNLIKE);
+                }
+            }
+            all.iter_mut().zip(&here).for_each(|(all, here)| *all += here);
+        }
+        all
     }
 
     /// How far it reaches about a half direction, below the brows.
     fn reach(&self, way: usize) -> f32 {
         let faces = ((UNDER_BROWS - LOW) / (HIGH - LOW) * LEVELS as f32) as usize;
-        let about = way / 2 + DIRECTIONS;
-        let near = about - NOSE..about + NOSE;
+        let about = way / 2 + N;
+        let near = about - N / NOSE..about + N / NOSE;
         let levels = self.levels[..faces].iter();
-        levels.flat_map(|level| near.clone().map(|i| level[i % DIRECTIONS])).fold(0.0, f32::max)
+        levels.flat_map(|level| near.clone().map(|i| level[i % N])).fold(0.0, f32::max)
     }
 
-    /// What stands out about a half direction, level by level; none where too little is known.
-    fn relief(&self, way: usize) -> Vec<Option<Relief>> {
-        let ahead = |i: usize| (way / 2 + DIRECTIONS + i - SIDE) % DIRECTIONS;
-        self.levels
-            .iter()
-            .map(|level| standing_out(std::array::from_fn(|i| level[ahead(i)])))
-            .collect()
+    /// What stands out about a half direction.
+    fn relief(&self, way: usize) -> Relief<W> {
+        let ahead = |i: usize| (way / 2 + N + i - W / 2) % N;
+        std::array::from_fn(|at| standing_out(std::array::from_fn(|i| self.levels[at][ahead(i)])))
     }
 
-    /// How much what lies about a half direction is like the face of the bust, -1 to 1.
-    fn likeness(&self, way: usize) -> f32 {
-        let (mine, face) = (self.relief(way), bust_face());
+    /// How much what lies about a half direction is like a face, the bust's, -1 to 1.
+    fn likeness(&self, way: usize, face: &Relief<W>) -> f32 {
+        let mine = self.relief(way);
         let whole: f32 = face[FACE_LEVELS].iter().flatten().flatten().map(|x| x * x).sum();
         let shifted = (-HIGHER..=HIGHER).map(|by| {
             let (mut both, mut own) = (0.0, 0.0);
@@ -184,12 +232,14 @@ impl Outline {
         });
         shifted.fold(-1.0, f32::max)
     }
+}
 
+impl Fine {
     /// Where it is most like a face of all directions; none where it is like one nowhere. An ear is like a nose, but no head
     /// mirrors in the plane through its ears.
     fn most_alike(&self, unlike: &[f32]) -> Option<Face> {
         let usual = median(unlike).max(f32::MIN_POSITIVE);
-        let all = (0..2 * DIRECTIONS).step_by(2).map(|way| (way, self.likeness(way)));
+        let all = (0..2 * DIRECTIONS).step_by(2).map(|way| (way, self.likeness(way, bust_face())));
         let doubt = |way: usize| MIRRORS * unlike[way % DIRECTIONS] / usual;
         let (way, likeness) = all
             .filter(|(_, likeness)| *likeness >= FACE)
@@ -202,8 +252,8 @@ impl Outline {
 /// The plane in which an outline mirrors: turns about the axis to one of its ends, and the nearest half direction; none where
 /// it is about as much alike in every plane.
 fn mirror(unlike: &[f32]) -> Option<(f32, usize)> {
-    let best = (0..DIRECTIONS).min_by(|a, b| unlike[*a].total_cmp(&unlike[*b]))?;
-    if unlike[best] > 0.5 * median(unlike) {
+    let best = least(unlike);
+    if unlike[best] > IS_MIRROR * median(unlike) {
         return None;
     }
     // Between planes: the bottom of the parabola through it and its neighbours.
@@ -214,6 +264,11 @@ fn mirror(unlike: &[f32]) -> Option<(f32, usize)> {
     Some((0.5 * (best as f32 + part) / DIRECTIONS as f32, best))
 }
 
+/// The first of the least.
+fn least(of: &[f32]) -> usize {
+    (0..of.len()).min_by(|a, b| of[*a].total_cmp(&of[*b])).unwrap_or(0)
+}
+
 fn median(of: &[f32]) -> f32 {
     let mut sorted = of.to_vec();
     sorted.sort_by(f32::total_cmp);
@@ -221,19 +276,13 @@ fn median(of: &[f32]) -> f32 {
 }
 
 /// The relief of the built-in bust's face.
-fn bust_face() -> &'static [Option<Relief>] {
-    static RELIEF: OnceLock<Vec<Option<Relief>>> = OnceLock::new();
-    RELIEF.get_or_init(|| {
-        let bust = bust::adult();
-        // Its cranium is where its own description says.
-        let fit = Fit { centre: Vec3::ZERO, radius: HEAD_RADIUS, ..Fit::default() };
-        Outline::of(&bust.points, &bust.triangles, &fit).relief(0)
-    })
+fn bust_face() -> &'static Relief<WINDOW> {
+    static RELIEF: OnceLock<Relief<WINDOW>> = OnceLock::new();
+    RELIEF.get_or_init(|| Fine::of_bust(CELL, usize::MAX).relief(0))
 }
 
 /// What is left of a level once its height, slope and bend are taken off; none where too little of it is known.
-fn standing_out(mut level: Relief) -> Option<Relief> {
-    const N: usize = 2 * SIDE;
+fn standing_out<const N: usize>(mut level: [f32; N]) -> Option<[f32; N]> {
     let known = level.map(|x| x > 0.0);
     if (known.iter().filter(|known| **known).count() as f32) < KNOWN * N as f32 {
         return None;
@@ -243,11 +292,11 @@ fn standing_out(mut level: Relief) -> Option<Relief> {
         ways.filter(|j| *j < N).find(|j| known[*j])
     };
     level = std::array::from_fn(|i| nearest(i).map_or(0.0, |j| level[j]));
-    let across = |i: usize| (i as f32 + 0.5 - SIDE as f32) / SIDE as f32;
+    let across = |i: usize| (i as f32 + 0.5 - (N / 2) as f32) / (N / 2) as f32;
     let mean_square = (0..N).map(|i| across(i) * across(i)).sum::<f32>() / N as f32;
     let shapes: [fn(f32, f32) -> f32; 3] = [|_, _| 1.0, |x, _| x, |x, mean| x * x - mean];
     for shape in shapes {
-        let shape: Relief = std::array::from_fn(|i| shape(across(i), mean_square));
+        let shape: [f32; N] = std::array::from_fn(|i| shape(across(i), mean_square));
         let square: f32 = shape.iter().map(|x| x * x).sum();
         let part = level.iter().zip(&shape).map(|(a, b)| a * b).sum::<f32>() / square;
         level.iter_mut().zip(&shape).for_each(|(x, shape)| *x -= part * shape);

@@ -7,10 +7,13 @@
 //! Guarantees: bounded work for any mesh ([`MOST_TRIED`] pieces). Not promised: a head that is one piece with what stands
 //! on it has the sphere of both; [`Fit::is_bare`] tells.
 
+use super::axes::Up;
 use super::face::{self, By, FACE, Face};
 use super::fit::{self, Fit, Patches};
+use super::sketch::Sketch;
 use crate::define::NodeError;
 use glam::{DVec3, Vec3};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// What hangs together by common vertices.
@@ -19,12 +22,27 @@ pub(crate) struct Pieces {
     pub(crate) of: Vec<u32>,
     /// The area of each piece, largest first, in squares of the mesh's units.
     areas: Vec<f64>,
+    /// The triangles piece by piece, and where each piece starts among them.
+    sorted: Vec<u32>,
+    starts: Vec<u32>,
 }
 
 /// So many of the largest pieces are tried.
 const MOST_TRIED: usize = 24;
 /// Without so many of the largest, each by itself, all the others are tried.
 const MOST_WITHOUT: usize = 8;
+/// What is as like a face as this, seen roughly, may be one when it is looked at ...
+const PROMISING: f32 = 0.4;
+/// ... and so many of the likeliest are ...
+const MOST_LOOKED_AT: usize = 4;
+/// ... as long as they may be more like one than what was found: what is seen roughly is less off than this ...
+const DOUBT: f32 = 0.15;
+/// ... and, but for the likeliest, as long as no more cells than these were looked at; a face is worth so many of them.
+const MOST_SPENT: usize = 24_000_000;
+const COST_OF_A_FACE: usize = 2_000_000;
+/// What is as like a face as this, seen roughly, and so many radii beside a head is another head.
+const SURELY: f32 = 0.65;
+const APART: f32 = 1.5;
 /// A head has at least this share of the surface of the largest: of a dressed body it has a tenth, and an eye a fiftieth of it.
 const LEAST_AREA: f64 = 0.025;
 /// So much of the sphere's upper half is covered by a whole cranium.
@@ -43,6 +61,8 @@ pub(crate) struct Found {
     pub(crate) face: Option<Face>,
     /// The piece that is the head; none where none is by itself.
     pub(crate) piece: Option<u32>,
+    /// Pieces that are heads too, beside this one.
+    pub(crate) others: Vec<u32>,
 }
 
 impl Found {
@@ -71,65 +91,248 @@ impl Found {
     }
 }
 
-/// The head of a mesh, Y up. Whether it is `likely` that there is one says how much is tried. `check` is called now and then
-/// and may stop the work.
-pub(crate) fn head(
-    points: &[Vec3],
-    triangles: &[[u32; 3]],
-    pieces: &Pieces,
-    likely: bool,
-    check: impl Fn() -> Result<(), NodeError>,
-) -> Result<Found, NodeError> {
-    let one = |points: &[Vec3], triangles: &[[u32; 3]]| -> Result<Found, NodeError> {
-        let fit = fit::cranium(points, triangles, &check)?;
-        let face = fit.filter(Fit::head_like).and_then(|fit| face::face(points, triangles, &fit));
-        Ok(Found { fit, face, piece: None })
-    };
-    let whole = one(points, triangles)?;
-    let tried = pieces.large();
-    if pieces.areas.len() <= 1 {
-        return Ok(Found { piece: whole.is_sure().then_some(0), ..whole });
-    }
-    let mut best: Option<Found> = None;
-    for piece in tried.clone() {
-        check()?;
-        let (points, triangles) = pieces.only(points, triangles, |other| other == piece);
-        let found = one(&points, &triangles)?;
-        let before = best.as_ref().map_or(-1.0, Found::likeness);
-        if found.is_sure() && found.likeness() > before {
-            best = Some(Found { piece: Some(piece), ..found });
+/// A part of a mesh.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Which {
+    Whole,
+    Only(u32),
+    Without(u32),
+}
+
+impl Which {
+    fn keeps(self, piece: u32) -> bool {
+        match self {
+            Self::Whole => true,
+            Self::Only(only) => piece == only,
+            Self::Without(without) => piece != without,
         }
     }
-    if let Some(best) = best {
-        let same = whole.agrees(&best);
-        return Ok(if same { Found { piece: best.piece, ..whole } } else { best });
+}
+
+/// A mesh to find a head in, and what may still be spent on it.
+pub(crate) struct Search<'a> {
+    /// In the file's axes.
+    points: &'a [Vec3],
+    triangles: &'a [[u32; 3]],
+    pieces: &'a Pieces,
+    sketch: Sketch,
+    spent: usize,
+}
+
+/// What is tried with one axis up: the mesh's points, and each part that seems to be a head, likeliest first, with how much it
+/// seems so.
+pub(crate) struct Tried {
+    up: Up,
+    points: Vec<Vec3>,
+    seeming: Vec<Seeming>,
+}
+
+/// A part of the mesh that may be a head: how much so, and its sphere, seen roughly.
+#[derive(Clone, Copy)]
+struct Seeming {
+    which: Which,
+    likeness: f32,
+    fit: Fit,
+}
+
+impl Tried {
+    /// How much the likeliest part seems to be a head; -1 where none does.
+    pub(crate) fn promises(&self) -> f32 {
+        self.seeming.first().map_or(-1.0, |seeming| seeming.likeness)
     }
-    // No piece is a head by itself, as where face and skull are two: one may stand in the way of the others.
-    let mut best = whole;
-    if !likely || (best.is_sure() && best.is_bare()) {
-        return Ok(best);
+    /// Which axis is up.
+    pub(crate) fn up(&self) -> Up {
+        self.up
     }
-    let before = best.likeness();
-    for piece in tried.clone().take(MOST_WITHOUT) {
-        check()?;
-        let (points, triangles) = pieces.only(points, triangles, |other| other != piece);
-        let found = one(&points, &triangles)?;
-        if found.is_sure() && found.likeness() > best.likeness().max(before + 0.05) {
-            best = found;
+}
+
+impl<'a> Search<'a> {
+    /// In a mesh with `points` in the file's axes.
+    pub(crate) fn new(points: &'a [Vec3], triangles: &'a [[u32; 3]], pieces: &'a Pieces) -> Self {
+        let sketch = Sketch::of(points, triangles, pieces);
+        Self { points, triangles, pieces, sketch, spent: 0 }
+    }
+
+    /// How many cells were looked at so far, and what faces are worth in them.
+    #[cfg(test)]
+    pub(crate) fn spent(&self) -> usize {
+        self.spent
+    }
+
+    /// The mesh with an axis up, seen roughly. `check` is called now and then and may stop the work.
+    pub(crate) fn try_up(
+        &self,
+        up: Up,
+        check: &impl Fn() -> Result<(), NodeError>,
+    ) -> Result<Tried, NodeError> {
+        let points: Vec<Vec3> = self.points.iter().map(|p| up.turned(*p)).collect();
+        let mut tried = Tried { up, points, seeming: vec![] };
+        let mut parts = vec![Which::Whole];
+        if self.pieces.count() > 1 {
+            parts.extend(self.pieces.large().map(Which::Only));
         }
+        tried.seeming = self.seeming(&tried, parts.into_iter(), check)?;
+        Ok(tried)
     }
-    // A head may be cut off under its hair. Then the sphere is the hair's, and the face still the head's.
-    if let Some(fit) = best.fit.filter(|fit| fit.head_like() && best.likeness() < FACE) {
-        for piece in tried {
-            let (points, triangles) = pieces.only(points, triangles, |other| other == piece);
-            let face = face::face(&points, &triangles, &fit);
-            let likeness = face.map_or(-1.0, |face| face.likeness);
-            if likeness >= FACE && likeness > best.likeness() {
-                best.face = face;
+
+    /// Those parts that seem to be heads, likeliest first.
+    fn seeming(
+        &self,
+        tried: &Tried,
+        parts: impl Iterator<Item = Which>,
+        check: &impl Fn() -> Result<(), NodeError>,
+    ) -> Result<Vec<Seeming>, NodeError> {
+        let mut seeming = vec![];
+        for which in parts {
+            check()?;
+            if let Some(fit) = self.sketch.cranium(tried.up, |piece| which.keeps(piece)) {
+                let (points, triangles) = self.mesh(tried, which);
+                let likeness = face::glimpse(&points, &triangles, &fit, false);
+                seeming.push(Seeming { which, likeness, fit });
             }
         }
+        Ok(most(seeming))
     }
-    Ok(best)
+
+    fn mesh<'t>(
+        &'t self,
+        tried: &'t Tried,
+        which: Which,
+    ) -> (Cow<'t, [Vec3]>, Cow<'t, [[u32; 3]]>) {
+        let (points, triangles) = match which {
+            Which::Whole => return (Cow::Borrowed(&tried.points), Cow::Borrowed(self.triangles)),
+            Which::Only(piece) => {
+                let own = self.pieces.triangles(piece).map(|t| &self.triangles[t]);
+                only(&tried.points, own)
+            }
+            Which::Without(piece) => {
+                let kept = self.triangles.iter().zip(&self.pieces.of);
+                let kept = kept.filter(|(_, of)| **of != piece).map(|(t, _)| t);
+                only(&tried.points, kept)
+            }
+        };
+        (Cow::Owned(points), Cow::Owned(triangles))
+    }
+
+    /// What a part of the mesh is as a head.
+    fn one(
+        &mut self,
+        tried: &Tried,
+        which: Which,
+        check: &impl Fn() -> Result<(), NodeError>,
+    ) -> Result<Found, NodeError> {
+        check()?;
+        let mut spent = 0;
+        let (points, triangles) = self.mesh(tried, which);
+        let fit = fit::cranium(&points, &triangles, &mut spent, check)?;
+        let is_head = fit.filter(Fit::head_like);
+        let face = is_head.and_then(|fit| face::face(&points, &triangles, &fit));
+        drop((points, triangles));
+        self.spent += spent + COST_OF_A_FACE;
+        Ok(Found { fit, face, ..Found::default() })
+    }
+
+    /// The best of those parts that seem to be heads; none where none is one. One that is much more like a head than those
+    /// after it can be stands.
+    fn best(
+        &mut self,
+        tried: &Tried,
+        seeming: &[Seeming],
+        more_than: f32,
+        check: &impl Fn() -> Result<(), NodeError>,
+    ) -> Result<Option<(Which, Found)>, NodeError> {
+        let mut best: Option<(Which, Found)> = None;
+        for (k, Seeming { which, likeness: seems, .. }) in seeming.iter().enumerate() {
+            let before = best.as_ref().map_or(more_than, |(_, best)| best.likeness());
+            if (k > 0 && self.spent > MOST_SPENT) || before >= seems + DOUBT {
+                break;
+            }
+            let found = self.one(tried, *which, check)?;
+            let likeness = found.likeness();
+            // Of equals the first piece.
+            let first = best.as_ref().is_some_and(|(other, _)| *which < *other);
+            if found.is_sure() && (likeness > before || (likeness == before && first)) {
+                best = Some((*which, found));
+            }
+        }
+        Ok(best)
+    }
+
+    /// The head of the mesh. Whether it is `likely` that there is one says how much is tried.
+    pub(crate) fn head(
+        &mut self,
+        tried: &Tried,
+        likely: bool,
+        check: &impl Fn() -> Result<(), NodeError>,
+    ) -> Result<Found, NodeError> {
+        let seems = tried.seeming.iter().any(|seeming| seeming.which == Which::Whole);
+        let whole = match likely || (seems && self.spent <= MOST_SPENT) {
+            true => self.one(tried, Which::Whole, check)?,
+            false => Found::default(),
+        };
+        let large = self.pieces.large();
+        if self.pieces.count() <= 1 {
+            return Ok(Found { piece: whole.is_sure().then_some(0), ..whole });
+        }
+        let pieces = tried.seeming.iter().filter(|seeming| seeming.which != Which::Whole);
+        let pieces: Vec<Seeming> = pieces.copied().collect();
+        if let Some((Which::Only(piece), best)) = self.best(tried, &pieces, -1.0, check)? {
+            let found = if whole.agrees(&best) { whole } else { best };
+            let others =
+                pieces.iter().filter(|other| found.fit.is_some_and(|fit| other.is_besides(&fit)));
+            let others = others.filter_map(|other| match other.which {
+                Which::Only(other) => Some(other),
+                _ => None,
+            });
+            return Ok(Found { piece: Some(piece), others: others.collect(), ..found });
+        }
+        // No piece is a head by itself, as where face and skull are two: one may stand in the way of the others.
+        let mut best = whole;
+        if !likely || (best.is_sure() && best.is_bare()) {
+            return Ok(best);
+        }
+        let without = large.clone().take(MOST_WITHOUT).map(Which::Without);
+        let seeming = self.seeming(tried, without, check)?;
+        if let Some((_, found)) = self.best(tried, &seeming, best.likeness() + 0.05, check)? {
+            best = found;
+        }
+        // A head may be cut off under its hair. Then the sphere is the hair's, and the face still the head's.
+        if let Some(fit) = best.fit.filter(|fit| fit.head_like() && best.likeness() < FACE) {
+            let mut seeming = vec![];
+            for which in large.map(Which::Only) {
+                check()?;
+                let (points, triangles) = self.mesh(tried, which);
+                let likeness = face::glimpse(&points, &triangles, &fit, true);
+                seeming.push(Seeming { which, likeness, fit });
+            }
+            for Seeming { which, .. } in most(seeming) {
+                let (points, triangles) = self.mesh(tried, which);
+                let face = face::face(&points, &triangles, &fit);
+                let likeness = face.map_or(-1.0, |face| face.likeness);
+                if likeness >= FACE && likeness > best.likeness() {
+                    best.face = face;
+                }
+            }
+        }
+        Ok(best)
+    }
+}
+
+impl Seeming {
+    /// Whether it is surely a head, and another one than that of this cranium.
+    fn is_besides(&self, fit: &Fit) -> bool {
+        let apart = self.fit.centre.distance(fit.centre) / fit.radius;
+        let is_head = self.fit.head_like() && self.fit.cover >= WHOLE && self.likeness >= SURELY;
+        is_head && apart > APART && (0.5..2.0).contains(&(self.fit.radius / fit.radius))
+    }
+}
+
+/// Those that seem most to be heads, likeliest first.
+fn most(mut seeming: Vec<Seeming>) -> Vec<Seeming> {
+    seeming.retain(|seeming| seeming.likeness >= PROMISING);
+    seeming.sort_by(|a, b| b.likeness.total_cmp(&a.likeness).then(a.which.cmp(&b.which)));
+    seeming.truncate(MOST_LOOKED_AT);
+    seeming
 }
 
 impl Pieces {
@@ -164,41 +367,46 @@ impl Pieces {
         for (rank, (vertex, _)) in (0..).zip(&sorted) {
             to[*vertex as usize] = rank;
         }
-        let of = of.into_iter().map(|vertex| to[vertex as usize]).collect();
-        Self { of, areas: sorted.into_iter().map(|(_, area)| area).collect() }
+        let of: Vec<u32> = of.into_iter().map(|vertex| to[vertex as usize]).collect();
+        let areas: Vec<f64> = sorted.into_iter().map(|(_, area)| area).collect();
+        let mut starts = vec![0; areas.len() + 1];
+        of.iter().for_each(|piece| starts[*piece as usize + 1] += 1);
+        for piece in 1..starts.len() {
+            starts[piece] += starts[piece - 1];
+        }
+        let (mut next, mut sorted) = (starts.clone(), vec![0; of.len()]);
+        for (t, piece) in (0u32..).zip(&of) {
+            sorted[next[*piece as usize] as usize] = t;
+            next[*piece as usize] += 1;
+        }
+        Self { of, areas, sorted, starts }
     }
 
+    /// The triangles of a piece, in their order.
+    fn triangles(&self, piece: u32) -> impl Iterator<Item = usize> {
+        let from = self.starts[piece as usize] as usize..self.starts[piece as usize + 1] as usize;
+        self.sorted[from].iter().map(|t| *t as usize)
+    }
     /// How many there are.
     pub(crate) fn count(&self) -> usize {
         self.areas.len()
     }
     /// Those that are large enough to be a head.
-    fn large(&self) -> std::ops::Range<u32> {
+    pub(crate) fn large(&self) -> std::ops::Range<u32> {
         let least = LEAST_AREA * self.areas.first().copied().unwrap_or(0.0);
         let large = self.areas.iter().take(MOST_TRIED).filter(|area| **area >= least);
         0..large.count() as u32
     }
-
-    /// The mesh of some pieces alone.
-    fn only(
-        &self,
-        points: &[Vec3],
-        triangles: &[[u32; 3]],
-        keeps: impl Fn(u32) -> bool,
-    ) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-        only(points, triangles, |t| keeps(self.of[t]))
-    }
 }
 
 /// The mesh of some triangles alone.
-fn only(
+fn only<'t>(
     points: &[Vec3],
-    triangles: &[[u32; 3]],
-    keeps: impl Fn(usize) -> bool,
+    triangles: impl Iterator<Item = &'t [u32; 3]>,
 ) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     const NEW: u32 = u32::MAX;
     let (mut to, mut kept) = (vec![NEW; points.len()], vec![]);
-    let own = triangles.iter().enumerate().filter(|(t, _)| keeps(*t)).map(|(_, t)| {
+    let own = triangles.map(|t| {
         t.map(|v| {
             if to[v as usize] == NEW {
                 to[v as usize] = kept.len() as u32;
@@ -230,13 +438,13 @@ pub(crate) fn over_the_crown(
         seen.filter_map(|(of, far, at)| Some((of, far, at?)))
     };
     let mut skin = [0.0f32; Patches::COUNT];
-    for (_, far, at) in cells().filter(|(of, ..)| is_skin(*of)) {
+    for (_, far, at) in cells().filter(|(of, ..)| is_skin(*of as usize)) {
         skin[at] = skin[at].max(far);
     }
     let mut over = vec![0; triangles.len()];
-    for (of, far, at) in cells().filter(|(of, ..)| !is_skin(*of)) {
+    for (of, far, at) in cells().filter(|(of, ..)| !is_skin(*of as usize)) {
         if (skin[at] + OVER..REACH).contains(&far) {
-            over[of] |= 1 << at;
+            over[of as usize] |= 1 << at;
         }
     }
     over

@@ -29,12 +29,12 @@ pub(crate) struct Fit {
     pub(crate) inside_out: bool,
 }
 
-/// A piece of the surface: its triangle, its middle, its area, and its normal.
+/// A piece of the surface: its triangle, its middle and its area.
+#[derive(Clone, Copy)]
 pub(crate) struct Cell {
-    pub(crate) of: usize,
+    pub(crate) of: u32,
     pub(crate) at: Vec3,
-    area: f32,
-    normal: Vec3,
+    pub(crate) area: f32,
 }
 
 /// The part of the height, from the top down, that the first sphere is laid through.
@@ -48,6 +48,17 @@ const DOWN: f32 = 0.9;
 const SHELL: f32 = 0.15;
 /// The fit ends when a step moves it less than this, in radii.
 const STILL: f32 = 1e-5;
+/// ... and after so many steps, or so many cells looked at in all of them, at the latest: a fine scan of 100,000 triangles needs 10 million.
+const MOST_STEPS: usize = 100;
+const MOST_SPENT: usize = 14_000_000;
+/// The surface is cut anew where the radius is so many times that it was cut for.
+const SMALLER: f32 = 0.7;
+const LARGER: f32 = 1.4;
+/// The same for a rough fit ...
+const ROUGHLY: f32 = 2e-3;
+const MOST_ROUGH_STEPS: usize = 16;
+/// ... which needs no more than so many samples.
+const MOST_SAMPLES: usize = 2048;
 /// Cells that a triangle is cut into have edges of at most this, in radii.
 pub(crate) const CELL: f32 = 1.0 / 40.0;
 /// Most parts along a triangle's edge, so that a giant triangle cannot make millions of cells ...
@@ -56,10 +67,11 @@ const MOST_PARTS: f32 = 64.0;
 const MOST_CELLS: f32 = 4e5;
 
 /// Fits the cranium sphere; none where the mesh has no surface that a sphere fits to. `check` is called now and
-/// then and may stop the work.
+/// then and may stop the work. What it costs is added to `spent`.
 pub(crate) fn cranium(
     points: &[Vec3],
     triangles: &[[u32; 3]],
+    spent: &mut usize,
     check: impl Fn() -> Result<(), NodeError>,
 ) -> Result<Option<Fit>, NodeError> {
     let Some(top) = points.iter().copied().max_by(|a, b| a.y.total_cmp(&b.y)) else {
@@ -71,41 +83,93 @@ pub(crate) fn cranium(
     }
     // From here on the top point is the origin and the height is 1, which is what f32 likes best.
     let points: Vec<Vec3> = points.iter().map(|p| (*p - top) / height).collect();
-    let mut surface = cells(&points, triangles, -CAP, 0.3 * CAP);
-    surface.retain(|c| c.at.y > -CAP && c.at.with_y(0.0).length() < CAP_REACH);
-    let Some((mut centre, mut radius)) = least_squares(surface.iter()) else { return Ok(None) };
+    let cap = cells(&points, triangles, -CAP, 0.3 * CAP);
+    let cut = |radius: f32| {
+        check()?;
+        Ok(cells(&points, triangles, -2.2 * radius, CELL * radius))
+    };
+    let fitted = fitted(cap, cut, STILL, MOST_STEPS, spent)?;
+    let Some((surface, centre, radius)) = fitted else { return Ok(None) };
+    let normal = |of: u32| {
+        let [a, b, c] = triangles[of as usize].map(|v| points[v as usize]);
+        (b - a).cross(c - a).normalize_or_zero()
+    };
+    let fit = judged(&surface, centre, radius, normal);
+    Ok(Some(Fit { centre: top + centre * height, radius: radius * height, ..fit }))
+}
+
+/// The same by samples of a surface, each of the area about it, with this top point and height: where the sphere is to a part
+/// in a hundred, and what is told of it roughly. Which way faces look is not known.
+pub(crate) fn rough(samples: impl Iterator<Item = Cell>, top: Vec3, height: f32) -> Option<Fit> {
+    if !(height > 0.0 && height.is_finite()) {
+        return None;
+    }
+    let samples: Vec<Cell> =
+        samples.map(|cell| Cell { at: (cell.at - top) / height, ..cell }).collect();
+    // Samples follow each other all over the surface, and so do some of them at equal steps.
+    let cut = |radius: f32| {
+        let above = || samples.iter().filter(|cell| cell.at.y > -2.2 * radius);
+        let every = above().count().div_ceil(MOST_SAMPLES).max(1);
+        Ok(above().step_by(every).copied().collect())
+    };
+    let fit = fitted(samples.clone(), cut, ROUGHLY, MOST_ROUGH_STEPS, &mut 0).ok().flatten();
+    let (surface, centre, radius) = fit?;
+    let fit = judged(&surface, centre, radius, |_| Vec3::ZERO);
+    // Few samples leave patches empty by chance: at least this share of a whole crown's.
+    let count = surface.iter().filter(|cell| cell.at.y > centre.y).count().max(1) as f32;
+    let cover = fit.cover * (1.0 + Patches::COUNT as f32 / count);
+    Some(Fit { centre: top + centre * height, radius: radius * height, cover, ..fit })
+}
+
+/// The sphere of a surface whose top point is the origin and whose height is 1, from its `cap` on; `cut` is the surface above
+/// 2.2 radii under the top. With the surface that was cut last; none where no sphere fits.
+fn fitted(
+    cap: Vec<Cell>,
+    cut: impl Fn(f32) -> Result<Vec<Cell>, NodeError>,
+    still: f32,
+    most_steps: usize,
+    spent: &mut usize,
+) -> Result<Option<(Vec<Cell>, Vec3, f32)>, NodeError> {
+    let in_cap = |c: &&Cell| c.at.y > -CAP && c.at.with_y(0.0).length() < CAP_REACH;
+    let first = least_squares(cap.iter().filter(in_cap));
+    let Some((mut centre, mut radius)) = first else { return Ok(None) };
+    drop(cap);
     // A nearly flat cap gives any radius at all; a head is never wider than the mesh is high.
     if !(0.02..=0.6).contains(&radius) {
         radius = radius.clamp(0.02, 0.6);
         centre = Vec3::NEG_Y * radius;
     }
-    let mut cut_for = 0.0;
-    for _ in 0..100 {
-        if !(0.7..1.4).contains(&(radius / cut_for)) {
-            check()?;
-            surface = cells(&points, triangles, -2.2 * radius, CELL * radius);
+    let (mut surface, mut upper, mut cut_for) = (vec![], vec![], 0.0);
+    let until = *spent + MOST_SPENT;
+    for _ in 0..most_steps {
+        if !(SMALLER..LARGER).contains(&(radius / cut_for)) {
+            surface = cut(radius)?;
             cut_for = radius;
+            // No other cell can count before the next cut.
+            let may_count = |c: &&Cell| c.at.y > -1.01 * DOWN * LARGER * radius;
+            upper = surface.iter().filter(may_count).copied().collect();
+            *spent += 2 * surface.len();
         }
+        *spent += upper.len();
         let counts = |c: &&Cell| c.at.y > -DOWN * radius && on_shell(c, centre, radius);
-        let Some(next) = least_squares(surface.iter().filter(counts)) else { return Ok(None) };
+        let Some(next) = least_squares(upper.iter().filter(counts)) else { return Ok(None) };
         if !(1e-3..2.0).contains(&next.1) {
             return Ok(None);
         }
         let moved = next.0.distance(centre).max((next.1 - radius).abs());
         (centre, radius) = next;
-        if moved < STILL * radius {
+        if moved < still * radius || *spent > until {
             break;
         }
     }
-    let fit = judged(&surface, centre, radius);
-    Ok(Some(Fit { centre: top + centre * height, radius: radius * height, ..fit }))
+    Ok(Some((surface, centre, radius)))
 }
 
 fn on_shell(cell: &Cell, centre: Vec3, radius: f32) -> bool {
     (cell.at.distance(centre) - radius).abs() < SHELL * radius
 }
 
-fn judged(surface: &[Cell], centre: Vec3, radius: f32) -> Fit {
+fn judged(surface: &[Cell], centre: Vec3, radius: f32, normal: impl Fn(u32) -> Vec3) -> Fit {
     let above = || surface.iter().filter(|c| c.at.y > centre.y);
     let mut off: Vec<(f32, f32)> =
         above().map(|c| ((c.at.distance(centre) - radius).abs() / radius, c.area)).collect();
@@ -120,7 +184,7 @@ fn judged(surface: &[Cell], centre: Vec3, radius: f32) -> Fit {
         found.map_or(f32::INFINITY, |o| o.0)
     };
     let crown = || above().filter(|c| on_shell(c, centre, radius));
-    let outward: f64 = crown().map(|c| f64::from(c.area * c.normal.dot(c.at - centre))).sum();
+    let outward: f64 = crown().map(|c| f64::from(c.area * normal(c.of).dot(c.at - centre))).sum();
     let mut covered = [false; Patches::COUNT];
     crown().filter_map(|c| Patches::above(c.at - centre)).for_each(|at| covered[at] = true);
     let cover = covered.iter().filter(|covered| **covered).count() as f32 / Patches::COUNT as f32;
@@ -142,6 +206,8 @@ impl Patches {
     pub(crate) const COUNT: usize = Self::BANDS * Self::ROUND;
     const BANDS: usize = 4;
     const ROUND: usize = 24;
+    /// Those more than 30 degrees above the centre, one bit each.
+    pub(crate) const UPPER: u128 = !0 << (Self::BANDS / 2 * Self::ROUND);
 
     /// The patch in a direction from the centre; none below it.
     pub(crate) fn above(way: Vec3) -> Option<usize> {
@@ -167,11 +233,13 @@ pub(crate) fn cells(points: &[Vec3], triangles: &[[u32; 3]], low: f32, size: f32
         size *= 2.0;
     }
     let mut out = vec![];
-    let all = triangles.iter().map(corners).enumerate();
-    for (of, t) in all.filter(|(_, t)| counts(t)) {
+    let all = triangles.iter().map(corners);
+    for (of, t) in (0u32..).zip(all).filter(|(_, t)| counts(t)) {
         let [a, b, c] = t;
         let across = (b - a).cross(c - a);
-        let Some(normal) = across.try_normalize() else { continue };
+        if across.try_normalize().is_none() {
+            continue;
+        }
         let n = n_parts(t, size);
         let parts = n as usize;
         let area = 0.5 * across.length() / (n * n);
@@ -179,9 +247,9 @@ pub(crate) fn cells(points: &[Vec3], triangles: &[[u32; 3]], low: f32, size: f32
         for i in 0..parts {
             for j in 0..parts - i {
                 let (x, y) = (i as f32, j as f32);
-                out.push(Cell { of, at: at(x + 1.0 / 3.0, y + 1.0 / 3.0), area, normal });
+                out.push(Cell { of, at: at(x + 1.0 / 3.0, y + 1.0 / 3.0), area });
                 if i + j + 1 < parts {
-                    out.push(Cell { of, at: at(x + 2.0 / 3.0, y + 2.0 / 3.0), area, normal });
+                    out.push(Cell { of, at: at(x + 2.0 / 3.0, y + 2.0 / 3.0), area });
                 }
             }
         }
@@ -211,16 +279,22 @@ struct Normal([[f64; 5]; 4]);
 impl Normal {
     fn add(&mut self, row: [f32; 4], value: f32, weight: f32) {
         let (row, value, weight) = (row.map(f64::from), f64::from(value), f64::from(weight));
-        for i in 0..4 {
-            for j in 0..4 {
-                self.0[i][j] += weight * row[i] * row[j];
+        // The other half mirrors it: products of two f32 are exact.
+        for (i, x) in row.into_iter().enumerate() {
+            let (weighted, sums) = (weight * x, &mut self.0[i]);
+            for (sum, other) in sums.iter_mut().zip(row).skip(i) {
+                *sum += weighted * other;
             }
-            self.0[i][4] += weight * row[i] * value;
+            sums[4] += weighted * value;
         }
     }
     /// By elimination with pivots; none when the rows do not determine the unknowns.
     fn solve(mut self) -> Option<[f32; 4]> {
         let m = &mut self.0;
+        let half = *m;
+        for (i, row) in m.iter_mut().enumerate() {
+            row.iter_mut().zip(half).take(i).for_each(|(x, above)| *x = above[i]);
+        }
         let scale = m.iter().flatten().fold(0.0f64, |s, x| s.max(x.abs()));
         for i in 0..4 {
             let pivot = (i..4).max_by(|a, b| m[*a][i].abs().total_cmp(&m[*b][i].abs()))?;
@@ -255,6 +329,10 @@ impl Fit {
     /// Whether the crown lies on the sphere as a person's does.
     pub(crate) fn head_like(&self) -> bool {
         self.p50 < HEAD_LIKE
+    }
+    /// The same of a rough fit that may be one, and covers much of the crown.
+    pub(crate) fn may_be_whole(&self) -> bool {
+        self.p50 < 1.5 * HEAD_LIKE && self.cover > 0.6
     }
     /// Whether nothing stands on the crown.
     pub(crate) fn is_bare(&self) -> bool {

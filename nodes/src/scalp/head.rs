@@ -7,10 +7,10 @@
 
 use super::axes::{Forward, Up};
 use super::face::{By, FACE};
-use super::find::{self, Found, Pieces};
+use super::find::{self, Found, Pieces, Search};
 use super::fit::{self, Fit};
 use super::parts::Parts;
-use super::{bust, hollow, region};
+use super::{bust, facing, hollow, region};
 use crate::data::mesh::Mesh;
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION, Scalp};
 use crate::data::strokes::Strokes;
@@ -155,30 +155,14 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         (Some(fit), false) => find::over_the_crown(&points, &triangles, fit, |t| is_skin[t]),
         _ => vec![],
     };
+    tell_others(cx, &found, &pieces, &parts);
     if let Some(proposal) = parts.propose(&points, &triangles, &is_skin, &over) {
-        let (told, value) = (&proposal.told, &proposal.value);
-        let one = proposal.count == 1;
-        let text = match proposal.in_the_way {
-            true => format!(
-                "{told} {} the crown and {} skin, on which hair grows",
-                if one { "stands over" } else { "stand over" },
-                if one { "counts as" } else { "count as" },
-            ),
-            false => format!(
-                "{told} may be hair or worn, and {} as skin",
-                if one { "counts" } else { "count" }
-            ),
-        };
-        let text = format!(
-            "{text}; to leave {} out, set leave_out to {value:?}",
-            if one { "it" } else { "them" }
-        );
-        if proposal.in_the_way { cx.warn(text) } else { cx.remark(text) }
+        let (said, is_in_the_way) = proposal.said();
+        if is_in_the_way { cx.warn(said) } else { cx.remark(said) }
     }
     cx.check()?;
     let inside_out = fit.map_or_else(|| volume(&points, &triangles) < 0.0, |fit| fit.inside_out);
     if inside_out {
-        cx.warn("the mesh is inside out, so its faces were turned round");
         triangles.iter_mut().for_each(|t| t.swap(1, 2));
         uvs.iter_mut().flatten().for_each(|uv| uv.swap(1, 2));
     }
@@ -199,6 +183,23 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     }
     let mut surface = Surface::new(points, triangles);
     cx.check()?;
+    let turned = match fit {
+        Some(fit) => {
+            let (middle, radius) = (fit.centre * scale, fit.radius * scale);
+            facing::turned(&surface, middle, radius, || cx.check())?
+        }
+        None => None,
+    };
+    if let Some(turned) = &turned {
+        let Surface { points, mut triangles, .. } = surface;
+        let is_turned = |(_, turned): &(_, &bool)| **turned;
+        triangles.iter_mut().zip(turned).filter(is_turned).for_each(|(t, _)| t.swap(1, 2));
+        let uvs = uvs.iter_mut().flatten().zip(turned);
+        uvs.filter(|(_, turned)| **turned).for_each(|(uv, _)| uv.swap(1, 2));
+        surface = Surface::new(points, triangles);
+        cx.check()?;
+    }
+    tell_turned(cx, inside_out, turned, &parts);
     let mut masks = mesh.masks;
     if let Some(fit) = fit
         && let Some(wall) = {
@@ -228,6 +229,43 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = Scalp::new(surface, uvs, frame, masks);
     let scalp = scalp.with_cm_per_unit(scale).with_parts(parts.list());
     Ok(Outputs { scalp: Arc::new(scalp) })
+}
+
+/// Says so where there are more heads than one.
+fn tell_others(cx: &EvalCx, found: &Found, pieces: &Pieces, parts: &Parts) {
+    let (Some(piece), false) = (found.piece, found.others.is_empty()) else { return };
+    let told = |is: &dyn Fn(u32) -> bool| {
+        parts.told_of(&pieces.of.iter().map(|of| is(*of)).collect::<Vec<_>>())
+    };
+    let (this, others) = (told(&|of| of == piece), told(&|of| found.others.contains(&of)));
+    let many = if found.others.len() == 1 { "another head" } else { "other heads" };
+    let (which, this) = match this.is_empty() || others.is_empty() {
+        true => (String::new(), "one of them".to_owned()),
+        false => (format!(", {others}"), this),
+    };
+    cx.warn(format!(
+        "the mesh has {many}{which}: hair grows on {this} alone. For hair on another one leave this one out (leave_out), or \
+         choose where it grows (region)"
+    ));
+}
+
+/// Says what was turned round: all of an `inside_out` mesh, but for what was then turned back.
+fn tell_turned(cx: &EvalCx, inside_out: bool, turned: Option<Vec<bool>>, parts: &Parts) {
+    let Some(mut turned) = turned else {
+        if inside_out {
+            cx.warn("the mesh is inside out, so its faces were turned round");
+        }
+        return;
+    };
+    turned.iter_mut().for_each(|turned| *turned ^= inside_out);
+    let (count, all) = (turned.iter().filter(|turned| **turned).count(), turned.len());
+    let of = match parts.told_of(&turned) {
+        names if names.is_empty() => String::new(),
+        names => format!(", those of {names}"),
+    };
+    cx.warn(format!(
+        "{count} of {all} triangles are inside out{of}, so their faces were turned round"
+    ));
 }
 
 /// Takes what `leave_out` names out of the mesh.
@@ -263,6 +301,9 @@ fn leave_out(
     Ok(())
 }
 
+/// So many other axes, the most promising ones, are looked at closely.
+const MOST_AXES: usize = 2;
+
 /// The head with the asked axis up; where none is there, with another one that surely shows one. A cranium that is none is
 /// left out, and told.
 fn find_head(
@@ -272,24 +313,26 @@ fn find_head(
     triangles: &[[u32; 3]],
     pieces: &Pieces,
 ) -> Result<(Up, Found), NodeError> {
-    let with = |up: Up, likely: bool| -> Result<Found, NodeError> {
-        let points: Vec<Vec3> = points.iter().map(|p| up.turned(*p)).collect();
-        find::head(&points, triangles, pieces, likely, || cx.check())
-    };
-    let asked = with(inputs.up, true)?;
+    let mut search = Search::new(points, triangles, pieces);
+    let check = || cx.check();
+    let tried = search.try_up(inputs.up, &check)?;
+    let asked = search.head(&tried, true, &check)?;
     if asked.is_sure() {
         return Ok((inputs.up, asked));
     }
+    // What is said of the face has to stay true.
+    let stays_true =
+        |other: &Up| inputs.forward.axis().is_none_or(|axis| other.turned(axis).y == 0.0);
+    let others = Up::ALL.into_iter().filter(|other| *other != inputs.up).filter(stays_true);
+    let mut promising =
+        others.map(|other| search.try_up(other, &check)).collect::<Result<Vec<_>, _>>()?;
+    promising.sort_by(|a, b| b.promises().total_cmp(&a.promises()));
     let (mut best, mut up) = (None::<Found>, inputs.up);
-    for other in Up::ALL.into_iter().filter(|other| *other != inputs.up) {
-        // What is said of the face has to stay true.
-        if inputs.forward.axis().is_some_and(|axis| other.turned(axis).y != 0.0) {
-            continue;
-        }
-        let found = with(other, false)?;
+    for tried in promising.iter().filter(|tried| tried.promises() > 0.0).take(MOST_AXES) {
+        let found = search.head(tried, false, &check)?;
         let before = best.as_ref().map_or(FACE, Found::likeness);
         if found.is_sure() && found.is_bare() && found.likeness() > before {
-            (best, up) = (Some(found), other);
+            (best, up) = (Some(found), tried.up());
         }
     }
     if let Some(found) = best {
@@ -379,6 +422,9 @@ fn tell_region(
     }
 }
 
+/// What is no higher than this part of its width is flat.
+const FLAT: f32 = 1e-3;
+
 fn read(file: &FileData) -> Result<Mesh, NodeError> {
     let side = |name: &str| file.sides.get(name).cloned();
     read_mesh(&file.extension, &file.bytes, &side)
@@ -448,13 +494,16 @@ fn scale(
             }
         },
         (None, None) => {
-            let low = points.iter().fold(f32::MAX, |y, p| y.min(p.y));
-            let high = points.iter().fold(f32::MIN, |y, p| y.max(p.y));
-            let (cm, name) = fit::unit_of_height(high - low);
-            cx.remark(format!(
-                "the file states no units; by its height of {} they are {name}",
-                high - low
-            ));
+            let first = points.first().copied().unwrap_or_default();
+            let ends = points.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+            let size = ends.1 - ends.0;
+            // What is flat has no height that tells anything.
+            let (what, size) = match size.y < FLAT * size.max_element() {
+                true => ("width (it is flat)", size.max_element()),
+                false => ("height", size.y),
+            };
+            let (cm, name) = fit::unit_of_height(size);
+            cx.remark(format!("the file states no units; by its {what} of {size} they are {name}"));
             cm
         }
     }
@@ -632,6 +681,8 @@ fn area(surface: &Surface, mask: &[f32]) -> f32 {
     triangles.map(|(i, t)| share(t) * 0.5 * surface.area_vector(i as u32).length()).sum()
 }
 
+#[cfg(test)]
+mod doubtful;
 #[cfg(test)]
 mod laws;
 #[cfg(test)]

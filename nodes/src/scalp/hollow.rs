@@ -7,8 +7,10 @@
 //! are seen neither from its middle nor across it, such as in a chin, stay what they are.
 
 use crate::define::NodeError;
-use crate::maths::closest::Surface;
+
+use crate::maths::closest::{Hit, Surface};
 use crate::maths::frame::round_about;
+use crate::maths::triangle_order::hilbert;
 use glam::Vec3;
 
 /// Places in the hollow that look about in it lie so far from each other, in radii of the cranium.
@@ -47,7 +49,7 @@ pub(crate) fn inner_wall(
         return Ok(None);
     }
     let from = places(surface, middle, radius, &check)?;
-    let faces: Vec<(u32, Vec3, Vec3)> = (0..surface.triangles.len() as u32)
+    let mut faces: Vec<(u32, Vec3, Vec3)> = (0..surface.triangles.len() as u32)
         .filter_map(|t| {
             let normal = surface.area_vector(t).try_normalize()?;
             let [a, b, c] = surface.corners(t);
@@ -55,38 +57,44 @@ pub(crate) fn inner_wall(
         })
         .filter(|(_, at, _)| at.distance(middle) < FAR * radius)
         .collect();
+    // Neighbours one after the other: what is looked at for one is at hand for the next.
+    faces.sort_by_cached_key(|(_, at, _)| {
+        let cell = ((*at - middle) / (FAR * radius) + 1.0) * 511.0;
+        hilbert(cell.to_array().map(|along| along as u32))
+    });
     let mut wall = vec![false; surface.triangles.len()];
-    let mut eyes: Vec<(f32, Vec3)> = vec![];
+    let mut eyes: Vec<(f32, Vec3, usize)> = vec![];
+    let mut hides: Vec<Option<u32>> = vec![None; from.len()];
     for (i, (t, at, normal)) in faces.iter().enumerate() {
         if i % BETWEEN == 0 {
             check()?;
         }
         eyes.clear();
-        let ways = from.iter().map(|eye| *at - *eye);
-        let facing = ways.filter(|way| normal.dot(*way) < 0.0);
-        eyes.extend(facing.map(|way| (way.length(), way)));
-        eyes.retain(|(far, _)| *far < SIGHT * radius);
+        let ways = from.iter().enumerate().map(|(i, eye)| (*at - *eye, i));
+        let facing = ways.filter(|(way, _)| normal.dot(*way) < 0.0);
+        eyes.extend(facing.map(|(way, i)| (way.length(), way, i)));
+        eyes.retain(|(far, ..)| *far < SIGHT * radius);
         eyes.sort_by(|a, b| a.0.total_cmp(&b.0));
-        wall[*t as usize] = eyes.iter().take(EYES).any(|(_, way)| {
-            let seen = surface.ray(*at - *way, *way, 1.001);
-            seen.is_some_and(|hit| hit.triangle == *t)
-        });
+        wall[*t as usize] = eyes
+            .iter()
+            .take(EYES)
+            .any(|(_, way, eye)| surface.ray_sees(*at - *way, *way, 1.001, *t, &mut hides[*eye]));
+    }
+    let mut across: Vec<(u32, u32)> = vec![];
+    for (i, (t, at, normal)) in faces.iter().enumerate() {
+        if i % BETWEEN == 0 {
+            check()?;
+        }
+        if wall[*t as usize] {
+            continue;
+        }
+        let hit = surface.ray(*at + *normal * (1e-4 * radius), *normal, FAR * radius);
+        let faces = |hit: &Hit| surface.area_vector(hit.triangle).dot(*normal) < 0.0;
+        across.extend(hit.filter(faces).map(|hit| (*t, hit.triangle)));
     }
     for _ in 0..ACROSS {
-        let mut more = vec![];
-        for (i, (t, at, normal)) in faces.iter().enumerate() {
-            if i % BETWEEN == 0 {
-                check()?;
-            }
-            if wall[*t as usize] {
-                continue;
-            }
-            let across = surface.ray(*at + *normal * (1e-4 * radius), *normal, FAR * radius);
-            let is_wall = |triangle: u32| {
-                wall[triangle as usize] && surface.area_vector(triangle).dot(*normal) < 0.0
-            };
-            more.extend(across.is_some_and(|hit| is_wall(hit.triangle)).then_some(*t));
-        }
+        let is_more = |(t, hit): &&(u32, u32)| !wall[*t as usize] && wall[*hit as usize];
+        let more: Vec<u32> = across.iter().filter(is_more).map(|(t, _)| *t).collect();
         if more.is_empty() {
             break;
         }

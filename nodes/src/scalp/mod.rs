@@ -4,6 +4,7 @@ mod axes;
 pub mod bust;
 pub(crate) mod detour;
 mod face;
+mod facing;
 mod find;
 mod fit;
 mod head;
@@ -14,6 +15,7 @@ mod parts;
 mod posed_heads;
 pub(crate) mod region;
 mod scalp_projection;
+mod sketch;
 
 use crate::define::NodeDef;
 

@@ -7,6 +7,7 @@
 //! what holds most of the head.
 
 use super::find::Pieces;
+use super::fit::Patches;
 use crate::data::mesh::{Mesh, keep};
 use crate::data::scalp::Part;
 use glam::Vec3;
@@ -57,14 +58,39 @@ pub(crate) struct LeftOut {
 
 /// What is proposed to be left out.
 pub(crate) struct Proposal {
-    /// Its names, each in quotes.
-    pub(crate) told: String,
+    /// The names of what stands over the crown, each in quotes, and how many there are.
+    over: (String, usize),
+    /// The same of all others: what sounds like hair, or stands over the edge of the scalp.
+    others: (String, usize),
     /// What `leave_out` has to be.
-    pub(crate) value: String,
-    /// How many names there are.
-    pub(crate) count: usize,
-    /// Whether some of it stands over the crown.
-    pub(crate) in_the_way: bool,
+    value: String,
+}
+
+impl Proposal {
+    /// What is said of it, and whether some of it is in the way.
+    pub(crate) fn said(&self) -> (String, bool) {
+        let Self { over: (over, n_over), others: (others, n_others), value } = self;
+        let s = |n: usize| if n == 1 { "s" } else { "" };
+        let mut text = String::new();
+        if *n_over > 0 {
+            let s = s(*n_over);
+            let _ = write!(
+                text,
+                "{over} stand{s} over the crown and count{s} as skin, on which hair grows"
+            );
+        }
+        if *n_others > 0 {
+            let and = if *n_over > 0 { ", and " } else { "" };
+            let _ = write!(
+                text,
+                "{and}{others} may be hair or worn, and count{} as skin",
+                s(*n_others)
+            );
+        }
+        let it = if n_over + n_others == 1 { "it" } else { "them" };
+        let _ = write!(text, "; to leave {it} out, set leave_out to {value:?}");
+        (text, *n_over > 0)
+    }
 }
 
 impl Parts {
@@ -167,7 +193,7 @@ impl Parts {
         }
         let sounds: Vec<bool> = self.names.iter().map(|name| sounds_like_hair(name)).collect();
         let mut taken = vec![false; triangles.len()];
-        let mut in_the_way = false;
+        let mut is_over = vec![false; self.names.len()];
         for column in &self.columns {
             let mut patches = vec![0u128; self.names.len()];
             let mut is_there = vec![false; self.names.len()];
@@ -182,24 +208,24 @@ impl Parts {
                     continue;
                 }
                 let blocks = patches[name].count_ones() > IN_THE_WAY && held < SOME;
-                in_the_way |= blocks;
+                is_over[name] |= blocks && patches[name] & Patches::UPPER != 0;
                 self.is_proposed[name] |= blocks || sounds[name];
             }
             for (taken, name) in taken.iter_mut().zip(column.each()) {
                 *taken |= name.is_some_and(|name| self.is_proposed[name]);
             }
         }
-        let proposed: Vec<&str> = self
-            .names
-            .iter()
-            .zip(&self.is_proposed)
-            .filter_map(|(name, proposed)| proposed.then_some(name.as_str()))
-            .collect();
+        let numbers: Vec<usize> =
+            (0..self.names.len()).filter(|name| self.is_proposed[*name]).collect();
+        let proposed: Vec<&str> = numbers.iter().map(|name| self.names[*name].as_str()).collect();
+        let told = |over: bool| {
+            let some = || numbers.iter().copied().filter(|name| is_over[*name] == over);
+            (self.told_names(some()), some().count())
+        };
         (!proposed.is_empty()).then(|| Proposal {
-            told: told(&proposed),
+            over: told(true),
+            others: told(false),
             value: self.as_patterns(&proposed).join(", "),
-            count: proposed.len(),
-            in_the_way,
         })
     }
 
@@ -227,8 +253,35 @@ impl Parts {
 
     /// All names, for messages.
     pub(crate) fn told(&self) -> String {
-        let names = (0..self.names.len()).filter(|i| self.is_worth_telling(*i));
-        told(&names.map(|i| &self.names[i]).collect::<Vec<_>>())
+        self.told_names((0..self.names.len()).filter(|i| self.is_worth_telling(*i)))
+    }
+
+    /// Some names, and apart from them pieces, which are named by their size.
+    fn told_names(&self, some: impl Iterator<Item = usize>) -> String {
+        let (names, pieces): (Vec<usize>, Vec<usize>) = some.partition(|i| *i < self.first_piece);
+        let all = |of: &[usize]| told(&of.iter().map(|i| &self.names[*i]).collect::<Vec<_>>());
+        match (names.is_empty(), pieces.is_empty()) {
+            (_, true) => all(&names),
+            (true, _) => all(&pieces),
+            _ => format!("{} and, by size, {}", all(&names), all(&pieces)),
+        }
+    }
+
+    /// The names of which more than half of the triangles are `some`, for messages.
+    pub(crate) fn told_of(&self, some: &[bool]) -> String {
+        let mut counts = vec![[0usize; 2]; self.names.len()];
+        for column in &self.columns {
+            for (name, some) in
+                column.each().zip(some).filter_map(|(name, some)| Some((name?, some)))
+            {
+                counts[name][usize::from(*some)] += 1;
+            }
+        }
+        let names = (0..self.names.len()).filter(|i| {
+            let [others, some] = counts[*i];
+            some > others && !self.is_all[*i] && self.is_worth_telling(*i)
+        });
+        self.told_names(names)
     }
 
     /// Whether a name is the file's, or a piece that it names in no better way.

@@ -147,12 +147,13 @@ fn mask(
     mut value: impl FnMut(Vec3) -> f32,
 ) -> Result<Vec<f32>, NodeError> {
     let mut out = Vec::with_capacity(surface.points.len());
+    let mut hides = [None; 7];
     for (i, p) in surface.points.iter().enumerate() {
         if i % 256 == 0 {
             check()?;
         }
         let x = value(*p - frame.origin);
-        out.push(if x > 0.0 && outer(surface, frame, i) { x } else { 0.0 });
+        out.push(if x > 0.0 && outer(surface, frame, i, &mut hides) { x } else { 0.0 });
     }
     Ok(out)
 }
@@ -171,7 +172,13 @@ const LEAN: f32 = 50.0 / 180.0 * std::f32::consts::PI;
 
 /// Whether the outside can be seen from a vertex: a straight line outwards, or one of six that lean by 50
 /// degrees, meets nothing. So skin behind an ear is outer surface, an eye's back or a tooth is not.
-fn outer(surface: &Surface, frame: &HeadFrame, vertex: usize) -> bool {
+/// `hides` is what last hid each way.
+fn outer(
+    surface: &Surface,
+    frame: &HeadFrame,
+    vertex: usize,
+    hides: &mut [Option<u32>; 7],
+) -> bool {
     let p = surface.points[vertex];
     let Some(out) = (p - frame.origin).try_normalize() else { return false };
     let start = p + surface.normals[vertex] * (0.005 * frame.radius);
@@ -184,7 +191,8 @@ fn outer(surface: &Surface, frame: &HeadFrame, vertex: usize) -> bool {
     });
     std::iter::once(out)
         .chain(leaning)
-        .any(|way| !surface.ray_meets(start, way, 8.0 * frame.radius))
+        .zip(hides)
+        .any(|(way, hides)| !surface.ray_meets_again(start, way, 8.0 * frame.radius, hides))
 }
 
 /// Azimuthal equidistant projection of a direction of the head frame about the up axis: radians from the

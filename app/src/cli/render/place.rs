@@ -51,7 +51,7 @@ impl Place {
             .ok_or_else(|| fault(format!("its kind {:?} is not known", found.kind)))?;
         let output = def.outputs.iter().find(|output| output.ty == Type::Curves);
         let output = output.ok_or_else(|| {
-            fault(format!("a {} gives no curves that the picture could be filled with", def.id))
+            fault(format!("{} gives no curves that the picture could be filled with", def.told()))
         })?;
         Ok(Self { name, seen: Seen::Close(Socket::new(id, output.name)) })
     }

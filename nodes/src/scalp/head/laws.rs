@@ -54,7 +54,7 @@ fn the_cranium_of_real_heads_is_where_it_was_measured() {
             return;
         };
         let mesh = read(&file).unwrap();
-        let fit = fit::cranium(&mesh.points, &mesh.triangles, || Ok(())).unwrap().unwrap();
+        let fit = fit::cranium(&mesh.points, &mesh.triangles, &mut 0, || Ok(())).unwrap().unwrap();
         let low = mesh.points.iter().fold(f32::MAX, |y, p| y.min(p.y));
         let high = mesh.points.iter().fold(f32::MIN, |y, p| y.max(p.y));
         let ratio = fit.radius / (high - low);
@@ -67,7 +67,7 @@ fn the_cranium_of_real_heads_is_where_it_was_measured() {
 #[test]
 fn a_finer_mesh_of_the_same_surface_has_the_same_cranium() {
     let mesh = bust::adult();
-    let before = fit::cranium(&mesh.points, &mesh.triangles, || Ok(())).unwrap().unwrap();
+    let before = fit::cranium(&mesh.points, &mesh.triangles, &mut 0, || Ok(())).unwrap().unwrap();
     let (mut points, mut triangles) = (mesh.points.clone(), vec![]);
     for (i, [a, b, c]) in mesh.triangles.iter().copied().enumerate() {
         if i % 3 == 0 {
@@ -79,7 +79,7 @@ fn a_finer_mesh_of_the_same_surface_has_the_same_cranium() {
             triangles.push([a, b, c]);
         }
     }
-    let after = fit::cranium(&points, &triangles, || Ok(())).unwrap().unwrap();
+    let after = fit::cranium(&points, &triangles, &mut 0, || Ok(())).unwrap().unwrap();
     assert!((after.radius / before.radius - 1.0).abs() < 1e-3, "{before:?} {after:?}");
     assert!(after.centre.distance(before.centre) < 1e-3 * before.radius);
 }
@@ -125,7 +125,7 @@ fn a_head_that_is_turned_is_found_to_look_where_it_was_turned_to() {
         let (sin, cos) = sin_cos(degrees.to_radians());
         let turn = |p: &Vec3| Vec3::new(p.x * cos + p.z * sin, p.y, p.z * cos - p.x * sin);
         let points: Vec<Vec3> = bust.points.iter().map(turn).collect();
-        let fit = fit::cranium(&points, &bust.triangles, || Ok(())).unwrap().unwrap();
+        let fit = fit::cranium(&points, &bust.triangles, &mut 0, || Ok(())).unwrap().unwrap();
         let Some(Face { looks, by: By::Mirror, .. }) = face::face(&points, &bust.triangles, &fit)
         else {
             panic!("{degrees}: no plane");
@@ -199,7 +199,7 @@ fn the_built_in_head_stands_at_the_origin() {
     assert!((580.0..650.0).contains(&area), "{area}");
 }
 
-fn adult(set: &[(&str, Value)]) -> (Arc<Scalp>, Vec<String>) {
+pub(super) fn adult(set: &[(&str, Value)]) -> (Arc<Scalp>, Vec<String>) {
     let (out, said) = run(&NODE, set);
     match &out[0] {
         Value::Scalp(scalp) => (scalp.clone(), said),
@@ -351,18 +351,18 @@ fn what_is_wrong_is_named() {
 }
 
 /// The bust as a shape of [`worn`].
-fn bust_shape() -> Shape {
+pub(super) fn bust_shape() -> Shape {
     let bust = bust::adult();
     Shape { points: bust.points, triangles: bust.triangles }
 }
 
 /// What is worn, on a head of the bust's size.
-fn on_the_bust(kind: u32, id: u64) -> Shape {
+pub(super) fn on_the_bust(kind: u32, id: u64) -> Shape {
     worn(kind, Dice::new(7, 0, "worn"), id).placed(|p| p * HEAD_RADIUS)
 }
 
 /// An OBJ file of named shapes.
-fn named(shapes: &[(&str, &Shape)], place: impl Fn(Vec3) -> Vec3) -> Value {
+pub(super) fn named(shapes: &[(&str, &Shape)], place: impl Fn(Vec3) -> Vec3) -> Value {
     use std::fmt::Write;
     let (mut text, mut n) = (String::new(), 1);
     for (name, shape) in shapes {
@@ -383,7 +383,7 @@ fn named(shapes: &[(&str, &Shape)], place: impl Fn(Vec3) -> Vec3) -> Value {
 /// The face looks along +z, and the sphere is that of the bust alone: its centre and its radius to 1 % of the radius.
 fn check_worn(ids: std::ops::Range<u64>) {
     let bust = bust_shape();
-    let alone = fit::cranium(&bust.points, &bust.triangles, || Ok(())).unwrap().unwrap();
+    let alone = fit::cranium(&bust.points, &bust.triangles, &mut 0, || Ok(())).unwrap().unwrap();
     for id in ids {
         let kinds = [id as u32, Dice::new(3, 0, "kinds").below(id, 0, KINDS)];
         let hair = kinds.iter().map(|kind| on_the_bust(*kind, id));
@@ -398,7 +398,9 @@ fn check_worn(ids: std::ops::Range<u64>) {
             all = all.and(bust);
         }
         let pieces = Pieces::of(&all.points, &all.triangles);
-        let found = find::head(&all.points, &all.triangles, &pieces, true, || Ok(())).unwrap();
+        let mut search = Search::new(&all.points, &all.triangles, &pieces);
+        let tried = search.try_up(Up::Y, &|| Ok(())).unwrap();
+        let found = search.head(&tried, true, &|| Ok(())).unwrap();
         let (fit, face) = (found.fit.unwrap(), found.face.unwrap());
         let off = fit.centre.distance(alone.centre).max((fit.radius - alone.radius).abs());
         assert!(off < 0.01 * alone.radius, "{id} {kinds:?}: {fit:?}");
