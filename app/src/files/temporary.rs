@@ -35,7 +35,6 @@ pub(super) fn step() -> MutexGuard<'static, ()> {
 }
 
 /// Removes every temporary and ends the process. No step is left half done.
-#[cfg(feature = "editor")]
 pub(crate) fn end(code: i32) -> ! {
     // Never let go of: what other threads would still write waits for the end.
     let _step = step();

@@ -25,7 +25,7 @@ mod ties;
 mod word;
 mod words;
 
-use super::{Exit, complain, extension_of, print, shown};
+use super::{Exit, complain, ending, extension_of, print, shown};
 use clap::Args;
 use coif_graphs::schedule::files::{DiskFiles, Files};
 use coif_nodes::data::scalp::Scalp;
@@ -127,6 +127,7 @@ pub(crate) const MOST_POINTS: usize = 16_000_000;
 const TOUCH: f32 = 1.02;
 
 pub(crate) fn run(args: MeasureArgs) -> Exit {
+    ending::at_once();
     let refuse = |file: &PathBuf, reason: String| {
         complain(format!("{}: {reason}", shown(file)));
         Exit::Refused
