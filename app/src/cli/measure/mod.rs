@@ -176,6 +176,10 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
         all.iter().for_each(|m| print(&words::in_words(m)));
         left_out.iter().for_each(|what| print(&format!("not read: {}", what.in_words())));
     }
+    if all.iter().all(|m| m.no_curve == m.curves) {
+        complain(format!("{}: there is no curve in it that can be measured", shown(&args.file)));
+        return Exit::Failed;
+    }
     if left_out.iter().any(|what| what.broken) { Exit::Failed } else { Exit::Done }
 }
 
