@@ -131,6 +131,24 @@ fn usage_errors_are_exit_2() {
 }
 
 #[test]
+fn what_is_wrong_is_quoted_in_short() {
+    let long = "spacing".repeat(10_000);
+    for set in [
+        format!("hair.count={long}"),
+        format!("hair.{long}=3"),
+        format!("{long}.count=3"),
+        format!("out.name=[{long}"),
+        long.clone(),
+    ] {
+        let ran = run(["eval", "start", "--set", &set]);
+        assert!(ran.code == 2 || ran.code == 0, "{}", ran.code);
+        // The longest names every node that there is.
+        assert!(ran.err.len() < 3_000, "{} bytes: {}", ran.err.len(), &ran.err[..200]);
+    }
+    assert!(run(["eval", "start", "--output", &long]).err.len() < 500);
+}
+
+#[test]
 fn measuring_half_a_file_says_which_half() {
     let folder = Folder::new("measure-half");
     let hair = "def BasisCurves \"hair\" { uniform token type = \"linear\" int[] curveVertexCounts = [2] \

@@ -22,7 +22,7 @@ use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
 use coif_nodes::data::attributes::DRIFT;
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
-use coif_nodes::define::{NodeError, Type, Value};
+use coif_nodes::define::{NodeError, Type, Value, short};
 use coif_nodes::eval::{Host, Quality};
 use coif_nodes::formats::conform::{Conformed, FEW, conform, over_partings};
 use coif_nodes::formats::export;
@@ -580,19 +580,19 @@ const MOST_DOCUMENT: u64 = 256 << 20;
 
 /// `NODE.INPUT=VALUE`.
 fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {
-    let fault = |reason: String| Stop::refused(format!("--set {set}: {reason}"));
+    let fault = |reason: String| Stop::refused(format!("--set {}: {reason}", short(set)));
     let (socket, text) =
         set.split_once('=').ok_or_else(|| fault("write it as NODE.INPUT=VALUE".to_owned()))?;
     let socket: Socket = socket.trim().parse().map_err(|err| fault(format!("{err}")))?;
     let node = document
         .nodes
         .get_mut(&socket.node)
-        .ok_or_else(|| fault(format!("there is no node {:?}", socket.node.as_str())))?;
+        .ok_or_else(|| fault(format!("there is no node {:?}", short(socket.node.as_str()))))?;
     let def = coif_nodes::by_id(&node.kind)
         .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
     let (_, input) = def.input(&socket.name).ok_or_else(|| {
         let known: Vec<&str> = def.inputs.iter().map(|i| i.name).collect();
-        fault(format!("a {} has no input {:?}; it has {}", def.id, &*socket.name, known.join(", ")))
+        fault(format!("a {} has no input {:?}; it has {}", def.id, short(&socket.name), known.join(", ")))
     })?;
     let value = file::parse_value(input.ty, text.trim()).map_err(&fault)?;
     Arc::make_mut(node).inputs.insert(input.name.to_owned(), Setting::Known(value));
@@ -661,11 +661,11 @@ pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Wante
     named
         .iter()
         .map(|text| {
-            let fault = |reason: String| Stop::refused(format!("--output {text}: {reason}"));
+            let fault = |reason: String| Stop::refused(format!("--output {}: {reason}", short(text)));
             let socket: Socket = text.parse().map_err(|err| fault(format!("{err}")))?;
             let node = document
                 .node(socket.node.as_str())
-                .ok_or_else(|| fault(format!("there is no node {:?}", socket.node.as_str())))?;
+                .ok_or_else(|| fault(format!("there is no node {:?}", short(socket.node.as_str()))))?;
             let def = coif_nodes::by_id(&node.kind)
                 .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
             let known: Vec<&str> = def.outputs.iter().map(|o| o.name).collect();
