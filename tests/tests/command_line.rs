@@ -135,6 +135,7 @@ fn what_is_wrong_is_quoted_in_short() {
     let long = "spacing".repeat(10_000);
     for set in [
         format!("hair.count={long}"),
+        format!("hair.by={long}"),
         format!("hair.{long}=3"),
         format!("{long}.count=3"),
         format!("out.name=[{long}"),

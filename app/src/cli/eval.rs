@@ -130,7 +130,8 @@ pub(crate) fn write_files(
     for (i, (path, format)) in wanted.iter().enumerate() {
         begins(i, path);
         let written = files.write(path, cancel, |out| {
-            export::write(*format, groups, heads, &about, out).map_err(|err| err.to_string())
+            export::write(*format, groups, heads, &about, out, &|| cancel.is_cancelled())
+                .map_err(|err| err.to_string())
         });
         written.map_err(|reason| Stop::unwritten(path, &reason, cancel))?;
     }

@@ -79,7 +79,7 @@ fn exported(format: Format, groups: &[Group]) -> Vec<u8> {
         seed: 7,
     };
     let mut file = Cursor::new(vec![]);
-    export::write(format, groups, &[], &about, &mut file).unwrap();
+    export::write(format, groups, &[], &about, &mut file, &|| false).unwrap();
     file.into_inner()
 }
 
