@@ -34,9 +34,7 @@ impl Host for Lends {
 fn straight(n: usize, points: usize) -> Curves {
     let mut b = TuftBuilder::new();
     for i in 0..n {
-        let at = |k: usize| {
-            Vec3::new(i as f32, 12.0, -5.0 + 10.0 * k as f32 / (points - 1) as f32)
-        };
+        let at = |k: usize| Vec3::new(i as f32, 12.0, -5.0 + 10.0 * k as f32 / (points - 1) as f32);
         b.push_curve(&(0..points).map(at).collect::<Vec<_>>());
     }
     b.set(attr::ID, Domain::Curve, (1..=n as u64).collect());

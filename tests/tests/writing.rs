@@ -346,7 +346,8 @@ fn whoever_asks_it_to_end_is_heard_in_the_midst_of_what_cannot_look() {
     let Some(folder) = prepared("deaf", &[File("old", 0o644)]) else { return };
     // A graph and a file of curves that are read for seconds, in one go: whether somebody asks is looked at before and after.
     let numbers = "0.123456789,".repeat(6_000_000);
-    let strokes = format!("\"pen\": (kind: \"stroke_input\", inputs: {{\"strokes\": [(x: [{numbers}])]}}),");
+    let strokes =
+        format!("\"pen\": (kind: \"stroke_input\", inputs: {{\"strokes\": [(x: [{numbers}])]}}),");
     fs::write(folder.path("long.ron"), GRAPH.replace("nodes: {", &format!("nodes: {{{strokes}")))
         .unwrap();
     fs::write(

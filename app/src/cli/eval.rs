@@ -10,6 +10,7 @@ use coif_graphs::document::Document;
 use coif_graphs::schedule::result::document_hash;
 use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::scalp::Scalp;
+use coif_nodes::define::short;
 use coif_nodes::formats::export::{self, About, Format, Group};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -142,7 +143,8 @@ pub(crate) fn write_files(
 fn summary(report: &Report, out: &[PathBuf]) -> String {
     let mut text = String::new();
     for output in &report.outputs {
-        text += &format!("{}: {} curves, {} points", output.group, output.curves, output.points);
+        let group = short(&output.group);
+        text += &format!("{group}: {} curves, {} points", output.curves, output.points);
         if let Some([lo, hi]) = output.bounds {
             let size: Vec<String> = (0..3).map(|i| format!("{:.1}", hi[i] - lo[i])).collect();
             text += &format!(", {} cm", size.join(" x "));

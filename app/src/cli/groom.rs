@@ -420,7 +420,7 @@ impl Opened {
             // Such as bands that are not wound.
             (false, _) => report.warnings.extend(empty.iter().map(|output| {
                 let Wanted { socket, group, .. } = output;
-                format!("{socket} gives no curves: files have no group {group:?}")
+                format!("{socket} gives no curves: files have no group {:?}", short(group))
             })),
         }
         let hair = groups.iter().filter(|group| !group.guides);
@@ -592,7 +592,12 @@ fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {
         .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
     let (_, input) = def.input(&socket.name).ok_or_else(|| {
         let known: Vec<&str> = def.inputs.iter().map(|i| i.name).collect();
-        fault(format!("a {} has no input {:?}; it has {}", def.id, short(&socket.name), known.join(", ")))
+        fault(format!(
+            "a {} has no input {:?}; it has {}",
+            def.id,
+            short(&socket.name),
+            known.join(", ")
+        ))
     })?;
     let value = file::parse_value(input.ty, text.trim()).map_err(&fault)?;
     Arc::make_mut(node).inputs.insert(input.name.to_owned(), Setting::Known(value));
@@ -661,11 +666,12 @@ pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Wante
     named
         .iter()
         .map(|text| {
-            let fault = |reason: String| Stop::refused(format!("--output {}: {reason}", short(text)));
+            let fault =
+                |reason: String| Stop::refused(format!("--output {}: {reason}", short(text)));
             let socket: Socket = text.parse().map_err(|err| fault(format!("{err}")))?;
-            let node = document
-                .node(socket.node.as_str())
-                .ok_or_else(|| fault(format!("there is no node {:?}", short(socket.node.as_str()))))?;
+            let node = document.node(socket.node.as_str()).ok_or_else(|| {
+                fault(format!("there is no node {:?}", short(socket.node.as_str())))
+            })?;
             let def = coif_nodes::by_id(&node.kind)
                 .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
             let known: Vec<&str> = def.outputs.iter().map(|o| o.name).collect();

@@ -454,7 +454,8 @@ mod tests {
                 seed: 0,
             };
             let mut file = std::io::Cursor::new(vec![]);
-            write(Format::Usdc, &[group("one"), group("two")], &[], &about, &mut file, &|| false).unwrap();
+            write(Format::Usdc, &[group("one"), group("two")], &[], &about, &mut file, &|| false)
+                .unwrap();
             let prims = super::super::usd::read::read_alone(&file.into_inner(), "usdc").unwrap();
             for (name, ty, _) in a::DECLARED.iter().filter(|(name, ..)| *name != WIDTH.name) {
                 let known = file_name(name);

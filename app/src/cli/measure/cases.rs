@@ -279,7 +279,12 @@ fn what_is_read_otherwise_than_the_file_says_is_told() {
     let negative = "2 of 3 widths are negative, which no curve has: width 1 is -0.5 cm";
     check("", &widths("0.5, -0.5, -1", "vertex"), negative, false);
     check("", &widths("0.5", "perPoint"), "curves have no|perPoint|interpolation", false);
-    check("", &widths("1e20", "constant"), "width 0 is 100000000000000000000, more than 1e15 cm", false);
+    check(
+        "",
+        &widths("1e20", "constant"),
+        "width 0 is 100000000000000000000, more than 1e15 cm",
+        false,
+    );
     // Three samples, of which the earliest counts; as many beside a default.
     let (low, high) = ("[(0,0,0), (0,1,0), (0,2,0)]", "[(0,0,0), (0,9,0), (0,99,0)]");
     let points = format!("{{ 2: {high}, 1: {low}, 3: {high} }}");

@@ -337,7 +337,9 @@ pub fn read_curves(bytes: &[u8]) -> Result<Vec<ReadCurves>, FormatError> {
             let shape = CurvesObject { archive: &archive, path: &path, geom, world };
             let mut curves = shape.curves(&mut budget)?;
             if let Some(curves) = curves.as_mut().filter(|_| moves) {
-                curves.notes.push("it moves: of a transform above only the first sample is read".into());
+                curves
+                    .notes
+                    .push("it moves: of a transform above only the first sample is read".into());
             }
             found.extend(curves);
         }

@@ -9,9 +9,7 @@ use super::super::form::{FARTHEST, Form, is_position};
 use super::ReadCurves;
 use super::budget::Budget;
 use super::tree::{Attribute, Value};
-use super::values::{
-    ReadPrimvar, ReadValues, ReadWidths, Shape, Unresolved, is_interpolation,
-};
+use super::values::{ReadPrimvar, ReadValues, ReadWidths, Shape, Unresolved, is_interpolation};
 use super::world::World;
 use glam::{DMat4, Vec3};
 

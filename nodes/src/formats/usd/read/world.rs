@@ -92,7 +92,9 @@ pub(super) fn operations_without_value(prim: &Prim) -> Vec<&str> {
     let Some(Value::Texts(order)) = order else { return vec![] };
     let names = order.iter().filter(|name| *name != "!resetXformStack!").take(MOST_OPERATIONS);
     let plain = names.map(|name| name.strip_prefix("!invert!").unwrap_or(name));
-    plain.filter(|name| find(prim, name).is_none_or(|a| a.value.is_none() && !a.is_blocked)).collect()
+    plain
+        .filter(|name| find(prim, name).is_none_or(|a| a.value.is_none() && !a.is_blocked))
+        .collect()
 }
 
 /// The transform a prim states itself.
