@@ -153,11 +153,13 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
     };
     drop(bytes);
     let left_out: Vec<NotRead> = stage.left_out.iter().map(NotRead::new).collect();
+    // A prim may say that it has none.
+    let is_bald = stage.curves.iter().all(|curves| curves.counts.is_empty());
     // The report says the rest.
-    for what in left_out.iter().filter(|what| what.broken || stage.curves.is_empty()) {
+    for what in left_out.iter().filter(|what| what.broken || is_bald) {
         complain(format!("{}: not read: {}", shown(&args.file), what.in_words()));
     }
-    if stage.curves.is_empty() {
+    if is_bald {
         let none = if left_out.is_empty() {
             "there are no curves in it"
         } else {

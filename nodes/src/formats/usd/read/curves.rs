@@ -44,9 +44,6 @@ impl<'a> CurvesPrim<'a> {
         };
         let mut points = points_of(points)?;
         let mut counts = counts_of(counts, points.len(), budget)?;
-        if counts.is_empty() {
-            return Ok(Found { curves: None, faults: vec![], is_empty: true });
-        }
         let [curve_type, basis, wrap] =
             [("type", "cubic"), ("basis", "bezier"), ("wrap", "nonperiodic")]
                 .map(|(name, default)| self.token(name, default));

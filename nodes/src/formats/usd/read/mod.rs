@@ -138,7 +138,7 @@ fn gather(
             Ok(curves::Found { curves, faults, is_empty }) => {
                 faults.into_iter().for_each(|fault| told.leave_out(broken(fault)));
                 if is_empty {
-                    let reason = "it has no curves: no points, or no curveVertexCounts".to_owned();
+                    let reason = "it has no points, or no curveVertexCounts".to_owned();
                     told.leave_out(LeftOut { is_broken: false, ..broken(reason) });
                 }
                 found.extend(curves);
