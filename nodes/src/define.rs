@@ -638,6 +638,25 @@ macro_rules! optional {
 }
 optional!(f32, FieldInput, Arc<ShapeList>);
 
+/// The first words of a text, on one line: what a message quotes of something that may be as long as it likes.
+pub fn short(text: &str) -> String {
+    const MOST: usize = 60;
+    let mut line = String::new();
+    for word in text.split_whitespace() {
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        // One more than may be shown tells that it is cut.
+        line.extend(word.chars().take(MOST + 1));
+        if let Some((cut, _)) = line.char_indices().nth(MOST) {
+            line.truncate(cut);
+            line.push('…');
+            break;
+        }
+    }
+    line
+}
+
 /// Reads the word of a choice; for [`choice!`].
 pub(crate) fn read_choice<T: Copy>(
     values: &[Value],
@@ -650,7 +669,7 @@ pub(crate) fn read_choice<T: Copy>(
                 let known: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
                 NodeError::BadValue {
                     input: def.name,
-                    value: format!("{word:?}"),
+                    value: format!("{:?}", short(&word)),
                     reason: format!("is none of {}", known.join(", ")),
                 }
             })

@@ -302,6 +302,15 @@ impl<'a> EvalCx<'a> {
         }
     }
 
+    /// The same for a size that takes a walk over all curves to foresee, asked only where it may be `most`.
+    pub fn may_make_most(
+        &self,
+        most: f64,
+        size: impl FnOnce() -> Result<Size, NodeError>,
+    ) -> Result<(), NodeError> {
+        if most <= FEW_POINTS as f64 { Ok(()) } else { self.may_make(&size()?) }
+    }
+
     /// Tufts to tufts: each output tuft reads one input tuft and nothing else that varies. As many points as come in are
     /// foreseen; who makes more asks [`Self::may_make`] first.
     pub fn each_tuft<const N: usize>(

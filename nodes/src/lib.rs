@@ -23,6 +23,8 @@ mod puff;
 pub mod scalp;
 mod shape;
 #[cfg(test)]
+mod sizes;
+#[cfg(test)]
 mod testing;
 
 use define::NodeDef;

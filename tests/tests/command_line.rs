@@ -131,6 +131,25 @@ fn usage_errors_are_exit_2() {
 }
 
 #[test]
+fn what_is_wrong_is_quoted_in_short() {
+    let long = "spacing".repeat(10_000);
+    for set in [
+        format!("hair.count={long}"),
+        format!("hair.by={long}"),
+        format!("hair.{long}=3"),
+        format!("{long}.count=3"),
+        format!("out.name=[{long}"),
+        long.clone(),
+    ] {
+        let ran = run(["eval", "start", "--set", &set]);
+        assert!(ran.code == 2 || ran.code == 0, "{}", ran.code);
+        // The longest names every node that there is.
+        assert!(ran.err.len() < 3_000, "{} bytes: {}", ran.err.len(), &ran.err[..200]);
+    }
+    assert!(run(["eval", "start", "--output", &long]).err.len() < 500);
+}
+
+#[test]
 fn measuring_half_a_file_says_which_half() {
     let folder = Folder::new("measure-half");
     let hair = "def BasisCurves \"hair\" { uniform token type = \"linear\" int[] curveVertexCounts = [2] \
@@ -167,6 +186,16 @@ fn measuring_half_a_file_says_which_half() {
     check(&[hair, bad], 1, 1, "not read: /bad: curves: curveVertexCounts: the curves count 3");
     check(&[gone], 2, 0, "not read: /gone: reference @gone.usda@</hair>: there is no such file");
     check(&[bad], 2, 0, "not read: /bad: curves: curveVertexCounts: the curves count 3");
+    let empty = "def BasisCurves \"none\" { int[] curveVertexCounts = [] point3f[] points = [] }";
+    check(&[empty], 2, 0, "there are no curves in it");
+    check(&[hair, empty], 0, 2, "");
+    // One point is no curve: that is told, and nothing else is left.
+    let path = folder.path("all.usda").display().to_string();
+    let one = hair.replace("[2]", "[1]").replace(", (0, 4, 0)", "");
+    std::fs::write(&path, format!("#usda 1.0\n{one}")).unwrap();
+    let ran = run(["measure", &path]);
+    assert_eq!(ran.code, 1, "{}", ran.out);
+    assert!(ran.err.contains("there is no curve in it that can be measured"), "{}", ran.err);
 }
 
 #[test]

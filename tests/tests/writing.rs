@@ -342,6 +342,47 @@ fn whoever_asks_it_to_end_finds_what_was_there() {
 }
 
 #[test]
+fn whoever_asks_it_to_end_is_heard_in_the_midst_of_what_cannot_look() {
+    let Some(folder) = prepared("deaf", &[File("old", 0o644)]) else { return };
+    // A graph and a file of curves that are read for seconds, in one go: whether somebody asks is looked at before and after.
+    let numbers = "0.123456789,".repeat(6_000_000);
+    let strokes =
+        format!("\"pen\": (kind: \"stroke_input\", inputs: {{\"strokes\": [(x: [{numbers}])]}}),");
+    fs::write(folder.path("long.ron"), GRAPH.replace("nodes: {", &format!("nodes: {{{strokes}")))
+        .unwrap();
+    fs::write(
+        folder.path("long.usda"),
+        format!("#usda 1.0\ndef BasisCurves \"a\" {{\nfloat[] widths = [{numbers} 0]\n}}\n"),
+    )
+    .unwrap();
+    let check = |words: &str, report: Option<&str>| {
+        let before = seen(&folder);
+        let mut child = start(&folder, words);
+        std::thread::sleep(Duration::from_millis(150));
+        assert!(child.try_wait().unwrap().is_none(), "{words} takes seconds");
+        let id = child.id().to_string();
+        let began = Instant::now();
+        assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{words}");
+        // 0.2 s, and as much again for machines that do other things.
+        assert!(began.elapsed() < Duration::from_millis(400), "{words}: {:?}", began.elapsed());
+        let mut expected = before;
+        if let Some(report) = report {
+            let text = fs::read_to_string(folder.path(report)).unwrap();
+            assert!(text.contains("interrupted; no hair was written"), "{text}");
+            expected.insert(report.to_owned(), "644 written".to_owned());
+        }
+        assert_eq!(seen(&folder), expected, "{words}");
+        report.inspect(|report| fs::remove_file(folder.path(report)).unwrap());
+    };
+    check("eval long.ron --out a.usda --report r", Some("r"));
+    // It may be a mesh of the graph, which has not been read.
+    check("eval long.ron --report old", None);
+    check("check long.ron", None);
+    check("measure long.usda", None);
+}
+
+#[test]
 fn a_limit_on_files_is_a_failed_write() {
     let Some(folder) = prepared("limit", &[File("a.usda", 0o644)]) else { return };
     let before = seen(&folder);

@@ -1,6 +1,6 @@
 //! `coif check`: what is wrong with graphs, without evaluating them (or, with a target, what that target would refuse).
 
-use super::{Exit, complain, groom, print, unreal};
+use super::{Exit, complain, ending, groom, print, unreal};
 use clap::{Args, ValueEnum};
 use coif_graphs::document::graph::{Severity, check};
 use std::path::PathBuf;
@@ -26,6 +26,7 @@ pub(crate) enum Target {
 }
 
 pub(crate) fn run(args: CheckArgs) -> Exit {
+    ending::at_once();
     let mut exit = Exit::Done;
     for path in &args.graphs {
         let shown = path.display();

@@ -10,6 +10,7 @@ use coif_graphs::document::Document;
 use coif_graphs::schedule::result::document_hash;
 use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::scalp::Scalp;
+use coif_nodes::define::short;
 use coif_nodes::formats::export::{self, About, Format, Group};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -130,7 +131,8 @@ pub(crate) fn write_files(
     for (i, (path, format)) in wanted.iter().enumerate() {
         begins(i, path);
         let written = files.write(path, cancel, |out| {
-            export::write(*format, groups, heads, &about, out).map_err(|err| err.to_string())
+            export::write(*format, groups, heads, &about, out, &|| cancel.is_cancelled())
+                .map_err(|err| err.to_string())
         });
         written.map_err(|reason| Stop::unwritten(path, &reason, cancel))?;
     }
@@ -141,7 +143,8 @@ pub(crate) fn write_files(
 fn summary(report: &Report, out: &[PathBuf]) -> String {
     let mut text = String::new();
     for output in &report.outputs {
-        text += &format!("{}: {} curves, {} points", output.group, output.curves, output.points);
+        let group = short(&output.group);
+        text += &format!("{group}: {} curves, {} points", output.curves, output.points);
         if let Some([lo, hi]) = output.bounds {
             let size: Vec<String> = (0..3).map(|i| format!("{:.1}", hi[i] - lo[i])).collect();
             text += &format!(", {} cm", size.join(" x "));

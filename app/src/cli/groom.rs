@@ -4,11 +4,11 @@
 //! What is wrong with the options, the graph or what it names is found before anything runs; after that, every
 //! node that failed is told. Ends of both kinds carry their exit code.
 
+use super::ending::Ending;
 use super::measure::MOST_POINTS;
 use super::memory;
 use super::progress::Bar;
-use super::report::{ContentHash, Head, Output, Report, peak_rss_mib, rounded};
-use super::signals;
+use super::report::{ContentHash, Head, Output, Report};
 use super::{Exit, complain};
 use crate::files::{Role, Together};
 use clap::{Args, ValueEnum};
@@ -22,7 +22,7 @@ use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
 use coif_nodes::data::attributes::DRIFT;
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
-use coif_nodes::define::{NodeError, Type, Value};
+use coif_nodes::define::{NodeError, Type, Value, short};
 use coif_nodes::eval::{Host, Quality};
 use coif_nodes::formats::conform::{Conformed, FEW, conform, over_partings};
 use coif_nodes::formats::export;
@@ -112,10 +112,16 @@ pub(crate) fn carry_out(
 ) -> Exit {
     let began = Instant::now();
     let cancel = CancelToken::default();
-    let asked = cancel.clone();
-    signals::on_end(move || asked.cancel());
     let mut report = Report::new(graph.display().to_string());
     let mut files = Together::default();
+    let mut ending = Ending::default();
+    ending.when_asked(
+        {
+            let cancel = cancel.clone();
+            move || cancel.cancel()
+        },
+        at_once(graph, report_to, makes, &files, &cancel),
+    );
     let made =
         begin(graph, report_to, &mut files).and_then(|()| body(&cancel, &mut report, &mut files));
     for warning in &report.warnings {
@@ -124,8 +130,7 @@ pub(crate) fn carry_out(
     for output in &report.outputs {
         output.hash.wait();
     }
-    report.total_ms = rounded(began.elapsed().as_secs_f64() * 1e3);
-    report.peak_rss_mib = peak_rss_mib();
+    report.end(began);
     let ended = made.and_then(|()| {
         if let Some(path) = report_to {
             write_report(path, &report, &mut files, &cancel)?;
@@ -133,6 +138,7 @@ pub(crate) fn carry_out(
         if cancel.is_cancelled() {
             return Err(Stop::interrupted());
         }
+        ending.begin();
         files.place(&cancel).map_err(|(path, reason)| Stop::unwritten(&path, &reason, &cancel))
     });
     let Err(Stop(exit, mut errors)) = ended else {
@@ -141,6 +147,7 @@ pub(crate) fn carry_out(
         }
         return Exit::Done;
     };
+    ending.begin();
     files.drop_written();
     if let Some(last) = errors.last_mut().filter(|_| exit != Exit::Refused && files.has_outputs()) {
         *last += &format!("; no {makes} was written");
@@ -148,13 +155,7 @@ pub(crate) fn carry_out(
     errors.iter().for_each(complain);
     report.errors = errors;
     if let Some(path) = report_to.filter(|path| files.may_be(path, Role::Report)) {
-        // Told to stop, it is still written, but waited for no longer.
-        let written =
-            write_report(path, &report, &mut files, &CancelToken::default()).and_then(|()| {
-                files
-                    .place(&cancel)
-                    .map_err(|(path, why)| Stop::failed(format!("{}: {why}", path.display())))
-            });
+        let written = write_report_alone(path, &report, &mut files, &cancel);
         // Where the report itself is what failed, that is said already.
         if let Err(Stop(_, lines)) = written {
             let known =
@@ -163,6 +164,32 @@ pub(crate) fn carry_out(
         }
     }
     exit
+}
+
+/// What is left to say and to write where a command is ended before it has come to its end.
+fn at_once(
+    graph: &Path,
+    report_to: Option<&Path>,
+    makes: &str,
+    files: &Together,
+    cancel: &CancelToken,
+) -> impl Fn() + Clone + Send + 'static {
+    let began = Instant::now();
+    let (roles, cancel) = (Arc::new(files.another()), cancel.clone());
+    let (graph, report_to) = (graph.display().to_string(), report_to.map(Path::to_owned));
+    let said = format!("interrupted; no {makes} was written");
+    move || {
+        complain(&said);
+        let mut files = roles.another();
+        let may_be = |path: &&PathBuf| files.may_be_by_now(path, Role::Report);
+        if let Some(path) = report_to.as_ref().filter(may_be) {
+            let mut report = Report::new(graph.clone());
+            report.errors = vec![said.clone()];
+            report.end(began);
+            // Nobody waits to be told what is wrong with the report.
+            let _ = write_report_alone(path, &report, &mut files, &cancel);
+        }
+    }
 }
 
 /// Tells `files` what every command reads and writes.
@@ -200,6 +227,18 @@ fn write_report(
         false => files.write_text(path, &text, cancel),
     };
     written.map_err(|reason| Stop::unwritten(path, &reason, cancel))
+}
+
+/// Writes the report where nothing else is written. Told to stop, it is still written, but waited for no longer.
+fn write_report_alone(
+    path: &Path,
+    report: &Report,
+    files: &mut Together,
+    cancel: &CancelToken,
+) -> Result<(), Stop> {
+    write_report(path, report, files, &CancelToken::default())?;
+    let placed = files.place(cancel);
+    placed.map_err(|(path, why)| Stop::failed(format!("{}: {why}", path.display())))
 }
 
 /// Whether a path stands for standard output.
@@ -381,7 +420,7 @@ impl Opened {
             // Such as bands that are not wound.
             (false, _) => report.warnings.extend(empty.iter().map(|output| {
                 let Wanted { socket, group, .. } = output;
-                format!("{socket} gives no curves: files have no group {group:?}")
+                format!("{socket} gives no curves: files have no group {:?}", short(group))
             })),
         }
         let hair = groups.iter().filter(|group| !group.guides);
@@ -541,14 +580,14 @@ const MOST_DOCUMENT: u64 = 256 << 20;
 
 /// `NODE.INPUT=VALUE`.
 fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {
-    let fault = |reason: String| Stop::refused(format!("--set {set}: {reason}"));
+    let fault = |reason: String| Stop::refused(format!("--set {}: {reason}", short(set)));
     let (socket, text) =
         set.split_once('=').ok_or_else(|| fault("write it as NODE.INPUT=VALUE".to_owned()))?;
     let socket: Socket = socket.trim().parse().map_err(|err| fault(format!("{err}")))?;
     let node = document
         .nodes
         .get_mut(&socket.node)
-        .ok_or_else(|| fault(format!("there is no node {:?}", socket.node.as_str())))?;
+        .ok_or_else(|| fault(format!("there is no node {:?}", short(socket.node.as_str()))))?;
     let def = coif_nodes::by_id(&node.kind)
         .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
     let (_, input) = def.input(&socket.name).ok_or_else(|| {
@@ -556,7 +595,7 @@ fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {
         fault(format!(
             "{} has no input {:?}; it has {}",
             def.told(),
-            &*socket.name,
+            short(&socket.name),
             known.join(", ")
         ))
     })?;
@@ -627,11 +666,12 @@ pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Wante
     named
         .iter()
         .map(|text| {
-            let fault = |reason: String| Stop::refused(format!("--output {text}: {reason}"));
+            let fault =
+                |reason: String| Stop::refused(format!("--output {}: {reason}", short(text)));
             let socket: Socket = text.parse().map_err(|err| fault(format!("{err}")))?;
-            let node = document
-                .node(socket.node.as_str())
-                .ok_or_else(|| fault(format!("there is no node {:?}", socket.node.as_str())))?;
+            let node = document.node(socket.node.as_str()).ok_or_else(|| {
+                fault(format!("there is no node {:?}", short(socket.node.as_str())))
+            })?;
             let def = coif_nodes::by_id(&node.kind)
                 .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
             let known: Vec<&str> = def.outputs.iter().map(|o| o.name).collect();

@@ -6,6 +6,7 @@
 mod check;
 #[cfg(feature = "editor")]
 mod edit;
+mod ending;
 pub(crate) mod eval;
 pub(crate) mod groom;
 mod measure;

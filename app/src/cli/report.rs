@@ -6,6 +6,7 @@ use coif_nodes::data::curves::Curves;
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::sync::{Arc, LazyLock};
+use std::time::Instant;
 
 /// What an evaluation made and what happened on the way.
 #[derive(Serialize)]
@@ -177,6 +178,12 @@ impl Report {
         }
     }
 
+    /// Notes how long it took and what memory.
+    pub(crate) fn end(&mut self, began: Instant) {
+        self.total_ms = rounded(began.elapsed().as_secs_f64() * 1e3);
+        self.peak_rss_mib = peak_rss_mib();
+    }
+
     /// Takes over what the evaluation said of its nodes.
     pub(crate) fn add_nodes(&mut self, nodes: &[NodeReport]) {
         for node in nodes {
@@ -204,7 +211,7 @@ pub(crate) fn rounded(ms: f64) -> f64 {
 }
 
 /// The most memory the process has held so far, MiB.
-pub(crate) fn peak_rss_mib() -> Option<f64> {
+fn peak_rss_mib() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
     let kib: f64 = line.split_whitespace().nth(1)?.parse().ok()?;

@@ -21,8 +21,9 @@ mod together;
 pub(crate) use alone::write_text;
 #[cfg(feature = "editor")]
 pub(crate) use alone::write_text_unsynced;
+pub(crate) use temporary::end;
 #[cfg(feature = "editor")]
-pub(crate) use temporary::{end, remove_left};
+pub(crate) use temporary::remove_left;
 pub(crate) use together::{Out, Role, Together};
 
 use std::io::{self, Write};

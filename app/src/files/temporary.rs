@@ -35,7 +35,6 @@ pub(super) fn step() -> MutexGuard<'static, ()> {
 }
 
 /// Removes every temporary and ends the process. No step is left half done.
-#[cfg(feature = "editor")]
 pub(crate) fn end(code: i32) -> ! {
     // Never let go of: what other threads would still write waits for the end.
     let _step = step();
@@ -44,6 +43,10 @@ pub(crate) fn end(code: i32) -> ! {
         // What cannot be removed stays, and nobody is there to be told.
         let _ = fs::remove_file(path);
     }
+    // Without what libraries do at an exit: graphics drivers take down what their threads still work on.
+    #[cfg(unix)]
+    signal_hook::low_level::exit(code);
+    #[cfg(not(unix))]
     std::process::exit(code)
 }
 

@@ -12,15 +12,24 @@ use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, Cursor, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// Files to be read and written, and those that are complete but not yet in place.
 pub(crate) struct Together {
-    roles: BTreeMap<Place, (Role, String)>,
+    roles: Arc<Mutex<Roles>>,
     /// The first file that the disk will not let us write.
     locked: Option<String>,
     written: Vec<(PathBuf, Written)>,
     synced: bool,
+}
+
+/// What files are to a command, each told in words.
+#[derive(Default)]
+struct Roles {
+    of: BTreeMap<Place, (Role, String)>,
+    /// Nothing more will be read or written.
+    are_all: bool,
 }
 
 /// What a file is to a command.
@@ -88,11 +97,20 @@ struct Taken(PathBuf, Option<Temporary>);
 
 impl Default for Together {
     fn default() -> Self {
-        Self { roles: BTreeMap::new(), locked: None, written: vec![], synced: true }
+        Self { roles: Arc::default(), locked: None, written: vec![], synced: true }
     }
 }
 
 impl Together {
+    /// Another that knows what this one is told, now and later, for a thread that writes a report when this one cannot.
+    pub(crate) fn another(&self) -> Self {
+        Self { roles: self.roles.clone(), ..Self::default() }
+    }
+
+    fn roles(&self) -> MutexGuard<'_, Roles> {
+        self.roles.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Files that are whole whatever happens to the process, but not to the power.
     #[cfg(any(feature = "editor", test))]
     pub(super) fn unsynced() -> Self {
@@ -129,8 +147,9 @@ impl Together {
     }
 
     fn takes(&mut self, place: Place, role: Role, words: String) -> Result<(), String> {
-        let Some((had, other)) = self.roles.get(&place) else {
-            self.roles.insert(place, (role, words));
+        let roles = &mut self.roles().of;
+        let Some((had, other)) = roles.get(&place) else {
+            roles.insert(place, (role, words));
             return Ok(());
         };
         let told = match (had, role) {
@@ -141,31 +160,40 @@ impl Together {
         };
         // A report that is something else too is none from now on.
         if *had == Role::Report {
-            self.roles.insert(place, (role, words));
+            roles.insert(place, (role, words));
         }
         Err(told)
     }
 
-    /// Whether everything that is to be written can be, as far as that is seen beforehand.
+    /// Whether everything that is to be written can be, as far as that is seen beforehand. Asked when all has been told.
     ///
     /// # Errors
     /// The first that cannot, in one line.
     pub(crate) fn allowed(&self) -> Result<(), String> {
+        self.roles().are_all = true;
         self.locked.clone().map_or(Ok(()), Err)
     }
 
     /// Whether a file may be written for this role still.
     pub(crate) fn may_be(&self, path: &Path, role: Role) -> bool {
         match Target::at(path).map(|target| target.place()) {
-            Ok(Ok(Some(place))) => self.roles.get(&place).is_none_or(|(found, _)| *found == role),
+            Ok(Ok(Some(place))) => {
+                self.roles().of.get(&place).is_none_or(|(found, _)| *found == role)
+            }
             Ok(Ok(None)) => true,
             _ => false,
         }
     }
 
+    /// The same while other files may still be told of: then only where no file stands yet.
+    pub(crate) fn may_be_by_now(&self, path: &Path, role: Role) -> bool {
+        let is_new = || !matches!(Target::at(path), Ok(Target::Name(_, Some(_))) | Err(_));
+        (self.roles().are_all || is_new()) && self.may_be(path, role)
+    }
+
     /// Whether anything but a report is to be written.
     pub(crate) fn has_outputs(&self) -> bool {
-        self.roles.values().any(|(role, _)| *role == Role::Output)
+        self.roles().of.values().any(|(role, _)| *role == Role::Output)
     }
 
     /// Writes a complete file beside its target. The error is one line without the path.

@@ -6,7 +6,7 @@
 use super::suggest::nearest;
 use super::{Document, Node, NodeId, Setting, Socket, values};
 use coif_nodes::data::field::Field;
-use coif_nodes::define::{Arity, InputDef, NodeDef, OutputDef, Type, Unit, Value};
+use coif_nodes::define::{Arity, InputDef, NodeDef, OutputDef, Type, Unit, Value, short};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
@@ -448,16 +448,6 @@ fn shown(setting: &Setting) -> String {
         Setting::Raw(text) => text.to_string(),
     };
     short(&text)
-}
-
-/// The first words of a text, on one line.
-pub(crate) fn short(text: &str) -> String {
-    const MOST: usize = 60;
-    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    match line.char_indices().nth(MOST) {
-        Some((cut, _)) => format!("{}…", &line[..cut]),
-        None => line,
-    }
 }
 
 /// What the input could be set to, in words.

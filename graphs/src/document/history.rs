@@ -5,8 +5,8 @@
 //! one entry. Changes that are no steps (what is displayed) are applied to the document directly.
 
 use super::edit::{Edit, EditError};
-use super::graph::short;
 use super::{Document, Frame, NodeId, Setting};
+use coif_nodes::define::short;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 

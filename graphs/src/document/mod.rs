@@ -8,7 +8,7 @@
 //! Documents know nothing of evaluation or windows, and open no files.
 
 use coif_nodes::data::strokes::Strokes;
-use coif_nodes::define::Value;
+use coif_nodes::define::{Value, short};
 use coif_nodes::maths::hash::KeyBuilder;
 use std::borrow::Borrow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -213,7 +213,7 @@ impl std::str::FromStr for Socket {
     fn from_str(text: &str) -> Result<Self, BadSocket> {
         match text.split_once('.') {
             Some((node, name)) if !name.is_empty() => Ok(Self::new(NodeId::new(node)?, name)),
-            _ => Err(BadSocket::NoName(text.to_owned())),
+            _ => Err(BadSocket::NoName(short(text))),
         }
     }
 }

@@ -4,7 +4,7 @@
 
 use coif_nodes::data::field::Field;
 use coif_nodes::data::ramp::Ramp;
-use coif_nodes::define::{Type, Value};
+use coif_nodes::define::{Type, Value, short};
 use std::sync::Arc;
 
 /// The deepest product of products of fields. Deeper is a mistake or an attack: readers recurse.
@@ -65,9 +65,11 @@ pub fn fit(ty: Type, value: Value) -> Result<Value, String> {
 
 fn no_such_word(word: &str, words: &[(&str, &str)]) -> String {
     let known: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-    let meant = super::suggest::nearest(word, known.iter().copied());
+    // A long one is no slip of the pen.
+    let slip = Some(word).filter(|word| word.len() <= 64);
+    let meant = slip.and_then(|word| super::suggest::nearest(word, known.iter().copied()));
     let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
-    format!("{word:?} is none of {}{meant}", known.join(", "))
+    format!("{:?} is none of {}{meant}", short(word), known.join(", "))
 }
 
 fn depth(field: &Field) -> usize {

@@ -2,9 +2,8 @@
 
 use super::scan::{Scan, error_at, errors_at, scan, trimmed};
 use super::{FORMAT, FileError, Loaded, PART, read_value, upgrade};
-use crate::document::graph::short;
 use crate::document::{Document, Frame, Node, NodeId, Place, Point, SavedView, Setting, Socket};
-use coif_nodes::define::NodeDef;
+use coif_nodes::define::{NodeDef, short};
 use ron::value::RawValue;
 use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use std::collections::BTreeSet;

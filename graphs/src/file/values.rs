@@ -1,13 +1,12 @@
 //! Values as text, read by the type that the node's declaration names.
 
-use crate::document::graph::short;
 use crate::document::strokes::Steps;
 use crate::document::values::{DEEPEST_FIELD, fit};
 use coif_nodes::data::field::Field;
 use coif_nodes::data::ramp::{Blend, Ramp};
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
-use coif_nodes::define::{Type, Value};
+use coif_nodes::define::{Type, Value, short};
 use glam::{Vec2, Vec3};
 use ron::value::RawValue;
 use serde::Deserialize;

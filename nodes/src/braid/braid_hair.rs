@@ -11,7 +11,7 @@
 
 use super::band::Band;
 use super::braid_territory::ORDER;
-use super::through::{Entry, Leader, Manner, Wish};
+use super::through::{Entry, Leader, MOST_POINTS, Manner, Wish};
 use super::tube::{Asked, Braid, Stitch};
 use crate::data::attributes::{
     ALONG, Attribute, BRAID, BRAID_FRONT, Domain, FED, FIBRE, ID, NORMAL, PARENT, RADIUS, SIDE,
@@ -135,6 +135,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             }
         }
     }
+    cx.may_make_most((inputs.roots.curve_count() * MOST_POINTS) as f64, || {
+        Ok(foreseen(&inputs, stitch_curves))
+    })?;
     let braids: Vec<OnceLock<Option<Braid>>> = (0..of_strands).map(|_| OnceLock::new()).collect();
     let skin = scalp.map(|scalp| cx.skin(scalp));
     let skin = skin.as_ref();
@@ -237,6 +240,38 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             Ok([out.build()])
         })?;
     Ok(Outputs { curves, extension, bands })
+}
+
+/// The points of all hairs between where they are in their braids and its tie, at least. Those that leave it before, and those
+/// that are as long as somebody said, may have fewer.
+fn foreseen(inputs: &Inputs, stitches: &Curves) -> Size {
+    /// Stitches over which a hair may slide before it joins, and the one that it ends in.
+    const SHORTER: f32 = 4.0;
+    /// Points may be so much farther apart than asked: on the inside of bends, and to end with a whole step.
+    const FARTHER: f32 = 1.5;
+    // Number of stitches of a row, and how far along it the last one is.
+    let mut rows: BTreeMap<u64, (usize, f32)> = BTreeMap::new();
+    for (tuft, i) in stitches.each() {
+        let row = rows.entry(row_of(tuft, i)).or_default();
+        row.0 += tuft.range(i).len();
+        row.1 = tuft.range(i).map(|p| tuft.view(ALONG).at(i, p)).fold(row.1, f32::max);
+    }
+    let most = MOST_POINTS as f32 / FARTHER;
+    let mut points = 0.0f64;
+    for tuft in inputs.roots.tufts() {
+        let (along, fibre) = (tuft.view(ALONG), tuft.view(FIBRE));
+        for i in 0..tuft.len() {
+            let first = tuft.range(i).start;
+            let row = rows.get(&row_of(tuft, i)).filter(|(_, last)| *last > 0.0);
+            let (Some((count, last)), false) = (row, fibre.at(i, first) > 0.0) else { continue };
+            // One stitch on each side.
+            let left = (1.0 - along.at(i, first) / last) * *count as f32 * 0.5 - SHORTER;
+            let wanted = left * inputs.points_per_stitch / FARTHER;
+            points += f64::from(wanted.clamp(0.0, most));
+        }
+    }
+    let stay = f64::from((1.0 - 2.0 * inputs.flyaways).max(0.0));
+    Size::of(&[("points of all hairs in their braids, at least", points * stay)])
 }
 
 /// Index under which a band's id is made from its braid.

@@ -17,6 +17,7 @@ use super::touch::{Line, Near, touching_radii};
 use super::weave::{Paths, Pitch, Weave, coprime, default_frequency};
 use crate::data::attributes::{self as attr, Attribute, Domain, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV};
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
+use crate::data::field::Sampler;
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, Value, choice, node, unless};
@@ -232,7 +233,7 @@ const STITCHES: u64 = BRAID_ITSELF + 1;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let plan = Plan::new(cx, &inputs);
-    let size = foreseen(&inputs);
+    let size = foreseen(&plan)?;
     let [curves, stitches, flyaways] = cx.by_place(inputs.scalp.as_deref()).each_curve(
         &inputs.source,
         &size,
@@ -244,19 +245,40 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves, stitches, flyaways })
 }
 
-/// The points of all strands, where stitches are as many on each source.
-fn foreseen(inputs: &Inputs) -> Size {
-    let sources = inputs.source.curve_count() as f64;
-    let stitches = match (inputs.stitches_by, inputs.stitches.constant()) {
-        (StitchesBy::Count, Some(stitches)) => stitches,
-        _ => 1.0,
-    };
-    Size::of(&[
-        ("sources", sources),
-        ("strands", inputs.strands as f64),
-        ("stitches", f64::from(stitches)),
+/// The points of all strands up to their ties, at least: stitches are taken as long as they may come.
+fn foreseen(plan: &Plan) -> Result<Size, NodeError> {
+    let inputs = plan.inputs;
+    let scalp = inputs.scalp.as_deref();
+    let longest = plan.unit * (1.0 + 0.7 * inputs.uneven_stitches);
+    let mut all = 0.0;
+    for tuft in inputs.source.tufts() {
+        let [count, spacing, width] =
+            [&inputs.stitches, &inputs.stitch_spacing, &inputs.width].map(|f| f.on(tuft, scalp));
+        let (count, spacing, width) = (count?, spacing?, width?);
+        for curve in 0..tuft.len() {
+            let most = |field: &Sampler| {
+                (0..=64).map(|k| field.along(tuft, curve, k as f32 / 64.0)).fold(0.0, f32::max)
+            };
+            let stitches = match inputs.stitches_by {
+                StitchesBy::Count => count.along(tuft, curve, 0.0).round(),
+                StitchesBy::Spacing => {
+                    let pitch = match most(&spacing) {
+                        asked if asked > 0.0 => asked,
+                        // Strands swing no farther than half the width.
+                        _ => firm_pitch(plan.weave.strands) * 0.5 * most(&width),
+                    };
+                    let chords = tuft.curve(curve).windows(2).map(|w| w[0].distance(w[1]));
+                    (chords.sum::<f32>() * inputs.tie / (pitch * longest).max(1e-6)).floor()
+                }
+            };
+            all += f64::from(stitches.clamp(1.0, MOST_STITCHES));
+        }
+    }
+    Ok(Size::of(&[
+        ("stitches of all sources", all),
+        ("strands", f64::from(plan.weave.strands)),
         ("cvs_per_stitch", inputs.cvs_per_stitch as f64),
-    ])
+    ]))
 }
 
 /// What all braids of one evaluation share.

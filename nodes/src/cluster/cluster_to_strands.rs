@@ -8,7 +8,7 @@
 //! promised: that strands keep clear of each other, or that points of strands pushed off the skin or
 //! frizzed are as evenly spaced as the cluster's.
 
-use super::sections::{Section, Sections, open_radius, reads_attribute};
+use super::sections::{Section, Sections, open_radius, reads_attribute, widest_radius};
 use super::shape::Shape;
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, COLOUR, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY,
@@ -117,6 +117,10 @@ const MOST: f32 = 262_144.0;
 /// The most points all of them may have: what is made at once has to be held.
 const MOST_POINTS: f32 = 16_777_216.0;
 
+/// A cluster of fewer strands than this, that would have so many times as many where it is widest, has a root that is nearly closed.
+const FEW: f32 = 8.0;
+const MANY: f32 = 16.0;
+
 /// What is said of clusters whose strands are coarser than they should be.
 pub(super) const COARSE: &str = "strands of a cluster have all the points that most_points allows, and are coarser than its twist or points \
      ask: twist it less, or raise most_points";
@@ -147,6 +151,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     // Beforehand: of all clusters, the radius, density and strands of that which asks for most, and how many all ask for.
     let (mut most, mut all) = ((0.0, 0.0, 0.0), 0.0);
+    // Clusters whose root is nearly closed, and of one of them the radius and strands there and where it is widest.
+    let (mut thin, mut example) = (0, None);
     for tuft in inputs.curves.tufts() {
         cx.check()?;
         let [radius, density, other] =
@@ -168,8 +174,17 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 twist: &other,
             };
             let last = (tuft.range(curve).len() - 1).max(1) as f32;
-            let radius = open_radius(tuft, curve, &asked, |cv| cv as f32 / last);
+            let u = |cv: usize| cv as f32 / last;
+            let radius = open_radius(tuft, curve, &asked, u);
             let strands = strands_in(density, radius);
+            if (0.5..FEW).contains(&strands) {
+                let widest = widest_radius(tuft, curve, &asked, u);
+                let there = strands_in(density, widest);
+                if there >= MANY * strands {
+                    thin += 1;
+                    example.get_or_insert([radius, strands, widest, there]);
+                }
+            }
             if strands > most.2 || radius >= most.0 && most.2 == 0.0 {
                 most = (radius, density, strands);
             }
@@ -193,6 +208,18 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         cx.warn(format!(
             "no cluster holds a strand: at their widest, radius {radius:.4} cm and density {density:.2} ask for {strands:.2} \
              (strands {}): raise radius, density or strands, or set count",
+            inputs.strands
+        ));
+    }
+    if let Some([radius, strands, widest, there]) = example
+        && 2 * thin > inputs.curves.curve_count()
+    {
+        cx.warn(format!(
+            "{thin} of {} clusters have hardly any hair, for strands are counted where a cluster is first open at its root: radius \
+             {radius:.4} cm asks for {:.0} there, {widest:.4} cm where it is widest for {there:.0} (strands {}): open the root wider \
+             (radius, profile), or set count",
+            inputs.curves.curve_count(),
+            strands.round(),
             inputs.strands
         ));
     }

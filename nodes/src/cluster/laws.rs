@@ -461,14 +461,31 @@ fn a_cluster_that_begins_in_a_point_is_filled_as_where_it_is_open_first() {
         assert_eq!(hair.curve_count(), strands, "{radii:?}");
         let far = hair.each().map(|(tuft, i)| tuft.curve(i)[0].distance(Vec3::Y * 9.0));
         let far = far.fold(0.0, f32::max);
-        assert!(far <= root * 1.001 && far >= 0.9 * root, "{radii:?}: {far}");
-        assert_eq!(said.is_empty(), strands > 0, "{said:?}");
+        // Few need not reach its edge.
+        let least = if strands > 100 { 0.9 * root } else { 0.0 };
+        assert!(far <= root * 1.001 && far >= least, "{radii:?}: {far}");
         said
     };
+    let quiet = |radii: [f32; 4], strands: usize, root: f32| {
+        let said = check(radii, strands, root);
+        assert!(said.is_empty(), "{said:?}");
+    };
     // 512 strands at 1 cm: 512 x 0.5 x 0.5 = 128, and 0.02 cm holds 0.2 of one, which is none.
-    check([0.5, 0.3, 0.3, 0.1], 128, 0.5);
-    check([0.0, 0.5, 0.7, 0.1], 128, 0.5);
-    check([1e-4, 0.02, 0.5, 0.1], 128, 0.5);
+    quiet([0.5, 0.3, 0.3, 0.1], 128, 0.5);
+    quiet([0.0, 0.5, 0.7, 0.1], 128, 0.5);
+    quiet([1e-4, 0.02, 0.5, 0.1], 128, 0.5);
+    // 512 x 0.06 x 0.06 = 1.84 where a cone that opens slowly is first open, of 512 that its widest section would have; and 7.4,
+    // of which 46 are not so many more.
+    let said = check([0.0, 0.06, 0.5, 1.0], 2, 0.06);
+    assert_eq!(
+        said,
+        [
+            "1 of 1 clusters have hardly any hair, for strands are counted where a cluster is first open at its root: radius \
+          0.0600 cm asks for 2 there, 1.0000 cm where it is widest for 512 (strands 512): open the root wider (radius, \
+          profile), or set count"
+        ]
+    );
+    quiet([0.0, 0.12, 0.3, 0.2], 7, 0.12);
     let said = check([0.0, 0.01, 0.02, 0.0], 0, 0.0);
     assert_eq!(
         said,

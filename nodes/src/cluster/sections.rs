@@ -198,15 +198,33 @@ pub(super) fn open_radius(
     asked: &Asked,
     u: impl Fn(usize) -> f32,
 ) -> f32 {
+    let open = radii(tuft, curve, asked, &u).find(|radius| *radius > asked.least);
+    open.unwrap_or_else(|| widest_radius(tuft, curve, asked, u))
+}
+
+/// The radius (cm) at the widest of its CVs.
+pub(super) fn widest_radius(
+    tuft: &Tuft,
+    curve: usize,
+    asked: &Asked,
+    u: impl Fn(usize) -> f32,
+) -> f32 {
+    radii(tuft, curve, asked, &u).fold(0.0, f32::max)
+}
+
+/// The radius (cm) at each CV.
+fn radii(
+    tuft: &Tuft,
+    curve: usize,
+    asked: &Asked,
+    u: &impl Fn(usize) -> f32,
+) -> impl Iterator<Item = f32> {
     let cvs = tuft.range(curve);
-    let at = |cv: usize| {
+    (0..cvs.len()).map(move |cv| {
         let u = u(cv);
         let radius = asked.radius.at(curve, cvs.start + cv, u);
         radius * asked.radius_unit * asked.profile.at(u).max(0.0)
-    };
-    let radii = (0..cvs.len()).map(at);
-    let open = radii.clone().find(|radius| *radius > asked.least);
-    open.unwrap_or_else(|| radii.fold(0.0, f32::max))
+    })
 }
 
 /// Which way cross-sections are flat.

@@ -7,6 +7,9 @@
 //! is drawn larger, of the same form, and warned of. Not promised: that hairs keep clear of each other, that a curl is as large as asked where points are few, or that one much
 //! wider than its source's bends does not loop through itself.
 
+mod foreseen;
+
+use self::foreseen::foreseen;
 use super::drawn::with_drawn;
 use super::pattern::{Detail, Even, Pattern};
 use super::preset::Numbers;
@@ -231,6 +234,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         (shapes, bytes)
     });
     let pattern = inputs.pattern(cx, &numbers, shapes.to_vec());
+    cx.may_make_most(inputs.curves.curve_count() as f64 * inputs.most_points as f64, || {
+        foreseen(&inputs, &numbers, &pattern)
+    })?;
     let skin = inputs.scalp.as_deref().map(|scalp| cx.skin(scalp));
     let [curves, coarse] =
         cx.by_place(inputs.scalp.as_deref()).each_tuft(&inputs.curves, |tuft, piece| {

@@ -84,16 +84,18 @@ impl Format {
     pub const EXTENSIONS: &str = ".usda, .usdc, .abc, .hair";
 }
 
-/// Writes groups in a format. Alembic holds the meshes of `heads` too.
+/// Writes groups in a format. Alembic holds the meshes of `heads` too. Whether somebody asks to stop is looked at from one attribute
+/// to the next while they are gathered; after that by `out`, which fails then.
 ///
 /// # Errors
-/// The output failed, or the format cannot hold the groom; place and reason say what.
+/// The output failed, somebody asked to stop, or the format cannot hold the groom; place and reason say what.
 pub fn write(
     format: Format,
     groups: &[Group],
     heads: &[Arc<Scalp>],
     about: &About,
     out: &mut (impl Write + Seek),
+    is_cancelled: &dyn Fn() -> bool,
 ) -> Result<(), FormatError> {
     if format == Format::Hair {
         return write_hair(groups, about, out);
@@ -112,8 +114,8 @@ pub fn write(
             .iter()
             .zip(&places)
             .filter(|(group, _)| is_written(group))
-            .map(|(group, place)| curve_set(group, place))
-            .collect(),
+            .map(|(group, place)| curve_set(group, place, is_cancelled))
+            .collect::<Result<_, FormatError>>()?,
     };
     match format {
         Format::Usda => write_usda(&stage, out),
@@ -213,17 +215,27 @@ fn added<'c>(curves: &'c Curves, guides: bool, place: &Place) -> Vec<Primvar<'c>
         .collect()
 }
 
-fn curve_set<'c>(group: &'c Group, place: &Place) -> CurveSet<'c> {
+fn curve_set<'c>(
+    group: &'c Group,
+    place: &Place,
+    is_cancelled: &dyn Fn() -> bool,
+) -> Result<CurveSet<'c>, FormatError> {
+    let check = || match is_cancelled() {
+        true => Err(FormatError::at("file", "interrupted")),
+        false => Ok(()),
+    };
     let tufts = group.curves.tufts();
     let names: BTreeSet<&str> =
         tufts.iter().flat_map(|t| t.attributes()).map(|a| a.name.as_ref()).collect();
-    let mut primvars: Vec<Primvar> = names
-        .into_iter()
-        .filter(|name| *name != WIDTH.name)
-        .filter_map(|name| primvar(&group.curves, name))
-        .collect();
+    let mut primvars: Vec<Primvar> = vec![];
+    for name in names.into_iter().filter(|name| *name != WIDTH.name) {
+        check()?;
+        primvars.extend(primvar(&group.curves, name));
+    }
+    check()?;
     primvars.extend(added(&group.curves, group.guides, place));
-    CurveSet {
+    check()?;
+    Ok(CurveSet {
         name: group.name.clone(),
         purpose: if group.guides { Purpose::Guide } else { Purpose::Render },
         counts: counts(&group.curves),
@@ -236,7 +248,7 @@ fn curve_set<'c>(group: &'c Group, place: &Place) -> CurveSet<'c> {
         },
         primvars,
         color: mean_colour(&group.curves),
-    }
+    })
 }
 
 fn counts(curves: &Curves) -> Chunks<'static, i32> {
@@ -442,7 +454,8 @@ mod tests {
                 seed: 0,
             };
             let mut file = std::io::Cursor::new(vec![]);
-            write(Format::Usdc, &[group("one"), group("two")], &[], &about, &mut file).unwrap();
+            write(Format::Usdc, &[group("one"), group("two")], &[], &about, &mut file, &|| false)
+                .unwrap();
             let prims = super::super::usd::read::read_alone(&file.into_inner(), "usdc").unwrap();
             for (name, ty, _) in a::DECLARED.iter().filter(|(name, ..)| *name != WIDTH.name) {
                 let known = file_name(name);
@@ -477,7 +490,7 @@ mod tests {
         };
         let written = |format: Format, group: &Group| {
             let mut file = std::io::Cursor::new(vec![]);
-            write(format, std::slice::from_ref(group), &[], &about, &mut file).unwrap();
+            write(format, std::slice::from_ref(group), &[], &about, &mut file, &|| false).unwrap();
             let bytes = file.into_inner();
             match format {
                 Format::Abc => abc::read_curves(&bytes).map_err(|err| err.to_string()),

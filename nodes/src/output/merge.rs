@@ -36,7 +36,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let first = |i: usize| tuft.offsets()[i] as usize;
         seen.extend((0..tuft.len()).map(|i| (ids.at(i, first(i)), t, i as u32)));
     }
+    cx.check()?;
     seen.sort_unstable();
+    cx.check()?;
     // Later curves of one id, and all that have none.
     let repeated: Vec<(u64, u32, u32, u64)> = {
         let mut before = 0;

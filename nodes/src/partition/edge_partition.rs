@@ -194,11 +194,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let reach = rules.reach.max(2.0 * rules.open_side).max(2.0 * inputs.lead * unit);
     let rows = if rules.crossing { 0 } else { inputs.source.curve_count() + all.curve_count() };
     let overs = Overs::new(scalp, rows, reach);
-    if let By::Total = inputs.by {
-        let rows = inputs.source.curve_count() as f64;
-        let total = cx.thinned(inputs.total as usize) as f64;
-        cx.may_make(&Size::of(&[("rows", rows), ("total", total), ("cvs", inputs.cvs as f64)]))?;
-    }
+    let rows = inputs.source.tufts().iter().flat_map(|tuft| rows_of(tuft));
+    let all_hairs: usize = rows.map(|row| cx.thinned(asked(&inputs, &row, unit))).sum();
+    let cvs = inputs.cvs as f64;
+    cx.may_make(&Size::of(&[("hairs beside all rows", all_hairs as f64), ("cvs", cvs)]))?;
     let map = Map::new(cx, &inputs, &rules, &overs, &all)?;
     let needs = |i: usize, tuft: &Tuft| map.needs(&rules, &overs, inputs.lead * unit, i, tuft);
     let [curves] = cx.each_tuft_with(&inputs.source, &all, needs, |tuft, read, piece| {
@@ -464,6 +463,16 @@ impl Made {
     }
 }
 
+/// How many hairs are asked for beside a row.
+fn asked(inputs: &Inputs, row: &Row, unit: f32) -> usize {
+    let lead = inputs.lead * unit / row.length();
+    let a_side = match inputs.by {
+        By::PerCm => inputs.per_cm * row.length() * (1.0 + lead) / unit,
+        By::Total => inputs.total as f32 * 0.5,
+    };
+    2 * (a_side.round() as usize).min(500_000)
+}
+
 fn row_hairs(
     cx: &EvalCx,
     inputs: &Inputs,
@@ -489,11 +498,7 @@ fn row_hairs(
     let radius_at = |u: f32| radius.along(tuft, curve, u) * radius_unit;
 
     let lead = inputs.lead * unit / row.length();
-    let a_side = match inputs.by {
-        By::PerCm => inputs.per_cm * row.length() * (1.0 + lead) / unit,
-        By::Total => inputs.total as f32 * 0.5,
-    };
-    let count = 2 * (a_side.round() as usize).min(500_000);
+    let count = asked(inputs, row, unit);
     let gather = gather(inputs, ground, count / 2, read);
     let dice = cx.dice(inputs.seed, "edge");
     let braid = braid_id(tuft, curve, row, read);

@@ -227,6 +227,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     tell_region(cx, &inputs, &surface, &frame, everywhere, &grows);
     masks.insert(REGION.to_owned(), grows);
     let scalp = Scalp::new(surface, uvs, frame, masks);
+    if scalp.skin().is_folded() {
+        cx.remark(format!(
+            "more than half of the region faces other skin within {:.0} cm: among so many folds hair is pushed out of the skin, but not led round it",
+            frame.radius
+        ));
+    }
     let scalp = scalp.with_cm_per_unit(scale).with_parts(parts.list());
     Ok(Outputs { scalp: Arc::new(scalp) })
 }

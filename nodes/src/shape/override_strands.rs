@@ -10,7 +10,7 @@
 use crate::data::attributes::{ALLOW_DEPTH, COLOUR, Domain, FIBRE, WIDTH};
 use crate::data::curves::{Curves, Tuft};
 use crate::data::scalp::{Scalp, Skin};
-use crate::define::{NodeError, node};
+use crate::define::{NodeError, node, short};
 use crate::eval::{EvalCx, Piece, Quality};
 use crate::maths::spline::{CurveFault, Spline};
 use crate::maths::transcendental::sin_cos;
@@ -115,11 +115,6 @@ fn read(text: &str) -> (BTreeMap<u64, Change>, Vec<String>) {
         }
     }
     (found, wrong)
-}
-
-/// What a message quotes of an entry.
-fn short(entry: &str) -> String {
-    entry.chars().take(60).collect()
 }
 
 impl Change {

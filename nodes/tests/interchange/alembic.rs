@@ -79,7 +79,7 @@ fn exported(format: Format, groups: &[Group]) -> Vec<u8> {
         seed: 7,
     };
     let mut file = Cursor::new(vec![]);
-    export::write(format, groups, &[], &about, &mut file).unwrap();
+    export::write(format, groups, &[], &about, &mut file, &|| false).unwrap();
     file.into_inner()
 }
 
@@ -169,7 +169,7 @@ fn listing(bytes: &[u8]) -> String {
                     let inner = archive.properties(place).unwrap();
                     properties(archive, inner, indent + 2, text);
                 }
-                Kind::Values { pod, extent, is_scalar, bytes } => {
+                Kind::Values { pod, extent, is_scalar, bytes, .. } => {
                     let how = if is_scalar { "scalar" } else { "array" };
                     let told = format!("{how} {pod}x{extent} {scope} {} bytes", bytes.len());
                     *text += &(told.split_whitespace().collect::<Vec<_>>().join(" ") + "\n");

@@ -24,7 +24,7 @@ fn file(n: usize, more: usize) -> Vec<u8> {
         About { title: "x".into(), generator: "x".into(), graph_hash: String::new(), seed: 0 };
     let mut out = std::io::Cursor::new(vec![]);
     let group = Group { name: "hair".into(), guides: false, curves };
-    write(Format::Abc, &[group], &[], &about, &mut out).unwrap();
+    write(Format::Abc, &[group], &[], &about, &mut out, &|| false).unwrap();
     out.into_inner()
 }
 

@@ -160,6 +160,11 @@ fn counts_that_make_no_curve_are_told() {
         check("bezier", "nonperiodic", n, "4, 7, 10");
     }
     check("bezier", "periodic", 4, "3, 6, 9");
+    // OpenUSD's table of valid counts, "Cubic Vertex Interpolation: periodic": a closed curve is not of one or two points.
+    for n in 0..3 {
+        check("bspline", "periodic", n, "3 or more");
+        check("catmullRom", "periodic", n, "3 or more");
+    }
     for n in 0..4 {
         check("bspline", "nonperiodic", n, "4 or more");
         check("catmullRom", "nonperiodic", n, "4 or more");
@@ -241,6 +246,75 @@ fn one_bad_curve_or_prim_does_not_hide_the_others() {
     let moved =
         "double3 xformOp:translate = (nan, 0, 0) token[] xformOpOrder = [\"xformOp:translate\"]";
     check(&two("(0, 0, 0)", "1", moved), &[1], "no finite matrix");
+}
+
+#[test]
+fn what_is_read_otherwise_than_the_file_says_is_told() {
+    let nothing = &mut |_: &str| Err("there is nothing beside it".to_owned());
+    // The first line is the layer's own.
+    let mut check = |layer: &str, more: &str, said: &str, broken: bool| {
+        let hair = curve("linear", "pinned", &up(0.0, 3), more);
+        let text = format!("#usda 1.0\n({layer})\n{hair}");
+        let stage = read_stage(text.as_bytes(), "file.usda", nothing).unwrap();
+        let found = measure(&stage, None).remove(0);
+        assert!((found.length_cm[1] - 2.0).abs() < 1e-5, "{more}: {}", found.length_cm[1]);
+        let json = serde_json::to_string(&found).unwrap();
+        let words = words::in_words(&found)
+            + &found.left_out.iter().map(NotRead::in_words).collect::<String>();
+        if said.is_empty() {
+            assert_eq!((found.notes.len(), found.left_out.len()), (0, 0), "{more}: {words}");
+        }
+        for said in said.split('|') {
+            assert!(json.contains(said), "{layer} {more}: {said:?} is not in\n{json}");
+            assert!(words.contains(said), "{layer} {more}: {said:?} is not in\n{words}");
+        }
+        assert_eq!(found.left_out.iter().any(|what| what.broken), broken, "{layer} {more}");
+    };
+    check("", "", "", false);
+    check("upAxis = \"Y\"", "", "", false);
+    check("upAxis = \"X\"", "", "upAxis|Y was taken", true);
+    let widths = |values: &str, how: &str| {
+        format!("float[] widths = [{values}] (interpolation = \"{how}\")")
+    };
+    let negative = "2 of 3 widths are negative, which no curve has: width 1 is -0.5 cm";
+    check("", &widths("0.5, -0.5, -1", "vertex"), negative, false);
+    check("", &widths("0.5", "perPoint"), "curves have no|perPoint|interpolation", false);
+    check(
+        "",
+        &widths("1e20", "constant"),
+        "width 0 is 100000000000000000000, more than 1e15 cm",
+        false,
+    );
+    // Three samples, of which the earliest counts; as many beside a default.
+    let (low, high) = ("[(0,0,0), (0,1,0), (0,2,0)]", "[(0,0,0), (0,9,0), (0,99,0)]");
+    let points = format!("{{ 2: {high}, 1: {low}, 3: {high} }}");
+    let of = |n: usize| format!("time samples|points: up to {n} samples are not read");
+    // The default of `curve` stands before, so it counts.
+    check("", &format!("point3f[] points.timeSamples = {points}"), &of(3), false);
+    let widths = "float[] widths.timeSamples = { 1: [1, 1, 1], 2: [2, 2, 2] }";
+    check("", widths, "widths: up to 1 samples are not read", false);
+    check("", "float[] widths.timeSamples = { 1: [1, 1, 1] }", "", false);
+    let both = "float[] widths.timeSamples = { 1: [1, 1, 1] } float[] widths = [2, 2, 2]";
+    check("", both, "widths: up to 1 samples are not read", false);
+    let order = "token[] xformOpOrder = [\"xformOp:wobble\"]";
+    check("", order, "xformOpOrder|xformOp:wobble: no value that is read", false);
+    // A type that is not read.
+    let value = format!("matrix2d xformOp:wobble = ((1, 0), (0, 1)) {order}");
+    check("", &value, "xformOpOrder|xformOp:wobble: no value that is read", false);
+}
+
+#[test]
+fn lengths_beyond_all_measure_are_told() {
+    let good = curve("linear", "pinned", &up(0.0, 3), "");
+    let long = |y: f32| curve("linear", "pinned", &[[0.0; 3], [0.0, y, 0.0]], "");
+    // 1e15 and twice that, whose squares are no more than 4e30.
+    let found = measured(&curve("linear", "pinned", &[[0.0, -1e15, 0.0], [0.0, 1e15, 0.0]], ""));
+    assert!((found[0].length_cm[1] / 2e15 - 1.0).abs() < 1e-5, "{}", found[0].length_cm[1]);
+    let found = measured(&format!("{good} {}", long(2e19).replace("\"hair\"", "\"long\"")));
+    assert_eq!(found.len(), 1);
+    let told = &found[0].left_out[0];
+    assert!(told.broken && told.path == "/long", "{}", told.in_words());
+    assert!(told.reason.contains("curve 0 was left out") && told.reason.contains("1e15"));
 }
 
 #[test]

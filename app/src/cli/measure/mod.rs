@@ -25,7 +25,7 @@ mod ties;
 mod word;
 mod words;
 
-use super::{Exit, complain, extension_of, print, shown};
+use super::{Exit, complain, ending, extension_of, print, shown};
 use clap::Args;
 use coif_graphs::schedule::files::{DiskFiles, Files};
 use coif_nodes::data::scalp::Scalp;
@@ -127,6 +127,7 @@ pub(crate) const MOST_POINTS: usize = 16_000_000;
 const TOUCH: f32 = 1.02;
 
 pub(crate) fn run(args: MeasureArgs) -> Exit {
+    ending::at_once();
     let refuse = |file: &PathBuf, reason: String| {
         complain(format!("{}: {reason}", shown(file)));
         Exit::Refused
@@ -152,11 +153,13 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
     };
     drop(bytes);
     let left_out: Vec<NotRead> = stage.left_out.iter().map(NotRead::new).collect();
+    // A prim may say that it has none.
+    let is_bald = stage.curves.iter().all(|curves| curves.counts.is_empty());
     // The report says the rest.
-    for what in left_out.iter().filter(|what| what.broken || stage.curves.is_empty()) {
+    for what in left_out.iter().filter(|what| what.broken || is_bald) {
         complain(format!("{}: not read: {}", shown(&args.file), what.in_words()));
     }
-    if stage.curves.is_empty() {
+    if is_bald {
         let none = if left_out.is_empty() {
             "there are no curves in it"
         } else {
@@ -174,6 +177,10 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
     } else {
         all.iter().for_each(|m| print(&words::in_words(m)));
         left_out.iter().for_each(|what| print(&format!("not read: {}", what.in_words())));
+    }
+    if all.iter().all(|m| m.no_curve == m.curves) {
+        complain(format!("{}: there is no curve in it that can be measured", shown(&args.file)));
+        return Exit::Failed;
     }
     if left_out.iter().any(|what| what.broken) { Exit::Failed } else { Exit::Done }
 }

@@ -9,9 +9,11 @@
 //! animation (the first sample counts), instances, and the older container HDF5, which Alembic itself gave up.
 
 use super::super::FormatError;
-use super::super::usd::form::Form;
+use super::super::usd::form::{FARTHEST, Form, is_position};
 use super::super::usd::read::budget::Budget;
-use super::super::usd::read::{ReadCurves, ReadPrimvar, ReadValues, ReadWidths, width_scale};
+use super::super::usd::read::{
+    ReadCurves, ReadPrimvar, ReadValues, ReadWidths, negative_widths, width_scale, wrong_width,
+};
 use super::ogawa::{DATA, OWN_METADATA};
 use glam::{DMat4, DVec3, Vec3};
 use std::cell::Cell;
@@ -57,15 +59,17 @@ pub struct Property<'a> {
 pub enum Kind<'a> {
     /// More properties: see [`Archive::properties`].
     Compound(Place),
-    /// The first sample.
+    /// Values.
     Values {
+        /// How many samples in time there are.
+        samples: u64,
         /// Type of the values, by its number in Alembic: 6 is int32, 10 float32, 11 float64, 12 texts.
         pod: u8,
         /// Values an item has.
         extent: u8,
         /// Whether there is always one item.
         is_scalar: bool,
-        /// The values, little-endian; texts end in NUL.
+        /// Those of the first sample, little-endian; texts end in NUL.
         bytes: &'a [u8],
     },
 }
@@ -195,6 +199,7 @@ impl<'a> Archive<'a> {
         let sample =
             if samples == 0 || group.len() == 0 { &[][..] } else { self.data(group.place(0))? };
         let kind = Kind::Values {
+            samples,
             pod: (info >> 4 & 15) as u8,
             extent: (info >> 12) as u8,
             is_scalar: info & 3 == 1,
@@ -313,8 +318,8 @@ pub fn read_curves(bytes: &[u8]) -> Result<Vec<ReadCurves>, FormatError> {
     let archive = Archive::open(bytes)?;
     let mut budget = Budget::of(FIXED + PER_BYTE * bytes.len() as u64);
     let mut found = vec![];
-    let mut open = vec![(archive.top()?, String::new(), DMat4::IDENTITY)];
-    while let Some((object, path, world)) = open.pop() {
+    let mut open = vec![(archive.top()?, String::new(), DMat4::IDENTITY, false)];
+    while let Some((object, path, world, moves)) = open.pop() {
         let (place, children) = archive.open_object(&object)?;
         let schema = entry(object.metadata, "schema").unwrap_or("");
         let properties = archive.properties(place)?;
@@ -322,18 +327,25 @@ pub fn read_curves(bytes: &[u8]) -> Result<Vec<ReadCurves>, FormatError> {
             Kind::Compound(place) => Some(archive.properties(place)),
             Kind::Values { .. } => None,
         };
-        let mut below = world;
+        let (mut below, mut moves_below) = (world, moves);
         if schema.starts_with("AbcGeom_Xform_") {
             let xform = inner(".xform").unwrap_or(Ok(vec![]))?;
             below = transform(&xform, world).map_err(|reason| FormatError::at(&*path, reason))?;
+            moves_below |= samples(&xform) > 1;
         } else if schema.starts_with("AbcGeom_Curve_") {
             let geom = inner(".geom").unwrap_or(Ok(vec![]))?;
             let shape = CurvesObject { archive: &archive, path: &path, geom, world };
-            found.extend(shape.curves(&mut budget)?);
+            let mut curves = shape.curves(&mut budget)?;
+            if let Some(curves) = curves.as_mut().filter(|_| moves) {
+                curves
+                    .notes
+                    .push("it moves: of a transform above only the first sample is read".into());
+            }
+            found.extend(curves);
         }
         for child in children.into_iter().rev() {
             budget.charge((path.len() + child.name.len() + 1) as u64)?;
-            open.push((child, format!("{path}/{}", child.name), below));
+            open.push((child, format!("{path}/{}", child.name), below, moves_below));
         }
     }
     Ok(found)
@@ -344,6 +356,15 @@ fn values<'a>(properties: &[Property<'a>], name: &str) -> Option<(u8, u8, &'a [u
         Kind::Values { pod, extent, bytes, .. } => Some((pod, extent, bytes)),
         Kind::Compound(_) => None,
     }
+}
+
+/// The most samples that one of the properties has.
+fn samples(properties: &[Property]) -> u64 {
+    let of = |property: &Property| match property.kind {
+        Kind::Values { samples, .. } => samples,
+        Kind::Compound(_) => 0,
+    };
+    properties.iter().map(of).max().unwrap_or(0)
 }
 
 /// The transform of what lies below an Xform.
@@ -428,6 +449,7 @@ impl CurvesObject<'_> {
         if let Some(bad) = points.iter().position(|point| !point.is_finite()) {
             return Err(self.error("P", format!("point {bad} is no finite position")));
         }
+        let is_far = |point: &Vec3| point.is_finite() && !is_position(*point);
         if self.world != DMat4::IDENTITY {
             points.iter_mut().for_each(|point| {
                 *point = self.world.transform_point3(point.as_dvec3()).as_vec3();
@@ -437,6 +459,10 @@ impl CurvesObject<'_> {
                     self.error("P", format!("point {bad} leaves the numbers in world space"))
                 );
             }
+        }
+        if let Some(bad) = points.iter().position(is_far) {
+            let reason = format!("point {bad} is farther off than {FARTHEST:e} cm");
+            return Err(self.error("P", reason));
         }
         let Some((6, 1, counts)) = values(&self.geom, "nVertices") else {
             return Err(self.error("nVertices", "there are no counts of points"));
@@ -460,6 +486,10 @@ impl CurvesObject<'_> {
         )
         .map_err(|reason| self.error("curveBasisAndType", reason))?;
         let mut notes = vec![];
+        let n = samples(&self.geom);
+        if n > 1 {
+            notes.push(format!("it is animated: of {n} samples only the first is read"));
+        }
         let shape = [1, counts.len(), points.len()];
         let mut widths = None;
         if let Some(property) = self.geom.iter().find(|property| property.name == "width") {
@@ -474,9 +504,14 @@ impl CurvesObject<'_> {
                 Ok(_) => notes.push("widths were left out: the values are no numbers".into()),
                 Err(reason) => notes.push(format!("widths were left out: {reason}")),
             }
-            if widths.as_ref().is_some_and(|w| !w.values.iter().all(|w| w.is_finite())) {
-                notes.push("widths were left out: not all are finite numbers".into());
-                widths = None;
+            if let Some(read) = &widths {
+                match wrong_width(&read.values) {
+                    Some(reason) => {
+                        notes.push(format!("widths were left out: {reason}"));
+                        widths = None;
+                    }
+                    None => notes.extend(negative_widths(&read.values)),
+                }
             }
         }
         let mut primvars = vec![];
@@ -646,7 +681,7 @@ mod tests {
         let numbers: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
         let inherits = [inherits];
         let property = |name, pod, bytes| {
-            let kind = Kind::Values { pod, extent: 1, is_scalar: true, bytes };
+            let kind = Kind::Values { samples: 1, pod, extent: 1, is_scalar: true, bytes };
             Property { name, metadata: "", kind }
         };
         let xform = [

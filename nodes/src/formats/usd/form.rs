@@ -6,6 +6,7 @@
 //! Guarantees: every span is exact but for rounding; counts that the documentation does not allow make no curve. Not promised:
 //! anything of `hermite` and `power`, which USD has withdrawn.
 
+use glam::Vec3;
 use std::fmt;
 use std::ops::{Add, Mul, Sub};
 
@@ -40,6 +41,14 @@ pub struct Form {
     pub basis: Basis,
     /// What happens at the ends.
     pub wrap: Wrap,
+}
+
+/// The largest number of a position that is read, cm: what lies farther off has no length in `f32`, whose squares end at 1e38.
+pub const FARTHEST: f32 = 1e15;
+
+/// Whether a point can be measured. No number is none.
+pub fn is_position(point: Vec3) -> bool {
+    point.abs().cmple(Vec3::splat(FARTHEST)).all()
 }
 
 /// Values that can be blended.
@@ -94,7 +103,7 @@ impl Form {
             (Linear, _) | (Bspline | CatmullRom, Pinned) => (points > 1).then(|| points - 1),
             (Bezier, Periodic) => (points > 2 && points.is_multiple_of(3)).then_some(points / 3),
             (Bezier, _) => (points > 3 && points % 3 == 1).then_some(points / 3),
-            (_, Periodic) => (points > 0).then_some(points),
+            (_, Periodic) => (points > 2).then_some(points),
             (_, Nonperiodic) => (points > 3).then(|| points - 3),
         }
     }
@@ -103,10 +112,9 @@ impl Form {
     pub fn counts(self) -> &'static str {
         use Basis::{Bezier, Linear};
         match (self.basis, self.wrap) {
-            (Linear, Wrap::Periodic) => "3 or more",
             (Bezier, Wrap::Periodic) => "3, 6, 9 and so on",
+            (_, Wrap::Periodic) => "3 or more",
             (Bezier, _) => "4, 7, 10 and so on",
-            (_, Wrap::Periodic) => "1 or more",
             (Linear, _) | (_, Wrap::Pinned) => "2 or more",
             _ => "4 or more",
         }

@@ -214,6 +214,7 @@ impl Composer<'_, '_> {
                     }
                     if own.value.is_none() && !own.is_blocked {
                         own.is_blocked = weaker.is_blocked;
+                        own.unread = weaker.unread;
                         if is_curves {
                             own_copies += weaker.value.as_ref().map_or(0, Value::bytes);
                         }

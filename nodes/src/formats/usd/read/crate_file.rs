@@ -451,11 +451,19 @@ impl<'a, 'b> CrateFile<'a, 'b> {
             }
         }
         attribute.value = match (default, samples) {
-            (Some(value), _) => {
+            (Some(value), samples) => {
                 attribute.is_blocked = (value >> 48) as u8 == kind::VALUE_BLOCK;
+                attribute.unread = match samples {
+                    Some(samples) => self.samples(samples)?.0.len() as u64,
+                    None => 0,
+                };
                 self.value(value)?
             }
-            (None, Some(samples)) => self.earliest_sample(samples)?,
+            (None, Some(samples)) => {
+                let (earliest, n) = self.earliest_sample(samples)?;
+                attribute.unread = n.saturating_sub(1);
+                earliest
+            }
             (None, None) => None,
         };
         Ok(attribute)
@@ -667,26 +675,31 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         Ok(texts)
     }
 
-    /// `jump → times, jump → count, values`: the value of the lowest time.
-    fn earliest_sample(&mut self, value: u64) -> Result<Option<Value>, FormatError> {
-        if (value >> 48) as u8 != kind::TIME_SAMPLES || value & INLINED != 0 {
-            return Ok(None);
-        }
+    /// The value at the earliest time, and how many there are.
+    fn earliest_sample(&mut self, value: u64) -> Result<(Option<Value>, u64), FormatError> {
+        let (times, mut values) = self.samples(value)?;
+        let earliest = (0..times.len()).min_by(|&a, &b| times[a].total_cmp(&times[b]));
+        let Some(earliest) = earliest else { return Ok((None, 0)) };
+        values.take(8 * earliest as u64)?;
+        let value = values.u64()?;
+        Ok((self.value(value)?, times.len() as u64))
+    }
+
+    /// `jump → times, jump → count, values`: times of samples, and where their values begin.
+    fn samples(&mut self, value: u64) -> Result<(Vec<f64>, Cursor<'a>), FormatError> {
         let mut cursor = self.at(value);
+        if (value >> 48) as u8 != kind::TIME_SAMPLES || value & INLINED != 0 {
+            return Ok((vec![], cursor));
+        }
         cursor.jump()?;
         let times = cursor.u64()?;
         cursor.jump()?;
         let count = cursor.u64()?;
         let mut times_cursor = self.at(times);
         let n_times = times_cursor.u64()?;
-        let times: Vec<f64> = self.pod(&mut times_cursor, n_times)?;
-        let earliest = (0..times.len()).min_by(|&a, &b| times[a].total_cmp(&times[b]));
-        let Some(earliest) = earliest.filter(|&index| (index as u64) < count) else {
-            return Ok(None);
-        };
-        cursor.take(8 * earliest as u64)?;
-        let value = cursor.u64()?;
-        self.value(value)
+        let mut times: Vec<f64> = self.pod(&mut times_cursor, n_times)?;
+        times.truncate(usize::try_from(count).unwrap_or(usize::MAX));
+        Ok((times, cursor))
     }
 }
 

@@ -5,11 +5,11 @@
 //! out with a note.
 
 use super::super::super::FormatError;
-use super::super::form::Form;
+use super::super::form::{FARTHEST, Form, is_position};
 use super::ReadCurves;
 use super::budget::Budget;
 use super::tree::{Attribute, Value};
-use super::values::{ReadPrimvar, ReadValues, ReadWidths, Shape, Unresolved};
+use super::values::{ReadPrimvar, ReadValues, ReadWidths, Shape, Unresolved, is_interpolation};
 use super::world::World;
 use glam::{DMat4, Vec3};
 
@@ -150,6 +150,9 @@ impl<'a> CurvesPrim<'a> {
             Ok(None)
         };
         let interpolation = interpolation.unwrap_or_else(|| default.into());
+        if !is_interpolation(&interpolation) {
+            return left_out(format!("curves have no {interpolation:?} interpolation"));
+        }
         // Files state one width for all without saying "constant", and renderers take it so.
         let interpolation = match value.len() {
             1 if indices.is_none() => "constant".into(),
@@ -167,11 +170,12 @@ impl<'a> CurvesPrim<'a> {
         };
         let scale = self.world.width_scale();
         values.iter_mut().for_each(|width| *width = (*width as f64 * scale) as f32);
-        match values.iter().position(|width| !width.is_finite()) {
-            Some(index) => {
-                left_out(format!("width {index} is {}, no finite number", values[index]))
+        match wrong_width(&values) {
+            Some(reason) => left_out(reason),
+            None => {
+                notes.extend(negative_widths(&values));
+                Ok(Some(ReadWidths { interpolation, values }))
             }
-            None => Ok(Some(ReadWidths { interpolation, values })),
         }
     }
 
@@ -211,7 +215,29 @@ impl<'a> CurvesPrim<'a> {
     }
 }
 
-/// Which curves have a point that is no position.
+/// Why widths cannot be measured; none where they can.
+pub(in crate::formats) fn wrong_width(widths: &[f32]) -> Option<String> {
+    let wrong = |width: &f32| !width.is_finite() || width.abs() > FARTHEST;
+    let index = widths.iter().position(wrong)?;
+    let what = match widths[index].is_finite() {
+        true => format!("more than {FARTHEST:e} cm"),
+        false => "no finite number".to_owned(),
+    };
+    Some(format!("width {index} is {}, {what}", widths[index]))
+}
+
+/// What there is to say of widths below zero, which no hair has.
+pub(in crate::formats) fn negative_widths(widths: &[f32]) -> Option<String> {
+    let index = widths.iter().position(|width| *width < 0.0)?;
+    let n = widths.iter().filter(|width| **width < 0.0).count();
+    Some(format!(
+        "{n} of {} widths are negative, which no curve has: width {index} is {} cm",
+        widths.len(),
+        widths[index]
+    ))
+}
+
+/// Which curves have a point that is no position, or none that can be measured.
 struct Bad {
     is_sound: Vec<bool>,
     faults: Vec<String>,
@@ -223,20 +249,24 @@ const MOST_FAULTS: usize = 10;
 impl Bad {
     fn of(counts: &[u32], points: &[Vec3]) -> Self {
         let mut out = Self { is_sound: Vec::new(), faults: Vec::new() };
-        if points.iter().all(|point| point.is_finite()) {
+        if points.iter().all(|point| is_position(*point)) {
             return out;
         }
         let (mut first, mut more) = (0, 0);
         for (curve, count) in counts.iter().enumerate() {
             let own = &points[first..first + *count as usize];
             first += own.len();
-            let bad = own.iter().position(|point| !point.is_finite());
+            let bad = own.iter().position(|point| !is_position(*point));
             out.is_sound.push(bad.is_none());
             let Some(at) = bad else { continue };
             if out.faults.len() < MOST_FAULTS {
                 let Vec3 { x, y, z } = own[at];
+                let what = match own[at].is_finite() {
+                    true => format!("farther off than {FARTHEST:e} cm"),
+                    false => "no finite position".to_owned(),
+                };
                 out.faults.push(format!(
-                    "points: curve {curve} was left out: its point {at} is ({x}, {y}, {z}), no finite position"
+                    "points: curve {curve} was left out: its point {at} is ({x}, {y}, {z}), {what}"
                 ));
             } else {
                 more += 1;

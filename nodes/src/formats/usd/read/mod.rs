@@ -29,6 +29,7 @@ use tree::Stage;
 pub use values::{ReadPrimvar, ReadValues, ReadWidths};
 use world::World;
 
+pub(in crate::formats) use curves::{negative_widths, wrong_width};
 pub(in crate::formats) use world::width_scale;
 
 /// What a file has of curves.
@@ -106,7 +107,17 @@ fn gather(
     let centimetres_from_stage = centimetres_from_stage(&stage)?;
     let worlds = World::of_prims(&stage, centimetres_from_stage, budget)?;
     let mut found = Vec::new();
+    if let Some(axis) = stage.up_axis.as_deref().filter(|axis| !matches!(*axis, "Y" | "Z")) {
+        told.leave_out(LeftOut {
+            path: "/".into(),
+            kind: "upAxis".into(),
+            asset: String::new(),
+            reason: format!("{axis:?} is none of \"Y\", \"Z\"; Y was taken"),
+            is_broken: true,
+        });
+    }
     for (index, world) in worlds.iter().enumerate() {
+        tell_unread(&stage, index, &mut told, budget)?;
         if stage.prims[index].type_name != "BasisCurves" {
             continue;
         }
@@ -136,6 +147,56 @@ fn gather(
         }
     }
     Ok(ReadStage { curves: found, left_out: told.all() })
+}
+
+/// Tells which values of a prim have samples in time that are not read, and which transform operations do nothing.
+fn tell_unread(
+    stage: &Stage,
+    index: usize,
+    told: &mut Told,
+    budget: &mut budget::Budget,
+) -> Result<(), FormatError> {
+    let prim = &stage.prims[index];
+    let animated: Vec<&tree::Attribute> =
+        prim.attributes.iter().filter(|attribute| attribute.unread > 0).collect();
+    let idle = world::operations_without_value(prim);
+    if animated.is_empty() && idle.is_empty() {
+        return Ok(());
+    }
+    if told.is_full() {
+        told.more += usize::from(!animated.is_empty()) + usize::from(!idle.is_empty());
+        return Ok(());
+    }
+    let path = stage.path(index, budget)?;
+    let mut leave_out = |kind: &str, reason: String| {
+        let (path, kind) = (path.clone(), kind.to_owned());
+        told.leave_out(LeftOut { path, kind, asset: String::new(), reason, is_broken: false });
+    };
+    if let Some(most) = animated.iter().map(|attribute| attribute.unread).max() {
+        let names = listed(animated.iter().map(|attribute| attribute.name.as_str()));
+        leave_out(
+            "time samples",
+            format!(
+                "{names}: up to {most} samples are not read; the default counts, else the earliest"
+            ),
+        );
+    }
+    if !idle.is_empty() {
+        let names = listed(idle.into_iter());
+        leave_out("xformOpOrder", format!("{names}: no value that is read, so nothing is done"));
+    }
+    Ok(())
+}
+
+/// The first few names.
+fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    const MOST: usize = 8;
+    let clipped = |name: &'a str| name.chars().take(64).collect::<String>();
+    let mut all: Vec<String> = names.take(MOST + 1).map(clipped).collect();
+    if all.len() > MOST {
+        all[MOST] = "more".to_owned();
+    }
+    all.join(", ")
 }
 
 /// What is left out, bounded.

@@ -507,10 +507,15 @@ impl<'a> Parser<'a, '_> {
         let spec = self.open.last().map_or(0, |open| open.spec);
         let is_wanted = is_wanted(&self.layer.specs[spec].type_name, name);
         let kind = value_type(base).filter(|_| is_wanted);
+        let mut samples = 0;
         let value = match (self.eat(b'='), kind, suffix) {
             (false, _, _) => None,
             (true, Some(kind), "default") => Some(self.value(kind, is_array)?),
-            (true, Some(kind), "timeSamples") => Some(self.earliest_sample(kind, is_array)?),
+            (true, Some(kind), "timeSamples") => {
+                let (earliest, n) = self.earliest_sample(kind, is_array)?;
+                samples = n;
+                Some(earliest)
+            }
             _ => {
                 self.skip_value()?;
                 None
@@ -533,6 +538,11 @@ impl<'a> Parser<'a, '_> {
         }
         // The default counts, wherever it stands.
         let Some(value) = value else { return Ok(()) };
+        // Of samples alone the earliest is read.
+        let was_sample = suffix == "default" && !*has_default && attribute.value.is_some();
+        let is_sample = suffix != "default" && !*has_default;
+        attribute.unread += samples + u64::from(was_sample);
+        attribute.unread -= u64::from(is_sample && samples > 0);
         if suffix == "default" || !*has_default {
             attribute.is_blocked = value.is_none();
             attribute.value = value;
@@ -573,15 +583,18 @@ impl<'a> Parser<'a, '_> {
 
     // ---- values ------------------------------------------------------------------------------
 
+    /// The value at the earliest time, and how many there are.
     fn earliest_sample(
         &mut self,
         kind: (Scalar, usize),
         is_array: bool,
-    ) -> Result<Option<Value>, FormatError> {
+    ) -> Result<(Option<Value>, u64), FormatError> {
+        let mut samples = 0;
         self.expect(b'{')?;
         let mut earliest: Option<(f64, Option<Value>)> = None;
         while !self.eat(b'}') {
             let time: f64 = self.number()?;
+            samples += 1;
             self.expect(b':')?;
             if earliest.as_ref().is_none_or(|(earliest, _)| time < *earliest) {
                 earliest = Some((time, self.value(kind, is_array)?));
@@ -590,7 +603,7 @@ impl<'a> Parser<'a, '_> {
             }
             self.eat(b',');
         }
-        Ok(earliest.and_then(|(_, value)| value))
+        Ok((earliest.and_then(|(_, value)| value), samples))
     }
 
     /// A value of a type; `None` for a blocked one.

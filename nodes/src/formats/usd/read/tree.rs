@@ -129,6 +129,8 @@ pub(super) struct Attribute {
     pub(super) value: Option<Value>,
     /// It is said to have no value, whatever weaker layers say.
     pub(super) is_blocked: bool,
+    /// How many samples in time it has beside its value.
+    pub(super) unread: u64,
 }
 
 /// A value or an array; a single value is an array of one.

@@ -72,6 +72,11 @@ impl Shape {
     }
 }
 
+/// Whether values of curves can be spread so.
+pub(super) fn is_interpolation(name: &str) -> bool {
+    matches!(name, "constant" | "uniform" | "vertex" | "varying" | "faceVarying")
+}
+
 /// A primvar before its indices are applied.
 pub(super) struct Unresolved {
     pub(super) name: String,

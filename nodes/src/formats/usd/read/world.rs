@@ -86,6 +86,17 @@ fn find<'a>(prim: &'a Prim, name: &str) -> Option<&'a Attribute> {
     prim.attributes.iter().find(|attribute| attribute.name == name)
 }
 
+/// The transform operations that a prim lists and says no value of that is read: they do nothing, in USD where there is none.
+pub(super) fn operations_without_value(prim: &Prim) -> Vec<&str> {
+    let order = find(prim, "xformOpOrder").and_then(|attribute| attribute.value.as_ref());
+    let Some(Value::Texts(order)) = order else { return vec![] };
+    let names = order.iter().filter(|name| *name != "!resetXformStack!").take(MOST_OPERATIONS);
+    let plain = names.map(|name| name.strip_prefix("!invert!").unwrap_or(name));
+    plain
+        .filter(|name| find(prim, name).is_none_or(|a| a.value.is_none() && !a.is_blocked))
+        .collect()
+}
+
 /// The transform a prim states itself.
 struct Local {
     parent_from_local: DMat4,
