@@ -302,9 +302,8 @@ impl Maker<'_> {
         // A ball about each of its points holds no skin: what is in it need not be asked about.
         let mut clear = vec![(Vec3::ZERO, 0.0); each];
         if let Some(skin) = &self.skin {
-            let radii = skin.clear_along((0..each).map(at));
-            for (k, radius) in radii.enumerate().filter(|(k, _)| depths[*k] == 0.0) {
-                let sure = (radius - SURE).max(0.0);
+            for k in (0..each).filter(|k| depths[*k] == 0.0) {
+                let sure = (skin.clear_about(at(k)) - SURE).max(0.0);
                 clear[k] = (at(k), sure * sure);
             }
         }

@@ -6,6 +6,7 @@
 
 use super::chart::Chart;
 use super::sections::Sections;
+use super::spread::Spread;
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::distance_field::{Depth, DistanceField};
 use crate::maths::frame::round_about;
@@ -113,6 +114,7 @@ struct Head {
     masks: BTreeMap<String, Vec<f32>>,
     field: OnceLock<DistanceField>,
     folded: OnceLock<bool>,
+    spread: OnceLock<Spread>,
     chart: OnceLock<Chart>,
 }
 
@@ -145,12 +147,20 @@ impl Scalp {
         for (name, mask) in &masks {
             key = key.text(name).column(mask);
         }
-        let (field, folded, chart) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
         Self {
             key: key.finish(),
             cm_per_unit: 1.0,
             parts: Arc::default(),
-            head: Arc::new(Head { surface, uvs, frame, masks, field, folded, chart }),
+            head: Arc::new(Head {
+                surface,
+                uvs,
+                frame,
+                masks,
+                field: OnceLock::new(),
+                folded: OnceLock::new(),
+                spread: OnceLock::new(),
+                chart: OnceLock::new(),
+            }),
             sections: None,
         }
     }
@@ -207,6 +217,10 @@ impl Scalp {
         let mirrored = (border - back).max(0.2 * border);
         let near = self.closest_root(centre.lerp(root.point, mirrored));
         near.filter(|near| at_home(near.point)).unwrap_or(kept)
+    }
+    /// The region as a line on which places are spread, made when first asked for.
+    pub(crate) fn spread(&self) -> &Spread {
+        self.head.spread()
     }
     /// The scalp as a flat map, made when first asked for.
     pub fn chart(&self) -> &Chart {
@@ -308,6 +322,7 @@ impl Scalp {
         vertices
             + self.head.surface.triangles.len() * 150
             + self.head.field.get().map_or(0, DistanceField::bytes)
+            + self.head.spread.get().map_or(0, Spread::bytes)
             + self.head.chart.get().map_or(0, Chart::bytes)
     }
 }
@@ -327,35 +342,33 @@ pub struct Skin<'a> {
 }
 
 impl Head {
+    fn spread(&self) -> &Spread {
+        self.spread.get_or_init(|| Spread::new(&self.surface, &self.masks[REGION]))
+    }
+
     /// See [`Skin::is_folded`].
     fn is_folded(&self) -> bool {
-        let (surface, region) = (&self.surface, &self.masks[REGION]);
-        let area = |t: u32| {
-            let [a, b, c] = surface.triangles[t as usize].map(|v| region[v as usize]);
-            f64::from(surface.area_vector(t).length()) * f64::from(a.max(b).max(c).min(1.0))
+        let (surface, reach) = (&self.surface, FACED * self.frame.unit());
+        let places = (0..LOOKS).filter_map(|k| {
+            let along = (2 * k + 1) * (u32::MAX / (2 * LOOKS));
+            Some(self.spread().place(along)?.0)
+        });
+        let is_faced = |triangle: u32| {
+            let (from, out) =
+                (surface.at(triangle, Vec2::splat(1.0 / 3.0)), surface.face_normal(triangle));
+            surface.ray_meets(from + out * (0.01 * reach), out, reach)
         };
-        let areas = surface.order().iter().map(|t| (*t, area(*t))).filter(|(_, a)| a.is_finite());
-        let areas: Vec<(u32, f64)> = areas.collect();
-        let each = areas.iter().map(|(_, area)| area).sum::<f64>() / LOOKS;
-        let (mut sum, mut next) = (0.0, 0.5 * each);
         let (mut looks, mut faced) = (0, 0);
-        for (triangle, area) in areas {
-            sum += area;
-            while sum > next {
-                next += each;
-                let (from, out) =
-                    (surface.at(triangle, Vec2::splat(1.0 / 3.0)), surface.face_normal(triangle));
-                let reach = FACED * self.frame.unit();
-                looks += 1;
-                faced += u32::from(surface.ray_meets(from + out * (0.01 * reach), out, reach));
-            }
-        }
+        places.for_each(|triangle| {
+            looks += 1;
+            faced += u32::from(is_faced(triangle));
+        });
         2 * faced > looks
     }
 }
 
-/// At about so many places of the region one looks whether skin is faced.
-const LOOKS: f64 = 400.0;
+/// At so many places of the region one looks whether skin is faced.
+const LOOKS: u32 = 400;
 /// Skin nearer than this, in head units, is faced.
 const FACED: f32 = HEAD_RADIUS;
 
@@ -411,18 +424,13 @@ impl Skin<'_> {
         }
     }
 
-    /// How far each of these points, one near the other, is outside the skin, cm; 0 of those inside. Exact, and no cell of the field is
-    /// made for it: a ball so large about the point holds no skin.
-    pub fn clear_along(&self, points: impl Iterator<Item = Vec3>) -> impl Iterator<Item = f32> {
-        let mut near = None;
-        points.map(move |p| {
-            let hit = match near {
-                Some(near) => self.surface.closest_from(p, near),
-                None => self.surface.closest(p),
-            };
-            near = hit.map(|hit| hit.triangle).or(near);
-            hit.map_or(0.0, |hit| self.surface.signed_distance(p, &hit).max(0.0))
-        })
+    /// The radius (cm) of a ball about `p` that holds no skin: how far it is outside, up to the field's band where that is all that is
+    /// known without looking; 0 inside. No cell of the field is made for it.
+    pub fn clear_about(&self, p: Vec3) -> f32 {
+        if self.field.is_beyond(self.surface, p) {
+            return self.field.band();
+        }
+        self.exact(p).map_or(0.0, |(d, _)| d.max(0.0))
     }
 
     /// What the field alone says about `p`: distance, the way out (zero where that is not known), and how far the distance may

@@ -1,16 +1,15 @@
 //! Roots spread evenly over the scalp region: an endless list of which every start is even.
 //!
-//! Triangles are put in an order in which neighbours are near ([`crate::maths::triangle_order`]), and the curve that visits them so
-//! is continued within each triangle by bisection, so that one number from 0 to 1 tells a place and equal lengths have equal
-//! area. Numbers then come from van der Corput's sequence with its digits scrambled (Owen 1995), which spreads
-//! over any start of it. Where the region is soft, a place counts with the region's value as its chance.
+//! The curve that visits all triangles ([`crate::data::spread`]) is continued within each by bisection, so that one number from 0 to 1
+//! tells a place and equal lengths have equal area. Numbers then come from van der Corput's sequence with its digits scrambled
+//! (Owen 1995), which spreads over any start of it. Where the region is soft, a place counts with the region's value as its chance.
 //!
 //! Guarantees: the list depends on scalp, seed and nothing else; as many places a cm2 everywhere that the region is 1, to half a
 //! percent. The same head from another file, in another unit or pose, whose coordinates differ in their last bits, has nearly all roots
-//! in the same places: the order knows no coordinates, and areas are counted in whole shares, so that what is rounded elsewhere
-//! is not carried along the curve.
+//! in the same places.
 
 use crate::data::scalp::{Root, Scalp};
+use crate::data::spread::{Spread, highest};
 use crate::maths::hash::{Dice, mix};
 use glam::{Vec2, Vec3};
 
@@ -18,71 +17,21 @@ use glam::{Vec2, Vec3};
 pub(crate) struct EvenRoots<'a> {
     scalp: &'a Scalp,
     dice: Dice,
-    /// Triangles with any region, in their order along the curve, and the shares of the curve up to and with each.
-    triangles: Vec<u32>,
-    ends: Vec<u32>,
-    /// For each of `2^bits` equal pieces of the curve the number of the first triangle that it may touch, and all of them at the end:
-    /// a place is looked for among the few of its piece.
-    pieces: Vec<u32>,
-    bits: u32,
-    area: f64,
+    spread: &'a Spread,
 }
 
 /// Halvings within a triangle: beyond that a place is exact to a few thousandths of its edge.
 const HALVINGS: u32 = 18;
-/// A stretch of the curve has at least so many steps, of which all stretches have [`STEPS`] or a few more or less. Within a stretch
-/// triangles share what it has, to a [`SHARES`]th of a step.
-const STRETCH: f64 = 128.0;
-const STEPS: f64 = 16384.0;
-const SHARES: u32 = 8;
 
 impl<'a> EvenRoots<'a> {
     pub(crate) fn new(scalp: &'a Scalp, dice: Dice) -> Self {
-        let (surface, region) = (scalp.surface(), scalp.region());
-        let counts = |t: u32| {
-            let area = 0.5 * f64::from(surface.area_vector(t).length());
-            area * f64::from(highest(scalp, region, t))
-        };
-        let order = surface.order().iter().map(|t| (*t, counts(*t)));
-        let order: Vec<(u32, f64)> = order.filter(|(_, c)| c.is_finite() && *c > 0.0).collect();
-        let area: f64 = order.iter().map(|(_, area)| area).sum();
-        let (mut triangles, mut sums) = (Vec::with_capacity(order.len()), vec![]);
-        let mut ends = Vec::with_capacity(order.len());
-        let (step, mut start) = (area / STEPS, 0);
-        for (triangle, area) in &order {
-            triangles.push(*triangle);
-            sums.push(sums.last().copied().unwrap_or(0.0) + area);
-            let sum = sums[sums.len() - 1];
-            if sum >= STRETCH * step || triangles.len() == order.len() {
-                // Up or down by chance, so that the sum is right.
-                let chance =
-                    f64::from(dice.unit(2, u64::from(triangles[triangles.len() - sums.len()])));
-                let steps = (sum / step + chance) as u32;
-                let shares = f64::from(steps * SHARES) / sum;
-                ends.extend(
-                    sums.drain(..).map(|sum| start + (sum * shares).round_ties_even() as u32),
-                );
-                start += steps * SHARES;
-            }
-        }
-        let bits = (ends.len().max(2) as u32).ilog2().min(20);
-        let mut even = Self { scalp, dice, triangles, ends, pieces: vec![], bits, area };
-        let mut slot = 0;
-        for piece in 0..1u32 << bits {
-            let (at, _) = even.at(piece << (32 - bits));
-            while even.ends.get(slot).is_some_and(|end| *end <= at) {
-                slot += 1;
-            }
-            even.pieces.push(slot as u32);
-        }
-        even.pieces.push(even.ends.len() as u32);
-        even
+        Self { scalp, dice, spread: scalp.spread() }
     }
 
     /// How many places the list has to be asked for one a cm2, cm2: the region's area, a soft triangle counted with
     /// its highest corner.
     pub(crate) fn area(&self) -> f64 {
-        self.area
+        self.spread.area()
     }
 
     /// How far along the curve the `i`-th place of the list lies, in 2^-32 of it. Places that lie near each other on the curve do so on
@@ -92,29 +41,13 @@ impl<'a> EvenRoots<'a> {
         scrambled(i, self.dice.bits(0, 0))
     }
 
-    /// In which share of the curve a place lies, and how far in it, in 2^-32.
-    #[inline]
-    fn at(&self, along: u32) -> (u32, u32) {
-        let all = self.ends.last().copied().unwrap_or(0);
-        let at = u64::from(along) * u64::from(all);
-        ((at >> 32) as u32, at as u32)
-    }
-
     /// The `i`-th place of the list; none where the soft edge of the region leaves it out, or without any region.
     pub(crate) fn get(&self, i: u32) -> Option<(u32, Vec2)> {
-        let along = self.along(i);
-        let (share, rest) = self.at(along);
-        let piece = (along >> (32 - self.bits)) as usize;
-        let (from, to) = (self.pieces[piece] as usize, self.pieces[piece + 1] as usize);
-        let slot = from + self.ends[from..to].partition_point(|end| *end <= share);
-        let triangle = *self.triangles.get(slot)?;
-        let before = if slot > 0 { self.ends[slot - 1] } else { 0 };
-        let far = f64::from(share - before) + f64::from(rest) * (1.0 / 4_294_967_296.0);
-        let fraction = far / f64::from(self.ends[slot] - before);
+        let (triangle, fraction) = self.spread.place(self.along(i))?;
         let bary = within((fraction * f64::from(1u32 << HALVINGS)) as u32);
         let region = self.scalp.region();
-        let share =
-            self.scalp.mask_at(region, triangle, bary) / highest(self.scalp, region, triangle);
+        let highest = highest(region, self.scalp.surface().triangles[triangle as usize]);
+        let share = self.scalp.mask_at(region, triangle, bary) / highest;
         (share >= 1.0 || self.dice.unit(1, u64::from(i)) < share).then_some((triangle, bary))
     }
 
@@ -124,11 +57,6 @@ impl<'a> EvenRoots<'a> {
         let root = self.scalp.root(triangle, bary);
         self.scalp.free(root.point).then_some(root)
     }
-}
-
-fn highest(scalp: &Scalp, region: &[f32], triangle: u32) -> f32 {
-    let [a, b, c] = scalp.surface().triangles[triangle as usize].map(|v| region[v as usize]);
-    a.max(b).max(c).min(1.0)
 }
 
 /// Van der Corput's sequence in base 2 as a 32-bit fraction, scrambled digit by digit in dependence of the digits

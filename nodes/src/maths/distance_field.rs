@@ -65,6 +65,8 @@ struct Near {
     /// The triangle that its middle is closest to, and how far outside that its middle is, cm.
     triangle: u32,
     distance: f32,
+    /// Which way is out from there: 1 where it is along an axis, 0 where it is against it.
+    outward: IVec3,
     bricks: [OnceLock<Box<Brick>>; 8],
 }
 
@@ -207,8 +209,8 @@ impl DistanceField {
             return true;
         }
         let brick = block.bricks[which(i)].get_or_init(|| Brick::new(block.triangle));
-        let corner = (q + 0.5).as_ivec3();
-        [middle(BRICK), corner.min((i | 3) + 1)].into_iter().any(|cells| {
+        // Of a cell's corners that which lies outward tells most.
+        [middle(BRICK), i + block.outward].into_iter().any(|cells| {
             let [x, y, z] = (cells - (i & !3)).to_array().map(|k| k as usize);
             let sample = &brick.samples[(z * SIDE + y) * SIDE + x];
             let mut distance = f32::from_bits(sample.load(Ordering::Relaxed));
@@ -220,6 +222,11 @@ impl DistanceField {
             }
             clears(distance, cells)
         })
+    }
+
+    /// Whether all about `p` is farther outside than the band. False says nothing.
+    pub fn is_beyond(&self, surface: &Surface, p: Vec3) -> bool {
+        matches!(self.place(surface, p), Place::Outside)
     }
 
     /// A triangle that is near `p`; none where none is. Makes no cell.
@@ -286,9 +293,12 @@ impl DistanceField {
             let inside = surface.signed_distance(middle, &hit) < 0.0;
             return if inside { Block::Inside } else { Block::Outside };
         }
+        let distance = surface.signed_distance(middle, &hit);
+        let outward = (middle - hit.point) * distance;
         Block::Near(Box::new(Near {
             triangle: hit.triangle,
-            distance: surface.signed_distance(middle, &hit),
+            distance,
+            outward: outward.to_array().map(|x| i32::from(x > 0.0)).into(),
             bricks: [const { OnceLock::new() }; 8],
         }))
     }
