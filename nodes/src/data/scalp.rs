@@ -363,7 +363,7 @@ impl Head {
             looks += 1;
             faced += u32::from(is_faced(triangle));
         });
-        2 * faced > looks
+        4 * faced > looks
     }
 }
 
@@ -392,8 +392,8 @@ impl Skin<'_> {
         }
     }
 
-    /// Whether more than half of the scalp region has other skin before it, within the radius of a head, as crumpled cloth,
-    /// leaves or many layers have and heads have not: there hair that the skin tears has no way round.
+    /// Whether more than a quarter of the scalp region has other skin before it, within the radius of a head, as crumpled cloth,
+    /// leaves, many layers or a whole dressed figure have (heads have 2 %): there hair that the skin tears has no way round.
     pub fn is_folded(&self) -> bool {
         *self.head.folded.get_or_init(|| self.head.is_folded())
     }

@@ -229,7 +229,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = Scalp::new(surface, uvs, frame, masks);
     if scalp.skin().is_folded() {
         cx.remark(format!(
-            "more than half of the region faces other skin within {:.0} cm: among so many folds hair is pushed out of the skin, but not led round it",
+            "more than a quarter of the region faces other skin within {:.0} cm: among so many folds hair is pushed out of the skin, but not led round it",
             frame.radius
         ));
     }
