@@ -430,7 +430,8 @@ impl Skin<'_> {
         if self.field.is_beyond(self.surface, p) {
             return self.field.band();
         }
-        self.exact(p).map_or(0.0, |(d, _)| d.max(0.0))
+        let side = self.closest(p).map(|hit| self.surface.side(p, &hit));
+        side.filter(|(_, sure)| *sure).map_or(0.0, |(d, _)| d.max(0.0))
     }
 
     /// What the field alone says about `p`: distance, the way out (zero where that is not known), and how far the distance may
