@@ -383,6 +383,24 @@ fn whoever_asks_it_to_end_is_heard_in_the_midst_of_what_cannot_look() {
 }
 
 #[test]
+fn that_nobody_hears_what_is_said_changes_nothing() {
+    let Some(folder) = prepared("unheard", &[]) else { return };
+    let Ok(full) = fs::OpenOptions::new().write(true).open("/dev/full") else { return };
+    let check = |words: &str, code: i32| {
+        let mut command = coif();
+        command.args(words.split(' ')).current_dir(folder.path("")).stdout(Stdio::null());
+        let ended = command.stderr(full.try_clone().unwrap()).status().unwrap();
+        assert_eq!(ended.code(), Some(code), "{words}");
+    };
+    check("eval g.ron --out a.usda", 0);
+    assert!(fs::read(folder.path("a.usda")).unwrap().starts_with(b"#usda"));
+    // A warning, and an error with its report.
+    check("eval g.ron --out a.usda --threads 65536", 0);
+    check("eval none.ron --report r.json", 2);
+    check("measure none.usda", 2);
+}
+
+#[test]
 fn a_limit_on_files_is_a_failed_write() {
     let Some(folder) = prepared("limit", &[File("a.usda", 0o644)]) else { return };
     let before = seen(&folder);

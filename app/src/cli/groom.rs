@@ -9,7 +9,7 @@ use super::measure::MOST_POINTS;
 use super::memory;
 use super::progress::Bar;
 use super::report::{ContentHash, Head, Output, Report};
-use super::{Exit, complain};
+use super::{Exit, complain, tell};
 use crate::files::{Role, Together};
 use clap::{Args, ValueEnum};
 use coif_graphs::document::graph::{Fault, Severity, check_for, upstream};
@@ -125,7 +125,7 @@ pub(crate) fn carry_out(
     let made =
         begin(graph, report_to, &mut files).and_then(|()| body(&cancel, &mut report, &mut files));
     for warning in &report.warnings {
-        eprintln!("coif: warning: {warning}");
+        complain(format_args!("warning: {warning}"));
     }
     for output in &report.outputs {
         output.hash.wait();
@@ -143,7 +143,7 @@ pub(crate) fn carry_out(
     });
     let Err(Stop(exit, mut errors)) = ended else {
         if report_to.is_none() {
-            eprintln!("{}", summary(&report));
+            tell(summary(&report));
         }
         return Exit::Done;
     };

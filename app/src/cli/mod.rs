@@ -146,7 +146,13 @@ fn free_name(stem: &str, ending: &str) -> String {
 
 /// Tells a person what is wrong.
 fn complain(text: impl std::fmt::Display) {
-    eprintln!("coif: {text}");
+    tell(format_args!("coif: {text}"));
+}
+
+/// Says something to whoever watches; that nobody listens any more, or that there is no room for it, ends nothing.
+fn tell(text: impl std::fmt::Display) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
 /// Prints a line of data; a reader that went away is no error of ours.

@@ -214,8 +214,8 @@ impl Shape {
     }
 }
 
-/// What a ball without skin is taken to be smaller by, cm: so near to skin, its back would count.
-const SURE: f32 = 0.2;
+/// What a ball without skin is taken to be smaller by, cm, for what is rounded.
+const SURE: f32 = 1e-3;
 
 /// A point as compilers take all of it at once; the last number is nothing.
 type Lanes = [f32; 4];

@@ -6,7 +6,6 @@
 
 use super::chart::Chart;
 use super::sections::Sections;
-use super::spread::Spread;
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::distance_field::{Depth, DistanceField};
 use crate::maths::frame::round_about;
@@ -114,7 +113,6 @@ struct Head {
     masks: BTreeMap<String, Vec<f32>>,
     field: OnceLock<DistanceField>,
     folded: OnceLock<bool>,
-    spread: OnceLock<Spread>,
     chart: OnceLock<Chart>,
 }
 
@@ -158,7 +156,6 @@ impl Scalp {
                 masks,
                 field: OnceLock::new(),
                 folded: OnceLock::new(),
-                spread: OnceLock::new(),
                 chart: OnceLock::new(),
             }),
             sections: None,
@@ -217,10 +214,6 @@ impl Scalp {
         let mirrored = (border - back).max(0.2 * border);
         let near = self.closest_root(centre.lerp(root.point, mirrored));
         near.filter(|near| at_home(near.point)).unwrap_or(kept)
-    }
-    /// The region as a line on which places are spread, made when first asked for.
-    pub(crate) fn spread(&self) -> &Spread {
-        self.head.spread()
     }
     /// The scalp as a flat map, made when first asked for.
     pub fn chart(&self) -> &Chart {
@@ -322,7 +315,6 @@ impl Scalp {
         vertices
             + self.head.surface.triangles.len() * 150
             + self.head.field.get().map_or(0, DistanceField::bytes)
-            + self.head.spread.get().map_or(0, Spread::bytes)
             + self.head.chart.get().map_or(0, Chart::bytes)
     }
 }
@@ -342,27 +334,28 @@ pub struct Skin<'a> {
 }
 
 impl Head {
-    fn spread(&self) -> &Spread {
-        self.spread.get_or_init(|| Spread::new(&self.surface, &self.masks[REGION]))
-    }
-
     /// See [`Skin::is_folded`].
     fn is_folded(&self) -> bool {
-        let (surface, reach) = (&self.surface, FACED * self.frame.unit());
-        let places = (0..LOOKS).filter_map(|k| {
-            let along = (2 * k + 1) * (u32::MAX / (2 * LOOKS));
-            Some(self.spread().place(along)?.0)
-        });
-        let is_faced = |triangle: u32| {
-            let (from, out) =
-                (surface.at(triangle, Vec2::splat(1.0 / 3.0)), surface.face_normal(triangle));
-            surface.ray_meets(from + out * (0.01 * reach), out, reach)
+        let (surface, region) = (&self.surface, &self.masks[REGION]);
+        let area = |t: u32| {
+            let [a, b, c] = surface.triangles[t as usize].map(|v| region[v as usize]);
+            f64::from(surface.area_vector(t).length()) * f64::from(a.max(b).max(c).min(1.0))
         };
+        let areas: Vec<f64> = (0..surface.triangles.len() as u32).map(area).collect();
+        let each = areas.iter().sum::<f64>() / f64::from(LOOKS);
+        let reach = FACED * self.frame.unit();
+        let (mut sum, mut next) = (0.0, 0.5 * each);
         let (mut looks, mut faced) = (0, 0);
-        places.for_each(|triangle| {
-            looks += 1;
-            faced += u32::from(is_faced(triangle));
-        });
+        for (triangle, area) in (0..).zip(areas) {
+            sum += area;
+            while sum > next && looks < LOOKS {
+                next += each;
+                let out = surface.face_normal(triangle);
+                let from = surface.at(triangle, Vec2::splat(1.0 / 3.0)) + out * (0.01 * reach);
+                looks += 1;
+                faced += u32::from(surface.ray_meets(from, out, reach));
+            }
+        }
         4 * faced > looks
     }
 }
@@ -425,13 +418,19 @@ impl Skin<'_> {
     }
 
     /// The radius (cm) of a ball about `p` that holds no skin: how far it is outside, up to the field's band where that is all that is
-    /// known without looking; 0 inside. No cell of the field is made for it.
+    /// known without looking; 0 inside.
     pub fn clear_about(&self, p: Vec3) -> f32 {
+        if !self.surface.parts_in_from_out() {
+            return match self.field.depth(self.surface, p) {
+                Depth::Outside => self.field.band(),
+                Depth::Near(d, _, doubt) => (d - doubt).max(0.0),
+                Depth::Inside => 0.0,
+            };
+        }
         if self.field.is_beyond(self.surface, p) {
             return self.field.band();
         }
-        let side = self.closest(p).map(|hit| self.surface.side(p, &hit));
-        side.filter(|(_, sure)| *sure).map_or(0.0, |(d, _)| d.max(0.0))
+        self.exact(p).map_or(0.0, |(d, _)| d.max(0.0))
     }
 
     /// What the field alone says about `p`: distance, the way out (zero where that is not known), and how far the distance may
@@ -477,7 +476,8 @@ impl Skin<'_> {
 
     #[inline]
     fn raise(&self, p: Vec3, height: f32) -> (Vec3, bool) {
-        if self.field.is_clear(self.surface, p, height.max(0.0)) {
+        if self.surface.parts_in_from_out() && self.field.is_clear(self.surface, p, height.max(0.0))
+        {
             return (p, false);
         }
         match self.field.depth(self.surface, p) {

@@ -5,7 +5,7 @@ use crate::define::NodeDef;
 pub(crate) mod even_roots;
 mod fall;
 mod hang;
-pub(crate) mod scatter_guides;
+mod scatter_guides;
 mod stroke_input;
 
 pub(crate) const NODES: &[&NodeDef] = &[&stroke_input::NODE, &scatter_guides::NODE, &hang::NODE];

@@ -8,7 +8,6 @@
 
 use super::triangle_tree::TriangleTree;
 use glam::{Vec2, Vec3};
-use std::sync::OnceLock;
 
 /// Triangles with their normals and their tree.
 pub struct Surface {
@@ -20,11 +19,8 @@ pub struct Surface {
     /// face has area.
     pub normals: Vec<Vec3>,
     edge_normals: Vec<[Vec3; 3]>,
-    /// The triangle over each edge of each, itself where there is none.
-    beside: Vec<[u32; 3]>,
-    order: OnceLock<Vec<u32>>,
-    /// Vertices at which the mesh ends.
-    ends: Vec<bool>,
+    /// How many vertices there are at which the mesh ends.
+    ends: usize,
     tree: TriangleTree,
     /// Which triangles nothing meets; empty where all are met.
     gone: Vec<bool>,
@@ -72,22 +68,19 @@ impl Surface {
         }
         sides.sort_unstable();
         let mut edge_normals = vec![[Vec3::ZERO; 3]; triangles.len()];
-        let mut beside = vec![[0; 3]; triangles.len()];
         let mut ends = vec![false; points.len()];
         for same in sides.chunk_by(|a, b| a.0 == b.0) {
             let sum = same.iter().fold(Vec3::ZERO, |sum, (_, n)| sum + faces[*n as usize / 3]);
             if let [((a, b), _)] = same {
-                ends[*a as usize] = true;
-                ends[*b as usize] = true;
+                (ends[*a as usize], ends[*b as usize]) = (true, true);
             }
-            for (i, (_, n)) in same.iter().enumerate() {
+            for (_, n) in same {
                 edge_normals[*n as usize / 3][*n as usize % 3] = sum;
-                beside[*n as usize / 3][*n as usize % 3] = same[(i + 1) % same.len()].1 / 3;
             }
         }
         let tree = tree(&points, &triangles, |_| true);
-        let order = OnceLock::new();
-        Self { points, triangles, normals, edge_normals, beside, order, ends, tree, gone: vec![] }
+        let ends = ends.into_iter().filter(|is| *is).count();
+        Self { points, triangles, normals, edge_normals, ends, tree, gone: vec![] }
     }
 
     /// The same triangles under the same numbers, of which those that are `gone` are met by nothing any more.
@@ -101,9 +94,10 @@ impl Surface {
         self.gone.get(triangle as usize).copied().unwrap_or(false)
     }
 
-    /// All triangles, gone ones too, so that those that follow each other lie together; depends on how they are joined alone.
-    pub fn order(&self) -> &[u32] {
-        self.order.get_or_init(|| super::triangle_order::triangle_order(&self.beside))
+    /// Whether what is outside at one place is so at all places round about it that no skin parts from it. Not so where much of the
+    /// mesh is sheets, as lashes are, or the wall of a hollow: behind those the side is what the closest point says.
+    pub fn parts_in_from_out(&self) -> bool {
+        self.gone.is_empty() && self.ends * SHEETS <= self.points.len()
     }
 
     /// The three corners of a triangle.
@@ -271,29 +265,16 @@ impl Surface {
         (b - a).cross(c - a)
     }
 
-    /// The distance of `p` from its closest point `hit`, negative inside. Where a mesh ends, is a sheet, as lashes are, or folds into
-    /// itself as scans do, the closest point does not tell the sides apart: what seems deep inside is looked at from there.
+    /// The distance of `p` from its closest point `hit`, negative inside. Where a mesh ends, or folds into itself as scans do, an
+    /// edge or a corner does not tell the sides apart: what seems deep inside such a one is looked at from there.
     pub fn signed_distance(&self, p: Vec3, hit: &Hit) -> f32 {
-        self.side(p, hit).0
-    }
-
-    /// [`Self::signed_distance`], and whether the closest point alone tells the side, and all that is as near tells the same: not where
-    /// the mesh ends, for beyond its end one face's side is the other's, nor where a look round about tells.
-    pub fn side(&self, p: Vec3, hit: &Hit) -> (f32, bool) {
-        let weights = [1.0 - hit.bary.x - hit.bary.y, hit.bary.x, hit.bary.y];
-        let corners = self.triangles[hit.triangle as usize];
-        let is_end = |corner: usize| weights[corner] <= ON || self.ends[corners[corner] as usize];
-        let at_edge = weights.iter().any(|w| *w <= ON);
-        // (An edge within whose ends are ends is taken for one, too.)
-        let sure = !at_edge || !(0..3).all(is_end);
         let side = (p - hit.point).dot(self.pseudo_normal(hit));
         if side >= 0.0 {
-            return (hit.distance, sure);
+            return hit.distance;
         }
-        match hit.distance > DOUBTFUL && !self.sees_backs(p) {
-            true => (hit.distance, false),
-            false => (-hit.distance, sure),
-        }
+        let at_edge = [1.0 - hit.bary.x - hit.bary.y, hit.bary.x, hit.bary.y];
+        let doubtful = hit.distance > DOUBTFUL && at_edge.iter().any(|w| *w <= ON);
+        if doubtful && !self.sees_backs(p) { hit.distance } else { -hit.distance }
     }
 
     /// Whether most ways from a point meet the back of the surface first, which is how it looks from inside.
@@ -308,7 +289,7 @@ impl Surface {
         const MOST: usize = WAYS.len() / 2 + 1;
         let (mut backs, mut others) = (0, 0);
         for way in WAYS {
-            let hit = self.ray(p, way, 1e9);
+            let hit = self.ray(p, way, 1e4);
             match hit.is_some_and(|hit| self.area_vector(hit.triangle).dot(way) > 0.0) {
                 true => backs += 1,
                 false => others += 1,
@@ -338,8 +319,10 @@ impl Surface {
 
 /// A point's weight of a corner in which it has none.
 const ON: f32 = 1e-5;
-/// Nearer than this (cm) the side that the closest point tells is believed.
-pub const DOUBTFUL: f32 = 0.2;
+/// A mesh of which one vertex in so many is at an end has sheets.
+const SHEETS: usize = 50;
+/// Nearer than this (cm) edges and corners are believed.
+const DOUBTFUL: f32 = 0.2;
 
 /// The tree of the triangles for which `stays` says so.
 fn tree(points: &[Vec3], triangles: &[[u32; 3]], stays: impl Fn(usize) -> bool) -> TriangleTree {

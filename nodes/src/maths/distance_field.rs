@@ -12,7 +12,7 @@
 //! one was touched, 0.4 s for 500 guides, most of it for cells that nothing ever came to, and seconds for a thin fur on a large
 //! mesh, where each hair has its blocks for itself.
 
-use super::closest::{DOUBTFUL, Surface};
+use super::closest::Surface;
 use glam::{IVec3, Vec3};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
@@ -65,8 +65,6 @@ struct Near {
     /// The triangle that its middle is closest to, and how far outside that its middle is, cm.
     triangle: u32,
     distance: f32,
-    /// Whether that one alone tells so.
-    sure: bool,
     /// Which way is out from there: 1 where it is along an axis, 0 where it is against it.
     outward: IVec3,
     bricks: [OnceLock<Box<Brick>>; 8],
@@ -102,8 +100,6 @@ fn sample_at(i: IVec3) -> usize {
 struct Brick {
     /// Distances, as bits; [`UNKNOWN`] until they are made.
     samples: [AtomicU32; SAMPLES],
-    /// A bit for each sample whose side its closest point alone does not tell, set before the sample is.
-    unsure: [AtomicU32; SAMPLES.div_ceil(32)],
     /// For each cell how much farther off than its corners show its middle was found, in steps of [`MORE`] cells; [`UNMADE`] until its
     /// corners are there.
     more: [AtomicU8; BRICK_CELLS],
@@ -138,7 +134,6 @@ impl Brick {
     fn new(near: u32) -> Box<Self> {
         Box::new(Self {
             samples: [const { AtomicU32::new(UNKNOWN) }; SAMPLES],
-            unsure: [const { AtomicU32::new(0) }; SAMPLES.div_ceil(32)],
             more: [const { AtomicU8::new(UNMADE) }; BRICK_CELLS],
             near: AtomicU32::new(near),
         })
@@ -146,24 +141,6 @@ impl Brick {
 
     fn sample(&self, at: usize) -> f32 {
         f32::from_bits(self.samples[at].load(Ordering::Relaxed))
-    }
-
-    /// A sample's distance, and whether its side is sure; made if it is not there.
-    #[inline]
-    fn made(&self, at: usize, make: impl FnOnce(&mut u32) -> (f32, bool)) -> (f32, bool) {
-        let (which, bit) = (&self.unsure[at / 32], 1 << (at % 32));
-        let known = self.samples[at].load(Ordering::Acquire);
-        if known != UNKNOWN {
-            return (f32::from_bits(known), which.load(Ordering::Relaxed) & bit == 0);
-        }
-        let mut near = self.near.load(Ordering::Relaxed);
-        let (distance, sure) = make(&mut near);
-        self.near.store(near, Ordering::Relaxed);
-        if !sure {
-            which.fetch_or(bit, Ordering::Relaxed);
-        }
-        self.samples[at].store(distance.to_bits(), Ordering::Release);
-        (distance, sure)
     }
 }
 
@@ -213,8 +190,8 @@ impl DistanceField {
     }
 
     /// Whether `p` is farther than `height` (cm, at least 0) outside, as one distance or two tell that are known for a point near it:
-    /// it is at most so much less there as it is far from there. What is outside by a look round alone tells nothing: behind the
-    /// sheets of lashes some places are, and others beside them are not. False says nothing. Most points of hair stand a little way off, and
+    /// it is at most so much less there as it is far from there, if the surface [parts in from out](Surface::parts_in_from_out). False says
+    /// nothing. Most points of hair stand a little way off, and
     /// need no cell of their own.
     #[inline]
     pub fn is_clear(&self, surface: &Surface, p: Vec3, height: f32) -> bool {
@@ -225,22 +202,26 @@ impl DistanceField {
         };
         // Rounding of coordinates, and more.
         let height = height + 0.01 * self.cell + 1e-6 * p.abs().max_element();
-        let clears = |distance: f32, cells: IVec3, height: f32| {
+        let clears = |distance: f32, cells: IVec3| {
             distance - q.distance(cells.as_vec3()) * self.cell > height
         };
-        // From farther off another sheet may be the nearest to `p`, and close to that its back would count.
-        let high = height.max(DOUBTFUL);
         let middle = |size: i32| (i & !(size - 1)) + size / 2;
-        if block.sure && clears(block.distance, middle(BLOCK), high) {
+        if clears(block.distance, middle(BLOCK)) {
             return true;
         }
         let brick = block.bricks[which(i)].get_or_init(|| Brick::new(block.triangle));
         // Of a cell's corners that which lies outward tells most.
-        [(middle(BRICK), high), (i + block.outward, height)].into_iter().any(|(cells, height)| {
+        [middle(BRICK), i + block.outward].into_iter().any(|cells| {
             let [x, y, z] = (cells - (i & !3)).to_array().map(|k| k as usize);
-            let make = |near: &mut u32| self.exact(surface, cells.as_vec3(), near);
-            let (distance, sure) = brick.made((z * SIDE + y) * SIDE + x, make);
-            sure && clears(distance, cells, height)
+            let sample = &brick.samples[(z * SIDE + y) * SIDE + x];
+            let mut distance = f32::from_bits(sample.load(Ordering::Relaxed));
+            if distance.to_bits() == UNKNOWN {
+                let mut near = brick.near.load(Ordering::Relaxed);
+                distance = self.exact(surface, cells.as_vec3(), &mut near);
+                sample.store(distance.to_bits(), Ordering::Relaxed);
+                brick.near.store(near, Ordering::Relaxed);
+            }
+            clears(distance, cells)
         })
     }
 
@@ -313,12 +294,11 @@ impl DistanceField {
             let inside = surface.signed_distance(middle, &hit) < 0.0;
             return if inside { Block::Inside } else { Block::Outside };
         }
-        let (distance, sure) = surface.side(middle, &hit);
+        let distance = surface.signed_distance(middle, &hit);
         let outward = (middle - hit.point) * distance;
         Block::Near(Box::new(Near {
             triangle: hit.triangle,
             distance,
-            sure,
             outward: outward.to_array().map(|x| i32::from(x > 0.0)).into(),
             bricks: [const { OnceLock::new() }; 8],
         }))
@@ -337,29 +317,34 @@ impl DistanceField {
         more: &AtomicU8,
     ) -> u8 {
         let low = i.as_vec3();
+        let mut near = brick.near.load(Ordering::Relaxed);
         for (at, off) in CORNERS {
-            brick.made(corner + at, |near| self.exact(surface, low + Vec3::from(off), near));
+            let sample = &brick.samples[corner + at];
+            if sample.load(Ordering::Relaxed) == UNKNOWN {
+                let distance = self.exact(surface, low + Vec3::from(off), &mut near);
+                sample.store(distance.to_bits(), Ordering::Relaxed);
+            }
         }
         let (d, _, doubt) = self.between(brick, corner, Vec3::splat(0.5));
         let mut steps = 0;
         if d.abs() <= 1.5 * self.cell {
-            let mut near = brick.near.load(Ordering::Relaxed);
-            let off = (self.exact(surface, low + 0.5, &mut near).0 - d).abs() - doubt;
+            let off = (self.exact(surface, low + 0.5, &mut near) - d).abs() - doubt;
             // (As many as there are; `as` takes a negative number for 0.)
             steps = ((off * self.per_cell / MORE).ceil() as u8).min(UNMADE - 1);
         }
+        brick.near.store(near, Ordering::Relaxed);
         more.store(steps, Ordering::Release);
         steps
     }
 
-    /// The signed distance at so many cells from the lowest, and whether its side is sure: a whole number of cells is the same place for all that ask there. `near`
+    /// The signed distance at so many cells from the lowest: a whole number of cells is the same place for all that ask there. `near`
     /// is a triangle to begin with, and the closest one then.
-    fn exact(&self, surface: &Surface, cells: Vec3, near: &mut u32) -> (f32, bool) {
+    fn exact(&self, surface: &Surface, cells: Vec3, near: &mut u32) -> f32 {
         let p = self.lowest + cells * self.cell;
         // What is not finite has no closest point, and is nowhere near the skin.
-        surface.closest_from(p, *near).map_or((self.band(), true), |hit| {
+        surface.closest_from(p, *near).map_or(self.band(), |hit| {
             *near = hit.triangle;
-            surface.side(p, &hit)
+            surface.signed_distance(p, &hit)
         })
     }
 

@@ -15,5 +15,4 @@ pub mod rail;
 pub mod readings;
 pub mod spline;
 pub mod transcendental;
-pub(crate) mod triangle_order;
 mod triangle_tree;

@@ -7,10 +7,9 @@
 //! are seen neither from its middle nor across it, such as in a chin, stay what they are.
 
 use crate::define::NodeError;
-
+use crate::guides::even_roots::hilbert;
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::frame::round_about;
-use crate::maths::triangle_order::hilbert;
 use glam::Vec3;
 
 /// Places in the hollow that look about in it lie so far from each other, in radii of the cranium.
