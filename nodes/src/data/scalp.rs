@@ -116,6 +116,38 @@ struct Head {
     chart: OnceLock<Chart>,
 }
 
+impl Head {
+    /// See [`Skin::is_folded`].
+    fn is_folded(&self) -> bool {
+        let (surface, region) = (&self.surface, &self.masks[REGION]);
+        let area = |t: u32| {
+            let [a, b, c] = surface.triangles[t as usize].map(|v| region[v as usize]);
+            f64::from(surface.area_vector(t).length()) * f64::from(a.max(b).max(c).min(1.0))
+        };
+        let areas: Vec<f64> = (0..surface.triangles.len() as u32).map(area).collect();
+        let each = areas.iter().sum::<f64>() / f64::from(LOOKS);
+        let reach = FACED * self.frame.unit();
+        let (mut sum, mut next) = (0.0, 0.5 * each);
+        let (mut looks, mut faced) = (0, 0);
+        for (triangle, area) in (0..).zip(areas) {
+            sum += area;
+            while sum > next && looks < LOOKS {
+                next += each;
+                let out = surface.face_normal(triangle);
+                let from = surface.at(triangle, Vec2::splat(1.0 / 3.0)) + out * (0.01 * reach);
+                looks += 1;
+                faced += u32::from(surface.ray_meets(from, out, reach));
+            }
+        }
+        4 * faced > looks
+    }
+}
+
+/// At so many places of the region one looks whether skin is faced.
+const LOOKS: u32 = 400;
+/// Skin nearer than this, in head units, is faced.
+const FACED: f32 = HEAD_RADIUS;
+
 /// Name of the mask that says where hair grows.
 pub const REGION: &str = "scalp";
 
@@ -332,38 +364,6 @@ pub struct Skin<'a> {
     field: &'a DistanceField,
     head: &'a Head,
 }
-
-impl Head {
-    /// See [`Skin::is_folded`].
-    fn is_folded(&self) -> bool {
-        let (surface, region) = (&self.surface, &self.masks[REGION]);
-        let area = |t: u32| {
-            let [a, b, c] = surface.triangles[t as usize].map(|v| region[v as usize]);
-            f64::from(surface.area_vector(t).length()) * f64::from(a.max(b).max(c).min(1.0))
-        };
-        let areas: Vec<f64> = (0..surface.triangles.len() as u32).map(area).collect();
-        let each = areas.iter().sum::<f64>() / f64::from(LOOKS);
-        let reach = FACED * self.frame.unit();
-        let (mut sum, mut next) = (0.0, 0.5 * each);
-        let (mut looks, mut faced) = (0, 0);
-        for (triangle, area) in (0..).zip(areas) {
-            sum += area;
-            while sum > next && looks < LOOKS {
-                next += each;
-                let out = surface.face_normal(triangle);
-                let from = surface.at(triangle, Vec2::splat(1.0 / 3.0)) + out * (0.01 * reach);
-                looks += 1;
-                faced += u32::from(surface.ray_meets(from, out, reach));
-            }
-        }
-        4 * faced > looks
-    }
-}
-
-/// At so many places of the region one looks whether skin is faced.
-const LOOKS: u32 = 400;
-/// Skin nearer than this, in head units, is faced.
-const FACED: f32 = HEAD_RADIUS;
 
 /// Nearer to the skin than this (cm) [`Skin::distance`] asks the surface itself.
 const EXACT: f32 = 0.1;
@@ -628,6 +628,29 @@ pub(crate) mod tests {
                 assert_eq!(p, q);
             }
         }
+    }
+
+    #[test]
+    fn cloth_is_folded_and_heads_are_not() {
+        // Strips of 10 x 40 cm, each joined to the next, that lie flat or stand face to face 1 cm apart.
+        let strips = |up: f32, across: f32| {
+            let at = |k: u32| {
+                Vec3::new(k as f32 * across, if k.is_multiple_of(2) { 0.0 } else { up }, 0.0)
+            };
+            let points = (0..20).flat_map(|k| [at(k), at(k) + Vec3::Z * 40.0]).collect();
+            let quad = |k: u32| [[2 * k, 2 * k + 1, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 2]];
+            Surface::new(points, (0..19).flat_map(quad).collect())
+        };
+        let check = |surface: Surface, folded: bool| {
+            let everywhere = [(REGION.to_owned(), vec![1.0; surface.points.len()])].into();
+            let scalp = Scalp::new(surface, None, HeadFrame::IDENTITY, everywhere);
+            assert_eq!(scalp.skin().is_folded(), folded);
+        };
+        check(strips(0.0, 10.0), false);
+        check(strips(10.0, 1.0), true);
+        check(Surface::new(vec![], vec![]), false);
+        assert!(!ball().skin().is_folded());
+        assert!(!crate::data::lead::tests::bust().skin().is_folded());
     }
 
     #[test]

@@ -595,6 +595,28 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn balls_part_in_from_out_and_strips_and_hollows_do_not() {
+        let ball = sphere(9.0, 12);
+        assert!(ball.parts_in_from_out());
+        // 266 vertices, and with a strip of three triangles 5 more, all of them at its ends: one in 54; with two, one in 28.
+        let with = |strips: u32| {
+            let (mut points, mut triangles) = (ball.points.clone(), ball.triangles.clone());
+            for strip in 0..strips {
+                let first = points.len() as u32;
+                let at = |k: u32| Vec3::new(k as f32 * 0.1, 10.0 + (k % 2) as f32, strip as f32);
+                points.extend((0..5).map(at));
+                triangles.extend((0..3).map(|k| [first + k, first + k + 1, first + k + 2]));
+            }
+            Surface::new(points, triangles)
+        };
+        assert!(with(1).parts_in_from_out());
+        assert!(!with(2).parts_in_from_out());
+        let mut gone = vec![false; ball.triangles.len()];
+        gone[0] = true;
+        assert!(!sphere(9.0, 12).without(&gone).parts_in_from_out());
+    }
+
+    #[test]
     fn of_a_surface_any_part_may_be_gone() {
         let ball = || sphere(1.0, 12);
         let count = ball().triangles.len();

@@ -88,10 +88,10 @@ fn which(i: IVec3) -> usize {
     ((i.z & 4) | ((i.y & 4) >> 1) | ((i.x & 4) >> 2)) as usize
 }
 
-/// Which sample of its brick is at a cell's lowest corner.
+/// Which sample of a brick is at so many cells from its lowest corner.
 #[inline]
-fn sample_at(i: IVec3) -> usize {
-    let [x, y, z] = (i & 3).to_array().map(|k| k as usize);
+fn sample_at(cells: IVec3) -> usize {
+    let [x, y, z] = cells.to_array().map(|k| k as usize);
     (z * SIDE + y) * SIDE + x
 }
 
@@ -177,7 +177,7 @@ impl DistanceField {
                 (q, i, brick)
             }
         };
-        let corner = sample_at(i);
+        let corner = sample_at(i & (BRICK - 1));
         let [x, y, z] = (i & 3).to_array().map(|k| k as usize);
         let more = &brick.more[(z * 4 + y) * 4 + x];
         // Who sees this number sees the corners: they were stored before it.
@@ -189,10 +189,9 @@ impl DistanceField {
         Depth::Near(d, gradient, doubt + f32::from(known) * (MORE * self.cell))
     }
 
-    /// Whether `p` is farther than `height` (cm, at least 0) outside, as one distance or two tell that are known for a point near it:
-    /// it is at most so much less there as it is far from there, if the surface [parts in from out](Surface::parts_in_from_out). False says
-    /// nothing. Most points of hair stand a little way off, and
-    /// need no cell of their own.
+    /// Whether `p` is farther than `height` (cm, at least 0) outside, as one distance or two tell that are known for points near it:
+    /// where the surface [parts in from out](Surface::parts_in_from_out), it is less at `p` by at most the way there. False says
+    /// nothing. Most points of hair stand a little way off, and need no cell of their own.
     #[inline]
     pub fn is_clear(&self, surface: &Surface, p: Vec3, height: f32) -> bool {
         let (q, i, block) = match self.place(surface, p) {
@@ -212,16 +211,8 @@ impl DistanceField {
         let brick = block.bricks[which(i)].get_or_init(|| Brick::new(block.triangle));
         // Of a cell's corners that which lies outward tells most.
         [middle(BRICK), i + block.outward].into_iter().any(|cells| {
-            let [x, y, z] = (cells - (i & !3)).to_array().map(|k| k as usize);
-            let sample = &brick.samples[(z * SIDE + y) * SIDE + x];
-            let mut distance = f32::from_bits(sample.load(Ordering::Relaxed));
-            if distance.to_bits() == UNKNOWN {
-                let mut near = brick.near.load(Ordering::Relaxed);
-                distance = self.exact(surface, cells.as_vec3(), &mut near);
-                sample.store(distance.to_bits(), Ordering::Relaxed);
-                brick.near.store(near, Ordering::Relaxed);
-            }
-            clears(distance, cells)
+            let at = sample_at(cells - (i & !(BRICK - 1)));
+            clears(self.known(surface, brick, at, cells.as_vec3()), cells)
         })
     }
 
@@ -317,33 +308,38 @@ impl DistanceField {
         more: &AtomicU8,
     ) -> u8 {
         let low = i.as_vec3();
-        let mut near = brick.near.load(Ordering::Relaxed);
         for (at, off) in CORNERS {
-            let sample = &brick.samples[corner + at];
-            if sample.load(Ordering::Relaxed) == UNKNOWN {
-                let distance = self.exact(surface, low + Vec3::from(off), &mut near);
-                sample.store(distance.to_bits(), Ordering::Relaxed);
-            }
+            self.known(surface, brick, corner + at, low + Vec3::from(off));
         }
         let (d, _, doubt) = self.between(brick, corner, Vec3::splat(0.5));
         let mut steps = 0;
         if d.abs() <= 1.5 * self.cell {
-            let off = (self.exact(surface, low + 0.5, &mut near) - d).abs() - doubt;
+            let off = (self.exact(surface, brick, low + 0.5) - d).abs() - doubt;
             // (As many as there are; `as` takes a negative number for 0.)
             steps = ((off * self.per_cell / MORE).ceil() as u8).min(UNMADE - 1);
         }
-        brick.near.store(near, Ordering::Relaxed);
         more.store(steps, Ordering::Release);
         steps
     }
 
-    /// The signed distance at so many cells from the lowest: a whole number of cells is the same place for all that ask there. `near`
-    /// is a triangle to begin with, and the closest one then.
-    fn exact(&self, surface: &Surface, cells: Vec3, near: &mut u32) -> f32 {
+    /// A sample of a brick, so many cells from the lowest; made if it is not there.
+    #[inline]
+    fn known(&self, surface: &Surface, brick: &Brick, at: usize, cells: Vec3) -> f32 {
+        let known = brick.sample(at);
+        if known.to_bits() != UNKNOWN {
+            return known;
+        }
+        let distance = self.exact(surface, brick, cells);
+        brick.samples[at].store(distance.to_bits(), Ordering::Relaxed);
+        distance
+    }
+
+    /// The signed distance at so many cells from the lowest: a whole number of cells is the same place for all that ask there.
+    fn exact(&self, surface: &Surface, brick: &Brick, cells: Vec3) -> f32 {
         let p = self.lowest + cells * self.cell;
         // What is not finite has no closest point, and is nowhere near the skin.
-        surface.closest_from(p, *near).map_or(self.band(), |hit| {
-            *near = hit.triangle;
+        surface.closest_from(p, brick.near.load(Ordering::Relaxed)).map_or(self.band(), |hit| {
+            brick.near.store(hit.triangle, Ordering::Relaxed);
             surface.signed_distance(p, &hit)
         })
     }
@@ -459,7 +455,7 @@ mod tests {
             let exact = surface.signed_distance(p, &surface.closest(p).unwrap());
             let is_clear = field.is_clear(&surface, p, height);
             assert!(!is_clear || exact > height, "{p}: {exact} {height}");
-            // The nearest corner is at most 0.173 off, and may be so much nearer to the surface.
+            // What lies farther off is told by the outward corner of its cell, 0.35 cm off at most.
             assert!(is_clear || exact < height + 0.36, "{p}: {exact} {height}");
             clear += usize::from(is_clear);
             off += usize::from(exact > height);
