@@ -398,6 +398,13 @@ fn that_nobody_hears_what_is_said_changes_nothing() {
     check("eval g.ron --out a.usda --threads 65536", 0);
     check("eval none.ron --report r.json", 2);
     check("measure none.usda", 2);
+    // What was asked for and cannot be told is a failure.
+    for words in ["measure a.usda", "check g.ron", "nodes"] {
+        let mut command = coif();
+        command.args(words.split(' ')).current_dir(folder.path("")).stderr(Stdio::null());
+        let ended = command.stdout(full.try_clone().unwrap()).status().unwrap();
+        assert_eq!(ended.code(), Some(1), "{words}");
+    }
 }
 
 #[test]

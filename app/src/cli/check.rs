@@ -71,7 +71,7 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
             complain(format!("note: {shown}: {line}"));
         }
         if found.lost.is_empty() {
-            print(&format!("{shown}: {} nodes, no errors", document.nodes.len()));
+            exit = exit.max(print(&format!("{shown}: {} nodes, no errors", document.nodes.len())));
         }
     }
     exit

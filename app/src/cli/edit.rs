@@ -44,7 +44,9 @@ pub(crate) fn run(args: &EditArgs) -> Exit {
     }
 }
 
-fn open(path: &PathBuf) -> Result<(coif_graphs::document::Document, OpenFile), groom::Stop> {
+fn open(
+    path: &PathBuf,
+) -> Result<(coif_graphs::document::Document, OpenFile), super::carry_out::Stop> {
     let mut warnings = vec![];
     let (document, _) = groom::load(path, &mut warnings)?;
     warnings.iter().for_each(|warning| complain(format!("warning: {warning}")));

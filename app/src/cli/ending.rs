@@ -6,7 +6,8 @@
 //! Guarantees: either way the exit code is 130, every output is as it was before and nothing lies beside it; and who has begun to put
 //! files in place, or to take them back, comes to the end of that. Not guaranteed: that a report which is written at once names nodes.
 
-use super::{Exit, complain, groom, signals};
+use super::carry_out::Stop;
+use super::{Exit, complain, signals};
 use crate::files;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -60,7 +61,7 @@ impl Ending {
 /// Ends the process as soon as somebody asks: for commands that write no files.
 pub(super) fn at_once() {
     signals::on_end(|| {
-        groom::Stop::interrupted().lines().iter().for_each(complain);
+        Stop::interrupted().lines().iter().for_each(complain);
         files::end(Exit::Interrupted as i32);
     });
 }

@@ -1,6 +1,7 @@
 //! `coif eval`: a saved graph to hair.
 
-use super::groom::{Evaluated, GroomArgs, Stop, carry_out, writes_all};
+use super::carry_out::{Stop, carry_out, writes_all};
+use super::groom::{Evaluated, GroomArgs};
 use super::progress::{Bar, Tell};
 use super::report::Report;
 use super::{Exit, extension_of};

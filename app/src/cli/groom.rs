@@ -4,13 +4,13 @@
 //! What is wrong with the options, the graph or what it names is found before anything runs; after that, every
 //! node that failed is told. Ends of both kinds carry their exit code.
 
-use super::ending::Ending;
+use super::Exit;
+use super::carry_out::Stop;
 use super::measure::MOST_POINTS;
 use super::memory;
 use super::progress::Bar;
 use super::report::{ContentHash, Head, Output, Report};
-use super::{Exit, complain, tell};
-use crate::files::{Role, Together};
+use crate::files::Together;
 use clap::{Args, ValueEnum};
 use coif_graphs::document::graph::{Fault, Severity, check_for, upstream};
 use coif_graphs::document::{Document, NodeId, Setting, Socket};
@@ -28,7 +28,6 @@ use coif_nodes::formats::conform::{Conformed, FEW, conform, over_partings};
 use coif_nodes::formats::export;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
 
 /// What is evaluated, and how.
 #[derive(Args)]
@@ -64,186 +63,6 @@ pub(crate) enum QualityArg {
     Preview,
     /// All strands
     Final,
-}
-
-/// Why an evaluation ended early.
-pub(crate) struct Stop(Exit, Vec<String>);
-
-impl Stop {
-    /// Wrong before anything ran.
-    pub(crate) fn refused(text: impl Into<String>) -> Self {
-        Self(Exit::Refused, vec![text.into()])
-    }
-    /// What to say, a line each.
-    pub(crate) fn lines(&self) -> &[String] {
-        &self.1
-    }
-    /// Whether a person ended it.
-    #[cfg(any(feature = "render", feature = "editor"))]
-    pub(crate) fn is_interruption(&self) -> bool {
-        self.0 == Exit::Interrupted
-    }
-    /// Ended by a person.
-    pub(crate) fn interrupted() -> Self {
-        Self(Exit::Interrupted, vec!["interrupted".to_owned()])
-    }
-    /// Failed while it ran.
-    pub(crate) fn failed(text: impl Into<String>) -> Self {
-        Self(Exit::Failed, vec![text.into()])
-    }
-    /// A file could not be written, or nobody was to wait for it.
-    pub(crate) fn unwritten(path: &Path, reason: &str, cancel: &CancelToken) -> Self {
-        match cancel.is_cancelled() {
-            true => Self::interrupted(),
-            false => Self::failed(format!("{}: {reason}", path.display())),
-        }
-    }
-}
-
-/// Runs a command that evaluates: whoever asks the process to end asks `body` to stop. What `body` writes and the report are put
-/// in place together; where anything fails, the report alone is written and says why. `makes` says what is made, in a word.
-/// `summary` is for a person, where no report was asked for.
-pub(crate) fn carry_out(
-    graph: &Path,
-    report_to: Option<&Path>,
-    makes: &str,
-    body: impl FnOnce(&CancelToken, &mut Report, &mut Together) -> Result<(), Stop>,
-    summary: impl FnOnce(&Report) -> String,
-) -> Exit {
-    let began = Instant::now();
-    let cancel = CancelToken::default();
-    let mut report = Report::new(graph.display().to_string());
-    let mut files = Together::default();
-    let mut ending = Ending::default();
-    ending.when_asked(
-        {
-            let cancel = cancel.clone();
-            move || cancel.cancel()
-        },
-        at_once(graph, report_to, makes, &files, &cancel),
-    );
-    let made =
-        begin(graph, report_to, &mut files).and_then(|()| body(&cancel, &mut report, &mut files));
-    for warning in &report.warnings {
-        complain(format_args!("warning: {warning}"));
-    }
-    for output in &report.outputs {
-        output.hash.wait();
-    }
-    report.end(began);
-    let ended = made.and_then(|()| {
-        if let Some(path) = report_to {
-            write_report(path, &report, &mut files, &cancel)?;
-        }
-        if cancel.is_cancelled() {
-            return Err(Stop::interrupted());
-        }
-        ending.begin();
-        files.place(&cancel).map_err(|(path, reason)| Stop::unwritten(&path, &reason, &cancel))
-    });
-    let Err(Stop(exit, mut errors)) = ended else {
-        if report_to.is_none() {
-            tell(summary(&report));
-        }
-        return Exit::Done;
-    };
-    ending.begin();
-    files.drop_written();
-    if let Some(last) = errors.last_mut().filter(|_| exit != Exit::Refused && files.has_outputs()) {
-        *last += &format!("; no {makes} was written");
-    }
-    errors.iter().for_each(complain);
-    report.errors = errors;
-    if let Some(path) = report_to.filter(|path| files.may_be(path, Role::Report)) {
-        let written = write_report_alone(path, &report, &mut files, &cancel);
-        // Where the report itself is what failed, that is said already.
-        if let Err(Stop(_, lines)) = written {
-            let known =
-                |line: &String| report.errors.iter().any(|error| error.starts_with(&**line));
-            lines.iter().filter(|line| !known(line)).for_each(complain);
-        }
-    }
-    exit
-}
-
-/// What is left to say and to write where a command is ended before it has come to its end.
-fn at_once(
-    graph: &Path,
-    report_to: Option<&Path>,
-    makes: &str,
-    files: &Together,
-    cancel: &CancelToken,
-) -> impl Fn() + Clone + Send + 'static {
-    let began = Instant::now();
-    let (roles, cancel) = (Arc::new(files.another()), cancel.clone());
-    let (graph, report_to) = (graph.display().to_string(), report_to.map(Path::to_owned));
-    let said = format!("interrupted; no {makes} was written");
-    move || {
-        complain(&said);
-        let mut files = roles.another();
-        let may_be = |path: &&PathBuf| files.may_be_by_now(path, Role::Report);
-        if let Some(path) = report_to.as_ref().filter(may_be) {
-            let mut report = Report::new(graph.clone());
-            report.errors = vec![said.clone()];
-            report.end(began);
-            // Nobody waits to be told what is wrong with the report.
-            let _ = write_report_alone(path, &report, &mut files, &cancel);
-        }
-    }
-}
-
-/// Tells `files` what every command reads and writes.
-fn begin(graph: &Path, report_to: Option<&Path>, files: &mut Together) -> Result<(), Stop> {
-    files
-        .reads(graph, format!("the graph {}", graph.display()))
-        .and_then(|()| match report_to.filter(|path| !is_stdout(path)) {
-            None => Ok(()),
-            Some(path) => files.writes(path, Role::Report, format!("--report {}", path.display())),
-        })
-        .map_err(Stop::refused)
-}
-
-/// Tells `files` what will be written, and refuses one file for two things. What the disk does not allow is told later, where
-/// nothing else is wrong.
-pub(crate) fn writes_all(
-    paths: impl IntoIterator<Item = PathBuf>,
-    files: &mut Together,
-) -> Result<(), Stop> {
-    paths
-        .into_iter()
-        .try_for_each(|path| files.writes(&path, Role::Output, format!("--out {}", path.display())))
-        .map_err(Stop::refused)
-}
-
-fn write_report(
-    path: &Path,
-    report: &Report,
-    files: &mut Together,
-    cancel: &CancelToken,
-) -> Result<(), Stop> {
-    let text = serde_json::to_string_pretty(&report).unwrap_or_default() + "\n";
-    let written = match is_stdout(path) {
-        true => files.print(&text),
-        false => files.write_text(path, &text, cancel),
-    };
-    written.map_err(|reason| Stop::unwritten(path, &reason, cancel))
-}
-
-/// Writes the report where nothing else is written. Told to stop, it is still written, but waited for no longer.
-fn write_report_alone(
-    path: &Path,
-    report: &Report,
-    files: &mut Together,
-    cancel: &CancelToken,
-) -> Result<(), Stop> {
-    write_report(path, report, files, &CancelToken::default())?;
-    let placed = files.place(cancel);
-    placed.map_err(|(path, why)| Stop::failed(format!("{}: {why}", path.display())))
-}
-
-/// Whether a path stands for standard output.
-fn is_stdout(path: &Path) -> bool {
-    path.as_os_str() == "-"
 }
 
 /// A graph that can be evaluated for its outputs: edited as the options say, with nothing wrong on the way.

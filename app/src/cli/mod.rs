@@ -3,6 +3,7 @@
 //! Messages go to stderr, data to stdout. Exit codes: 0 done, 1 an evaluation failed or a file cannot be written, 2 wrong before
 //! anything ran, 130 asked to end. On anything but 0 no output is touched; a report is written then, too.
 
+pub(crate) mod carry_out;
 mod check;
 #[cfg(feature = "editor")]
 mod edit;
@@ -57,7 +58,7 @@ enum Command {
 }
 
 /// How a command ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Exit {
     /// All done; warnings are allowed.
     Done = 0,
@@ -155,11 +156,21 @@ fn tell(text: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
-/// Prints a line of data; a reader that went away is no error of ours.
-fn print(text: &str) {
-    use std::io::Write;
+/// Prints a line of data, and gives how that ended; a reader that went away is no error of ours.
+fn print(text: &str) -> Exit {
+    use std::io::{ErrorKind, Write};
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n"));
+    match out
+        .write_all(text.as_bytes())
+        .and_then(|()| out.write_all(b"\n"))
+        .and_then(|()| out.flush())
+    {
+        Err(err) if err.kind() != ErrorKind::BrokenPipe => {
+            complain(format_args!("standard output: {err}"));
+            Exit::Failed
+        }
+        _ => Exit::Done,
+    }
 }
 
 /// A lower-case extension without the dot.

@@ -33,14 +33,13 @@ pub(crate) fn run(args: NodesArgs) -> Exit {
     }
     if args.json {
         let nodes: Vec<Json> = chosen.iter().map(|(stage, node)| as_json(stage, node)).collect();
-        print(&serde_json::to_string_pretty(&nodes).unwrap_or_default());
+        print(&serde_json::to_string_pretty(&nodes).unwrap_or_default())
     } else {
-        print(&chosen.iter().map(|(stage, node)| page(stage, node)).collect::<Vec<_>>().join("\n"));
-        if args.kind.is_none() {
-            print(&attributes());
-        }
+        let pages = print(
+            &chosen.iter().map(|(stage, node)| page(stage, node)).collect::<Vec<_>>().join("\n"),
+        );
+        if args.kind.is_none() { pages.max(print(&attributes())) } else { pages }
     }
-    Exit::Done
 }
 
 fn page(stage: &str, node: &NodeDef) -> String {

@@ -4,7 +4,8 @@
 //! the engine's importer (`HairStrandsDefinitions.h`, `AlembicHairTranslator.cpp`, `GroomBuilder.cpp`) and of Epic's "Alembic for
 //! Grooms"; the engine itself was not run.
 
-use super::groom::{Opened, Stop};
+use super::carry_out::Stop;
+use super::groom::Opened;
 use super::report::Report;
 use coif_graphs::document::Document;
 use coif_graphs::schedule::run::{CancelToken, Quiet};

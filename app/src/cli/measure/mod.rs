@@ -172,17 +172,18 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
         Err(reason) => return refuse(args.scalp.as_ref().unwrap_or(&args.file), reason),
     };
     let all = measure(&stage, scalp.as_deref());
-    if args.json {
-        print(&serde_json::to_string_pretty(&all).unwrap_or_default());
+    let printed = if args.json {
+        print(&serde_json::to_string_pretty(&all).unwrap_or_default())
     } else {
-        all.iter().for_each(|m| print(&words::in_words(m)));
-        left_out.iter().for_each(|what| print(&format!("not read: {}", what.in_words())));
-    }
+        let left_out = left_out.iter().map(|what| format!("not read: {}", what.in_words()));
+        let lines: Vec<String> = all.iter().map(words::in_words).chain(left_out).collect();
+        print(&lines.join("\n"))
+    };
     if all.iter().all(|m| m.no_curve == m.curves) {
         complain(format!("{}: there is no curve in it that can be measured", shown(&args.file)));
         return Exit::Failed;
     }
-    if left_out.iter().any(|what| what.broken) { Exit::Failed } else { Exit::Done }
+    if left_out.iter().any(|what| what.broken) { Exit::Failed } else { printed }
 }
 
 /// What `--scalp` takes for the head that is part of the program.

@@ -7,7 +7,8 @@ mod options;
 mod place;
 
 use super::Exit;
-use super::groom::{Evaluated, GroomArgs, Opened, QualityArg, Stop, carry_out, writes_all};
+use super::carry_out::{Stop, carry_out, writes_all};
+use super::groom::{Evaluated, GroomArgs, Opened, QualityArg};
 use super::progress::{Bar, Tell};
 use super::report::{Picture as About, Report, rounded};
 use crate::feeders::feeders;

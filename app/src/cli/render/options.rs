@@ -1,8 +1,8 @@
 //! The words of `coif render`'s options: sizes, numbered files, skins. Each mistake is one line that says what
 //! can be written instead.
 
+use crate::cli::carry_out::Stop;
 use crate::cli::extension_of;
-use crate::cli::groom::Stop;
 use std::path::{Path, PathBuf};
 
 /// Longest side of a picture.

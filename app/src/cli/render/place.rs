@@ -1,6 +1,7 @@
 //! Where a picture is seen from: a view of any head, one that the graph has saved, or what a node gives.
 
-use super::super::groom::{Opened, Stop};
+use super::super::carry_out::Stop;
+use super::super::groom::Opened;
 use super::{Asked, Scene};
 use coif_graphs::document::{NodeId, SavedView, Socket};
 use coif_nodes::data::scalp::Scalp;

@@ -4,9 +4,10 @@
 //! A snapshot of the document is evaluated on threads of its own, so editing goes on. Stopped or failed, no file is
 //! touched.
 
+use crate::cli::carry_out::Stop;
 use crate::cli::eval::{left_out_of_abc, write_files};
 use crate::cli::extension_of;
-use crate::cli::groom::{Opened, Stop, reads_all};
+use crate::cli::groom::{Opened, reads_all};
 use crate::cli::progress::Tell;
 use crate::cli::render::draw_open;
 use crate::cli::report::Report;
