@@ -549,7 +549,7 @@ impl Host for PlainHost {
 mod tests {
     use super::*;
     use crate::define::Value;
-    use crate::testing::Memory;
+    use crate::testing::{Lends, Memory};
 
     /// Replays numbers on a sum; gives the sum, and how many steps ran and were reused.
     fn replay(host: &Memory, numbers: &[u64]) -> (u64, u32, u32) {
@@ -580,25 +580,6 @@ mod tests {
         let said: Vec<String> = log.messages().iter().map(ToString::to_string).collect();
         assert_eq!(said, ["was left out (20 curves, first 0000000000000001)"]);
         assert_eq!(log.messages()[0].curves.len(), MOST_NAMED);
-    }
-
-    /// Lends so much room.
-    struct Lends(Room);
-    impl Host for Lends {
-        fn room(&self) -> Room {
-            self.0
-        }
-        fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
-            PlainHost.for_each(n, f);
-        }
-        fn cancelled(&self) -> bool {
-            false
-        }
-        fn find(&self, _: Key) -> Option<Kept> {
-            None
-        }
-        fn keep(&self, _: Key, _: Kept, _: usize) {}
-        fn progress(&self, _: usize, _: usize) {}
     }
 
     #[test]

@@ -3,31 +3,15 @@
 use crate::data::attributes::{self as attr, Domain};
 use crate::data::curves::{Curves, TuftBuilder};
 use crate::define::Value;
-use crate::eval::{Host, Kept, Log, PlainHost, Quality, Room};
-use crate::maths::hash::Key;
-use crate::testing::{curves_of, run, run_on};
+use crate::eval::{Log, Quality, Room};
+use crate::testing::{Lends, curves_of, run, run_on};
 use glam::Vec3;
 
 type Set = Vec<(&'static str, Value)>;
 
-/// Lends room for so many points.
-struct Lends(Option<u64>);
-
-impl Host for Lends {
-    fn room(&self) -> Room {
-        Room { points: self.0, bytes: None }
-    }
-    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
-        PlainHost.for_each(n, f);
-    }
-    fn cancelled(&self) -> bool {
-        false
-    }
-    fn find(&self, _: Key) -> Option<Kept> {
-        None
-    }
-    fn keep(&self, _: Key, _: Kept, _: usize) {}
-    fn progress(&self, _: usize, _: usize) {}
+/// Room for so many points.
+fn room(points: Option<u64>) -> Lends {
+    Lends(Room { points, bytes: None })
 }
 
 /// `n` straight curves 10 cm long of `points` points, beside each other.
@@ -45,7 +29,7 @@ fn straight(n: usize, points: usize) -> Curves {
 #[track_caller]
 fn foreseen(id: &str, set: &Set) -> f64 {
     let (node, log) = (crate::by_id(id).unwrap(), Log::default());
-    let said = run_on(node, set, &Lends(Some(1 << 20)), &log, Quality::Final);
+    let said = run_on(node, set, &room(Some(1 << 20)), &log, Quality::Final);
     let said = said.map(|_| ()).unwrap_err().to_string();
     assert_eq!(log.tufts_run.into_inner(), 0, "{id}: {said}");
     let number = said.strip_prefix("would make ").and_then(|rest| rest.split(' ').next());
@@ -64,7 +48,7 @@ fn check(id: &str, set: Set, range: [f64; 2]) {
 fn holds(id: &str, set: Set, share: f64) {
     let found = foreseen(id, &set) * 1e6;
     let (node, log) = (crate::by_id(id).unwrap(), Log::default());
-    let out = run_on(node, &set, &Lends(None), &log, Quality::Final).unwrap();
+    let out = run_on(node, &set, &room(None), &log, Quality::Final).unwrap();
     let made = curves_of(&out[0]).point_count() as f64;
     // Said to a tenth of a million.
     assert!(found - 5e4 <= made, "{id}: {found} of {made}");
@@ -185,10 +169,10 @@ fn no_more_points_are_foreseen_than_are_made_whatever_the_curls() {
                 set.push(("length", length.into()));
                 set.push(("points", "turn".into()));
                 let node = crate::by_id("shape_list_curl").unwrap();
-                let out = run_on(node, &set, &Lends(None), &Log::default(), Quality::Final);
+                let out = run_on(node, &set, &room(None), &Log::default(), Quality::Final);
                 let made = curves_of(&out.unwrap()[0]).point_count() as u64;
                 // May as many be made as are made, then nothing is refused.
-                let again = run_on(node, &set, &Lends(Some(made)), &Log::default(), Quality::Final);
+                let again = run_on(node, &set, &room(Some(made)), &Log::default(), Quality::Final);
                 assert!(again.is_ok(), "{preset} {pitch} {diameter} {most} {length}: {made}");
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::data::curves::Curves;
 use crate::define::{NodeDef, NodeError, Value};
-use crate::eval::{EvalCx, Host, Kept, Log, PlainHost, Quality};
+use crate::eval::{EvalCx, Host, Kept, Log, PlainHost, Quality, Room};
 use crate::maths::hash::{Key, KeyBuilder};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -37,6 +37,26 @@ impl Host for Threads {
                 scope.spawn(move || (0..n).rev().skip(thread).step_by(self.0).for_each(f));
             }
         });
+    }
+    fn cancelled(&self) -> bool {
+        false
+    }
+    fn find(&self, _: Key) -> Option<Kept> {
+        None
+    }
+    fn keep(&self, _: Key, _: Kept, _: usize) {}
+    fn progress(&self, _: usize, _: usize) {}
+}
+
+/// A host that lends so much room.
+pub(crate) struct Lends(pub Room);
+
+impl Host for Lends {
+    fn room(&self) -> Room {
+        self.0
+    }
+    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+        PlainHost.for_each(n, f);
     }
     fn cancelled(&self) -> bool {
         false

@@ -1,6 +1,6 @@
 //! Alembic without Alembic: what is written reads back equal, lies where readers look for it, and hostile bytes are refused.
 
-use super::common::{self, Tufts, sample_stage, values_of};
+use super::common::{self, Tufts, one_set, sample, sample_stage, two_points, values_of};
 use coif_nodes::data::attributes as a;
 use coif_nodes::data::curves::{Curves, TuftBuilder};
 use coif_nodes::data::scalp::{HeadFrame, REGION, Scalp};
@@ -9,7 +9,7 @@ use coif_nodes::formats::abc::write;
 use coif_nodes::formats::export::{self, About, Format, Group};
 use coif_nodes::formats::usd::form::Form;
 use coif_nodes::formats::usd::groom::{
-    CurveSet, Interpolation, Primvar, PrimvarValues, Stage, UpAxis, Widths,
+    CurveSet, Interpolation, Primvar, PrimvarValues, Stage, Widths,
 };
 use coif_nodes::formats::usd::read::{ReadCurves, ReadValues};
 use coif_nodes::maths::closest::Surface;
@@ -18,37 +18,10 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::sync::Arc;
 
-fn sample() -> (Tufts, Tufts) {
-    (Tufts::new(40, None), Tufts::new(5, Some(8)))
-}
-
 fn bytes_of(stage: &Stage) -> Vec<u8> {
     let mut file = Cursor::new(vec![]);
     write(stage, &[], &mut file).unwrap();
     file.into_inner()
-}
-
-fn one_set(set: CurveSet) -> Stage {
-    Stage {
-        name: "Groom".into(),
-        doc: String::new(),
-        generator: "coif tests".into(),
-        graph_hash: "00ff".into(),
-        seed: 7,
-        meters_per_unit: 0.01,
-        up_axis: UpAxis::Y,
-        groups: vec![set],
-    }
-}
-
-fn two_points() -> CurveSet<'static> {
-    CurveSet {
-        name: "hair".into(),
-        counts: vec![2].into(),
-        points: vec![Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 6.0, 8.0)].into(),
-        widths: Widths::Constant(0.5),
-        ..CurveSet::default()
-    }
 }
 
 /// Curves with each kind of attribute that a groom has; ids that fold to one number.

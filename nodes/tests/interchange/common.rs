@@ -214,3 +214,33 @@ pub(crate) fn read_curves(bytes: &[u8], extension: &str) -> Result<Vec<ReadCurve
         None => Ok(read.curves),
     }
 }
+
+/// Hair and guides.
+pub(crate) fn sample() -> (Tufts, Tufts) {
+    (Tufts::new(40, None), Tufts::new(5, Some(8)))
+}
+
+/// A groom of one set.
+pub(crate) fn one_set(set: CurveSet) -> Stage {
+    Stage {
+        name: "Groom".into(),
+        doc: String::new(),
+        generator: String::new(),
+        graph_hash: String::new(),
+        seed: 0,
+        meters_per_unit: 0.01,
+        up_axis: UpAxis::Y,
+        groups: vec![set],
+    }
+}
+
+/// One straight curve.
+pub(crate) fn two_points() -> CurveSet<'static> {
+    CurveSet {
+        name: "hair".into(),
+        counts: vec![2].into(),
+        points: vec![Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 6.0, 8.0)].into(),
+        widths: Widths::Constant(0.5),
+        ..CurveSet::default()
+    }
+}

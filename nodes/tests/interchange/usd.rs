@@ -1,42 +1,17 @@
 //! USD without USD: what is written reads back equal, bytes are stable, hostile bytes are refused.
 
-use super::common::{self, Tufts, both_forms, read_curves, sample_stage, values_of};
+use super::common::{
+    self, Tufts, both_forms, one_set, read_curves, sample, sample_stage, two_points, values_of,
+};
 use coif_nodes::formats::usd::form::Form;
 use coif_nodes::formats::usd::groom::{
-    CurveSet, Interpolation, Primvar, PrimvarValues, Stage, UpAxis, Widths, write_usda, write_usdc,
+    CurveSet, Interpolation, Primvar, PrimvarValues, Stage, Widths, write_usda, write_usdc,
 };
 use coif_nodes::formats::usd::read::{ReadCurves, ReadValues, ReadWidths};
 use coif_nodes::formats::usd::spec::{Attribute, Layer, Prim, Property, Value};
 use coif_nodes::formats::usd::{usda, usdc};
 use glam::{Vec2, Vec3};
 use std::io::{Cursor, Seek, Write};
-
-fn sample() -> (Tufts, Tufts) {
-    (Tufts::new(40, None), Tufts::new(5, Some(8)))
-}
-
-fn one_set(set: CurveSet) -> Stage {
-    Stage {
-        name: "Groom".into(),
-        doc: String::new(),
-        generator: String::new(),
-        graph_hash: String::new(),
-        seed: 0,
-        meters_per_unit: 0.01,
-        up_axis: UpAxis::Y,
-        groups: vec![set],
-    }
-}
-
-fn two_points() -> CurveSet<'static> {
-    CurveSet {
-        name: "hair".into(),
-        counts: vec![2].into(),
-        points: vec![Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 6.0, 8.0)].into(),
-        widths: Widths::Constant(0.5),
-        ..CurveSet::default()
-    }
-}
 
 #[track_caller]
 fn check_set(written: &CurveSet, read: &ReadCurves, path: &str, purpose: &str) {
