@@ -206,7 +206,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     if most.2 < 0.5 && inputs.curves.curve_count() > 0 {
         let (radius, density, strands) = most;
         cx.warn(format!(
-            "no cluster holds a strand: at their widest, radius {radius:.4} cm and density {density:.2} ask for {strands:.2} \
+            "no cluster holds a strand: at their widest, radius {radius:.4} cm and density {density:.4} ask for {strands:.2} \
              (strands {}): raise radius, density or strands, or set count",
             inputs.strands
         ));

@@ -105,6 +105,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let n = plan.led_by_none;
         cx.warn(format!("{n} hairs are left out: no guide is rooted in their sections"));
     }
+    if let Some(count) = asked.count.filter(|_| plan.missing > 0) {
+        let there = count - plan.missing;
+        cx.warn(format!(
+            "only {there} of {count} hairs are there, in places ten times as many: mask, reach or partings leave the others bare; \
+             raise count, or go by density"
+        ));
+    }
     let skin = cx.skin(scalp);
     let maker = Maker {
         inputs: &inputs,
@@ -668,6 +675,29 @@ mod tests {
         let all = by_id(&all);
         assert!(few.curve_count() < all.len());
         assert!(by_id(&few).iter().all(|(id, points)| all[id] == *points));
+    }
+
+    #[test]
+    fn what_a_mask_leaves_missing_of_a_count_is_told() {
+        let check = |mask: f32, said: &[&str]| {
+            let set = [
+                ("guides", guides(20, |_| 3.0).into()),
+                ("scalp", shared_ball().into()),
+                ("by", "count".into()),
+                ("count", Value::Int(1000)),
+                ("mask", Value::Float(mask)),
+            ];
+            let (out, found) = run(&NODE, &set);
+            assert_eq!(found.len(), said.len(), "{mask}: {found:?}");
+            let there = curves_of(&out[0]).curve_count();
+            for (found, said) in found.iter().zip(said) {
+                assert!(found.starts_with(&said.replace("{}", &there.to_string())), "{found}");
+            }
+        };
+        // 10,000 places are looked at: a half of them is more than enough, a twentieth half of it.
+        check(0.5, &[]);
+        check(0.05, &["only {} of 1000 hairs are there"]);
+        check(0.0, &["only {} of 1000 hairs are there"]);
     }
 
     #[test]

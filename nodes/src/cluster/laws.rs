@@ -490,7 +490,7 @@ fn a_cluster_that_begins_in_a_point_is_filled_as_where_it_is_open_first() {
     assert_eq!(
         said,
         [
-            "no cluster holds a strand: at their widest, radius 0.0200 cm and density 1.00 ask for 0.20 (strands 512): raise \
+            "no cluster holds a strand: at their widest, radius 0.0200 cm and density 1.0000 ask for 0.20 (strands 512): raise \
           radius, density or strands, or set count"
         ]
     );

@@ -64,6 +64,8 @@ pub(super) struct Plan {
     pub sections: Vec<u64>,
     /// Hairs left out because no guide stands in their section.
     pub led_by_none: usize,
+    /// How many hairs were asked for by count and not found, though ten times as many places were looked at.
+    pub missing: usize,
 }
 
 /// About so many roots are found in one piece of work: those of one stretch of the curve that the list of even roots runs along,
@@ -180,8 +182,11 @@ impl Plan {
             count += new;
             start += round;
         }
+        let grows = area > 0.0 && !guides.is_empty();
+        let missing = asked.count.filter(|_| grows).map_or(0, |_| wanted.saturating_sub(count));
         let mut plan = Plan {
             groups: vec![],
+            missing,
             led_by_none: found.iter().map(|found| found.led_by_none).sum(),
             found,
             normals,

@@ -190,7 +190,8 @@ fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, No
         }
         start += BATCH;
     }
-    if (out.len() as f32 + skipped) < wanted as f32 {
+    // (Where the region is empty, the head says so.)
+    if (out.len() as f32 + skipped) < wanted as f32 && even.area() > 0.0 {
         let min = inputs.min_distance;
         cx.warn(format!("only {} of {wanted} guides fit at {min} cm from each other", out.len()));
     }

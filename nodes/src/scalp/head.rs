@@ -9,12 +9,12 @@ use super::axes::{Forward, Up};
 use super::face::{By, FACE};
 use super::find::{self, Found, Pieces, Search};
 use super::fit::{self, Fit};
-use super::parts::Parts;
+use super::parts::{self, Parts};
 use super::{bust, facing, hollow, region};
 use crate::data::mesh::Mesh;
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION, Scalp};
 use crate::data::strokes::Strokes;
-use crate::define::{FileData, NodeError, choice, node};
+use crate::define::{FileData, NodeError, choice, node, short};
 use crate::eval::EvalCx;
 use crate::formats::mesh_in::read_mesh;
 use crate::maths::closest::Surface;
@@ -283,9 +283,7 @@ fn leave_out(
 ) -> Result<(), NodeError> {
     let left_out = parts.leave_out(&inputs.leave_out);
     if !left_out.unknown.is_empty() {
-        let unknown: Vec<String> =
-            left_out.unknown.iter().map(|name| format!("{name:?}")).collect();
-        let (unknown, told) = (unknown.join(", "), parts.told());
+        let (unknown, told) = (parts::told(&left_out.unknown), parts.told());
         cx.warn(match told.is_empty() {
             true => format!("leave_out: {unknown} matches nothing: the mesh has no parts"),
             false => format!("leave_out: {unknown} matches nothing; the mesh has the parts {told}"),
@@ -298,7 +296,7 @@ fn leave_out(
     if count == mesh.triangles.len() {
         return Err(NodeError::BadValue {
             input: "leave_out",
-            value: format!("{:?}", inputs.leave_out),
+            value: format!("{:?}", short(&inputs.leave_out)),
             reason: format!("leaves nothing of the mesh; its parts are {}", parts.told()),
         });
     }

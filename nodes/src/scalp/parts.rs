@@ -10,6 +10,7 @@ use super::find::Pieces;
 use super::fit::Patches;
 use crate::data::mesh::{Mesh, keep};
 use crate::data::scalp::Part;
+use crate::define::short;
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -313,10 +314,11 @@ impl Column {
     }
 }
 
-fn told(names: &[impl AsRef<str>]) -> String {
+/// The first few names, each in quotes and cut, and how many more there are.
+pub(super) fn told(names: &[impl AsRef<str>]) -> String {
     let mut text = String::new();
     for (i, name) in names.iter().take(MOST_TOLD).enumerate() {
-        let _ = write!(text, "{}{:?}", if i > 0 { ", " } else { "" }, name.as_ref());
+        let _ = write!(text, "{}{:?}", if i > 0 { ", " } else { "" }, short(name.as_ref()));
     }
     if names.len() > MOST_TOLD {
         let _ = write!(text, " and {} more", names.len() - MOST_TOLD);
