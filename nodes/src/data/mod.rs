@@ -14,5 +14,6 @@ pub mod ramp;
 pub mod scalp;
 pub mod sections;
 pub mod shapes;
+pub(crate) mod spread;
 pub mod strokes;
 mod way_round;

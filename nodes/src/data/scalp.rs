@@ -6,6 +6,7 @@
 
 use super::chart::Chart;
 use super::sections::Sections;
+use super::spread::Spread;
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::distance_field::{Depth, DistanceField};
 use crate::maths::frame::round_about;
@@ -113,6 +114,7 @@ struct Head {
     masks: BTreeMap<String, Vec<f32>>,
     field: OnceLock<DistanceField>,
     folded: OnceLock<bool>,
+    spread: OnceLock<Spread>,
     chart: OnceLock<Chart>,
 }
 
@@ -188,6 +190,7 @@ impl Scalp {
                 masks,
                 field: OnceLock::new(),
                 folded: OnceLock::new(),
+                spread: OnceLock::new(),
                 chart: OnceLock::new(),
             }),
             sections: None,
@@ -307,6 +310,10 @@ impl Scalp {
     pub fn region(&self) -> &[f32] {
         &self.head.masks[REGION]
     }
+    /// The region as a line on which places are spread, made when first asked for.
+    pub(crate) fn spread(&self) -> &Spread {
+        self.head.spread.get_or_init(|| Spread::new(&self.head.surface, self.region()))
+    }
     /// A mask's value at a point of a triangle; 0 for a triangle that is not there.
     pub fn mask_at(&self, mask: &[f32], triangle: u32, bary: Vec2) -> f32 {
         let Some(t) = self.head.surface.triangles.get(triangle as usize) else { return 0.0 };
@@ -347,6 +354,7 @@ impl Scalp {
         vertices
             + self.head.surface.triangles.len() * 150
             + self.head.field.get().map_or(0, DistanceField::bytes)
+            + self.head.spread.get().map_or(0, Spread::bytes)
             + self.head.chart.get().map_or(0, Chart::bytes)
     }
 }

@@ -1,13 +1,13 @@
 //! Roots spread evenly over the scalp region: an endless list of which every start is even.
 //!
-//! Triangles are put in the order in which a Hilbert curve visits them, and the curve is continued within
-//! each triangle by bisection, so that one number from 0 to 1 tells a place and equal lengths have equal
-//! area. Numbers then come from van der Corput's sequence with its digits scrambled (Owen 1995), which spreads
+//! The region as a line ([`crate::data::spread`]) is continued within each triangle by bisection, so that one number from 0 to 1
+//! tells a place and equal lengths have equal area. Numbers then come from van der Corput's sequence with its digits scrambled (Owen 1995), which spreads
 //! over any start of it. Where the region is soft, a place counts with the region's value as its chance.
 //!
 //! Guarantees: the list depends on scalp, seed and nothing else; as many places a cm2 everywhere that the region is 1.
 
 use crate::data::scalp::{Root, Scalp};
+use crate::data::spread::{Spread, highest};
 use crate::maths::hash::{Dice, mix};
 use glam::{Vec2, Vec3};
 
@@ -15,14 +15,7 @@ use glam::{Vec2, Vec3};
 pub(crate) struct EvenRoots<'a> {
     scalp: &'a Scalp,
     dice: Dice,
-    /// Triangles with any region, in their order along the curve, and the sum of area times highest region up to
-    /// and with each.
-    triangles: Vec<u32>,
-    sums: Vec<f64>,
-    /// For each of `2^bits` equal pieces of the curve the number of the first triangle that it may touch, and all of them at the end:
-    /// a place is looked for among the few of its piece.
-    pieces: Vec<u32>,
-    bits: u32,
+    spread: &'a Spread,
 }
 
 /// Halvings within a triangle: beyond that a place is exact to a few thousandths of its edge.
@@ -30,48 +23,13 @@ const HALVINGS: u32 = 18;
 
 impl<'a> EvenRoots<'a> {
     pub(crate) fn new(scalp: &'a Scalp, dice: Dice) -> Self {
-        let (surface, region) = (scalp.surface(), scalp.region());
-        let (lo, hi) = surface.bounds();
-        let scale = 1023.0 / (hi - lo).max_element().max(1e-6);
-        let mut order: Vec<u64> = (0..surface.triangles.len() as u32)
-            .filter(|t| highest(scalp, region, *t) > 0.0)
-            .map(|t| {
-                let [a, b, c] = surface.corners(t);
-                let cell = ((a + b + c) / 3.0 - lo) * scale;
-                let along = hilbert([cell.x as u32, cell.y as u32, cell.z as u32]);
-                u64::from(along) << 32 | u64::from(t)
-            })
-            .collect();
-        order.sort_unstable();
-        let mut sum = 0.0;
-        let mut triangles = Vec::with_capacity(order.len());
-        let mut sums = Vec::with_capacity(order.len());
-        for t in order.into_iter().map(|one| one as u32) {
-            let area = 0.5 * f64::from(surface.area_vector(t).length());
-            if area.is_finite() && area > 0.0 {
-                sum += area * f64::from(highest(scalp, region, t));
-                triangles.push(t);
-                sums.push(sum);
-            }
-        }
-        let bits = (sums.len().max(2) as u32).ilog2().min(20);
-        let mut even = Self { scalp, dice, triangles, sums, pieces: vec![], bits };
-        let mut slot = 0;
-        for piece in 0..1u32 << bits {
-            let at = even.at(piece << (32 - bits));
-            while even.sums.get(slot).is_some_and(|sum| *sum <= at) {
-                slot += 1;
-            }
-            even.pieces.push(slot as u32);
-        }
-        even.pieces.push(even.sums.len() as u32);
-        even
+        Self { scalp, dice, spread: scalp.spread() }
     }
 
     /// How many places the list has to be asked for one a cm2, cm2: the region's area, a soft triangle counted with
     /// its highest corner.
     pub(crate) fn area(&self) -> f64 {
-        self.sums.last().copied().unwrap_or(0.0)
+        self.spread.area()
     }
 
     /// How far along the curve the `i`-th place of the list lies, in 2^-32 of it. Places that lie near each other on the curve do so on
@@ -81,26 +39,13 @@ impl<'a> EvenRoots<'a> {
         scrambled(i, self.dice.bits(0, 0))
     }
 
-    /// The sum of areas up to a place of the curve.
-    #[inline]
-    fn at(&self, along: u32) -> f64 {
-        f64::from(along) * (1.0 / 4_294_967_296.0) * self.area()
-    }
-
     /// The `i`-th place of the list; none where the soft edge of the region leaves it out, or without any region.
     pub(crate) fn get(&self, i: u32) -> Option<(u32, Vec2)> {
-        let along = self.along(i);
-        let at = self.at(along);
-        let piece = (along >> (32 - self.bits)) as usize;
-        let (from, to) = (self.pieces[piece] as usize, self.pieces[piece + 1] as usize);
-        let slot = from + self.sums[from..to].partition_point(|sum| *sum <= at);
-        let triangle = *self.triangles.get(slot)?;
-        let before = if slot > 0 { self.sums[slot - 1] } else { 0.0 };
-        let fraction = (at - before) / (self.sums[slot] - before);
+        let (triangle, fraction) = self.spread.place(self.along(i))?;
         let bary = within((fraction * f64::from(1u32 << HALVINGS)) as u32);
         let region = self.scalp.region();
-        let share =
-            self.scalp.mask_at(region, triangle, bary) / highest(self.scalp, region, triangle);
+        let share = self.scalp.mask_at(region, triangle, bary)
+            / highest(region, self.scalp.surface().triangles[triangle as usize]);
         (share >= 1.0 || self.dice.unit(1, u64::from(i)) < share).then_some((triangle, bary))
     }
 
@@ -110,11 +55,6 @@ impl<'a> EvenRoots<'a> {
         let root = self.scalp.root(triangle, bary);
         self.scalp.free(root.point).then_some(root)
     }
-}
-
-fn highest(scalp: &Scalp, region: &[f32], triangle: u32) -> f32 {
-    let [a, b, c] = scalp.surface().triangles[triangle as usize].map(|v| region[v as usize]);
-    a.max(b).max(c).min(1.0)
 }
 
 /// Van der Corput's sequence in base 2 as a 32-bit fraction, scrambled digit by digit in dependence of the digits
@@ -167,40 +107,6 @@ static CORNERS: [[[f32; 2]; 3]; PARTS as usize] = {
     }
     corners
 };
-
-/// How far along a Hilbert curve through 1024^3 cells a cell lies (Skilling 2004, "Programming the
-/// Hilbert curve").
-pub(crate) fn hilbert(mut cell: [u32; 3]) -> u32 {
-    const BITS: u32 = 10;
-    let mut q = 1 << (BITS - 1);
-    while q > 1 {
-        let low = q - 1;
-        for axis in 0..3 {
-            if cell[axis] & q != 0 {
-                cell[0] ^= low;
-            } else {
-                let t = (cell[0] ^ cell[axis]) & low;
-                cell[0] ^= t;
-                cell[axis] ^= t;
-            }
-        }
-        q >>= 1;
-    }
-    cell[1] ^= cell[0];
-    cell[2] ^= cell[1];
-    let mut t = 0;
-    let mut q = 1 << (BITS - 1);
-    while q > 1 {
-        if cell[2] & q != 0 {
-            t ^= q - 1;
-        }
-        q >>= 1;
-    }
-    let [x, y, z] = cell.map(|c| c ^ t);
-    (0..BITS)
-        .rev()
-        .fold(0, |key, bit| key << 3 | (x >> bit & 1) << 2 | (y >> bit & 1) << 1 | z >> bit & 1)
-}
 
 /// Places of the list of which no two are close: the list with those left out that lie too near to an earlier one.
 /// What is too near shrinks as places are taken, so every start of it is even and more only adds.

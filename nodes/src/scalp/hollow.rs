@@ -7,7 +7,7 @@
 //! are seen neither from its middle nor across it, such as in a chin, stay what they are.
 
 use crate::define::NodeError;
-use crate::guides::even_roots::hilbert;
+use crate::data::spread::hilbert;
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::frame::round_about;
 use glam::Vec3;
