@@ -1,96 +1,214 @@
 //! The scalp region as a line: equal lengths of it have equal area, and what is near on it is near on the scalp.
 //!
-//! Guarantees: the line depends on the mesh and the region alone; every triangle with any region and any area is on it once.
-//! Not promised: the same line for a mesh whose coordinates are rounded in another way.
+//! The triangles are halved again and again where the widest gap between their middles is, and each half has a part of the line
+//! by its area. Gaps and parts are chosen so that rounding does not choose: a head that another program wrote with other last
+//! digits, or with its triangles in another order, has the same line, and where single triangles are cut otherwise the line changes
+//! only there.
+//!
+//! Guarantees: the line depends on the mesh and the region alone; every triangle with any region and any area is on it once, with
+//! a length that is its area's to a few parts in a hundred, and many together to fewer in a thousand. Not promised: that what is near on the scalp is
+//! near on the line.
 
 use crate::maths::closest::Surface;
+use glam::Vec3;
 
-/// The line: triangles in the order in which a Hilbert curve visits them.
+/// The line.
 pub(crate) struct Spread {
-    /// Triangles with any region along the line, and the sum of area times highest region up to and with each.
+    /// Triangles with any region along the line, and where each ends, 0 to 1.
     triangles: Vec<u32>,
-    sums: Vec<f64>,
+    ends: Vec<f64>,
     /// For each of `2^bits` equal pieces of the line the number of the first triangle that it may touch, and all of them at the end:
     /// a place is looked for among the few of its piece.
     pieces: Vec<u32>,
     bits: u32,
+    area: f64,
+}
+
+/// Of the fraction of two triangles' area that the smaller has, so many bits count. Of more triangles, whose rounding evens out,
+/// more do: half a bit each time that their number doubles.
+const SHARE_BITS: u32 = 4;
+/// Of the whole area, for the count that is asked by it.
+const AREA_BITS: u32 = 16;
+/// Gaps narrower than this, as a part of the largest coordinate, may be rounding.
+const ROUNDING: f32 = 1.0 / 32_768.0;
+/// Of two that are about the same the first is taken, unless it is less than this part of the second.
+const NEARLY: f32 = 0.7;
+
+/// Half of the triangles is: half, and up to one of so many more or less.
+const NEAR: usize = 8;
+
+/// A triangle on its way onto the line: middle, number, area in 2^-50 of the whole.
+struct Item {
+    at: Vec3,
+    triangle: u32,
+    area: u64,
 }
 
 impl Spread {
     /// Of the region with these values, one a vertex.
     pub(crate) fn new(surface: &Surface, region: &[f32]) -> Self {
-        let highest = |t: u32| highest(region, surface.triangles[t as usize]);
-        let (lo, hi) = surface.bounds();
-        let scale = 1023.0 / (hi - lo).max_element().max(1e-6);
-        let mut order: Vec<u64> = (0..surface.triangles.len() as u32)
-            .filter(|t| highest(*t) > 0.0)
-            .map(|t| {
-                let [a, b, c] = surface.corners(t);
-                let cell = ((a + b + c) / 3.0 - lo) * scale;
-                let along = hilbert([cell.x as u32, cell.y as u32, cell.z as u32]);
-                u64::from(along) << 32 | u64::from(t)
-            })
-            .collect();
-        order.sort_unstable();
-        let mut sum = 0.0;
-        let mut triangles = Vec::with_capacity(order.len());
-        let mut sums = Vec::with_capacity(order.len());
-        for t in order.into_iter().map(|one| one as u32) {
-            let area = 0.5 * f64::from(surface.area_vector(t).length());
-            if area.is_finite() && area > 0.0 {
-                sum += area * f64::from(highest(t));
-                triangles.push(t);
-                sums.push(sum);
-            }
+        let area = |t: u32| {
+            let highest = highest(region, surface.triangles[t as usize]);
+            if highest <= 0.0 { 0.0 } else { 0.5 * surface.area_vector(t).length() * highest }
+        };
+        let areas = (0..surface.triangles.len() as u32).map(|t| (t, f64::from(area(t))));
+        let areas: Vec<(u32, f64)> = areas.filter(|(_, a)| a.is_finite() && *a > 0.0).collect();
+        let area: f64 = areas.iter().map(|(_, area)| area).sum();
+        let item = |(triangle, part): (u32, f64)| {
+            let [a, b, c] = surface.corners(triangle);
+            // Whole numbers add up to the same in any order.
+            let area = ((part / area * (1u64 << 50) as f64) as u64).max(1);
+            Item { at: (a + b + c) / 3.0, triangle, area }
+        };
+        let mut items: Vec<Item> = areas.into_iter().map(item).collect();
+        let (low, high) = surface.bounds();
+        let mut layer = Layer {
+            rounding: ROUNDING * low.abs().max(high.abs()).max_element(),
+            last: low,
+            triangles: Vec::with_capacity(items.len()),
+            ends: Vec::with_capacity(items.len()),
+        };
+        if !items.is_empty() {
+            layer.lay(&mut items, 0.0, 1.0);
         }
-        let bits = (sums.len().max(2) as u32).ilog2().min(20);
-        let mut spread = Self { triangles, sums, pieces: vec![], bits };
+        let Layer { triangles, ends, .. } = layer;
+        let bits = (ends.len().max(2) as u32).ilog2().min(20);
+        let area = rounded(area, AREA_BITS);
+        let mut spread = Self { triangles, ends, pieces: vec![], bits, area };
         let mut slot = 0;
         for piece in 0..1u32 << bits {
-            let at = spread.sum_at(piece << (32 - bits));
-            while spread.sums.get(slot).is_some_and(|sum| *sum <= at) {
+            let at = unit(piece << (32 - bits));
+            while spread.ends.get(slot).is_some_and(|end| *end <= at) {
                 slot += 1;
             }
             spread.pieces.push(slot as u32);
         }
-        spread.pieces.push(spread.sums.len() as u32);
+        spread.pieces.push(spread.ends.len() as u32);
         spread
     }
 
     /// The region's area, cm2, a soft triangle counted with its highest corner.
     pub(crate) fn area(&self) -> f64 {
-        self.sums.last().copied().unwrap_or(0.0)
+        self.area
     }
 
     /// Bytes held.
     pub(crate) fn bytes(&self) -> usize {
-        4 * (self.triangles.len() + 2 * self.sums.len() + self.pieces.len())
+        4 * (self.triangles.len() + 2 * self.ends.len() + self.pieces.len())
     }
 
     /// The triangle at a place of the line, in 2^-32 of it, and how far through that the place is, 0 to 1; none without any region.
     #[inline]
     pub(crate) fn place(&self, along: u32) -> Option<(u32, f64)> {
-        let at = self.sum_at(along);
+        let at = unit(along);
         let piece = (along >> (32 - self.bits)) as usize;
         let (from, to) = (self.pieces[piece] as usize, self.pieces[piece + 1] as usize);
-        let slot = from + self.sums[from..to].partition_point(|sum| *sum <= at);
+        let slot = from + self.ends[from..to].partition_point(|end| *end <= at);
         let triangle = *self.triangles.get(slot)?;
-        let before = if slot > 0 { self.sums[slot - 1] } else { 0.0 };
-        Some((triangle, (at - before) / (self.sums[slot] - before)))
-    }
-
-    /// The sum of areas up to a place of the line.
-    #[inline]
-    fn sum_at(&self, along: u32) -> f64 {
-        f64::from(along) * (1.0 / 4_294_967_296.0) * self.area()
+        let before = if slot > 0 { self.ends[slot - 1] } else { 0.0 };
+        Some((triangle, (at - before) / (self.ends[slot] - before)))
     }
 }
 
-/// The region's value at the highest corner of a triangle, at most 1.
+/// 2^-32 of it as a number from 0 to 1.
+#[inline]
+fn unit(along: u32) -> f64 {
+    f64::from(along) * (1.0 / 4_294_967_296.0)
+}
+
+/// A positive number with so many bits behind its first.
+fn rounded(x: f64, bits: u32) -> f64 {
+    let off = 52 - bits;
+    f64::from_bits((x.to_bits() + (1 << (off - 1))) >> off << off)
+}
+
+/// Lays triangles on the line.
+struct Layer {
+    rounding: f32,
+    /// The middle of the last triangle that was laid.
+    last: Vec3,
+    triangles: Vec<u32>,
+    ends: Vec<f64>,
+}
+
+impl Layer {
+    /// These on the line from `start` to `end`.
+    fn lay(&mut self, items: &mut [Item], start: f64, end: f64) {
+        if let [item] = items {
+            self.triangles.push(item.triangle);
+            self.ends.push(end);
+            self.last = item.at;
+            return;
+        }
+        let bits = SHARE_BITS + items.len().ilog2() / 2;
+        let (one, other) = self.halves(items);
+        // That which lies nearer to the last is next.
+        let far = |half: &[Item]| {
+            let (low, high) = bounds(half);
+            self.last.distance_squared(0.5 * low + 0.5 * high)
+        };
+        let turned = far(other) < NEARLY * far(one);
+        let (first, second) = if turned { (other, one) } else { (one, other) };
+        let area = |half: &[Item]| half.iter().map(|item| item.area).sum::<u64>();
+        let (a, b) = (area(first), area(second));
+        let small = rounded(a.min(b) as f64 / (a + b) as f64, bits) * (end - start);
+        let middle = if a < b { start + small } else { end - small };
+        self.lay(first, start, middle);
+        self.lay(second, middle, end);
+    }
+
+    /// Two or more in two halves, where the gap between middles along the longer side is widest near half of them.
+    fn halves<'a>(&self, items: &'a mut [Item]) -> (&'a mut [Item], &'a mut [Item]) {
+        let (low, high) = bounds(items);
+        let size = high - low;
+        let axis =
+            (1..3).fold(0, |best, axis| if NEARLY * size[axis] > size[best] { axis } else { best });
+        let count = items.len();
+        let order = |a: &Item, b: &Item| a.at[axis].total_cmp(&b.at[axis]);
+        let gaps = |items: &mut [Item], from: usize, to: usize| -> Option<usize> {
+            // Those before and behind each gap from `from` to `to`, in order.
+            if from > 1 {
+                items.select_nth_unstable_by(from - 1, order);
+            }
+            if to + 1 < count {
+                items[from - 1..].select_nth_unstable_by(to - (from - 1), order);
+            }
+            items[from - 1..=to].sort_unstable_by(order);
+            let gap = |k: usize| items[k].at[axis] - items[k - 1].at[axis];
+            let worth = |k: usize| gap(k) * k.min(count - k) as f32;
+            let wide = || (from..=to).filter(|k| gap(*k) > self.rounding);
+            let best = wide().map(worth).fold(0.0, f32::max);
+            wide().find(|k| worth(*k) >= NEARLY * best)
+        };
+        let near = (count / NEAR).max(1);
+        let (from, to) = ((count / 2 - near).max(1), (count / 2 + near).min(count - 1));
+        let at = gaps(items, from, to).or_else(|| gaps(items, 1, count - 1));
+        let at = at.unwrap_or_else(|| {
+            // All in one place.
+            items.sort_unstable_by_key(|item| item.triangle);
+            count / 2
+        });
+        items.split_at_mut(at)
+    }
+}
+
+/// The box about the middles.
+fn bounds(items: &[Item]) -> (Vec3, Vec3) {
+    let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    items.iter().fold(none, |(low, high), item| (low.min(item.at), high.max(item.at)))
+}
+
+/// No less than the region's value at the highest corner of a triangle, and an eighth more at most: what counts is not what the
+/// value was rounded to. At most 1.
 #[inline]
 pub(crate) fn highest(region: &[f32], corners: [u32; 3]) -> f32 {
     let [a, b, c] = corners.map(|v| region[v as usize]);
-    a.max(b).max(c).min(1.0)
+    let highest = a.max(b).max(c);
+    if highest <= 0.0 {
+        return 0.0;
+    }
+    const OFF: u32 = 20;
+    f32::from_bits(((highest.to_bits() - 1 >> OFF) + 1) << OFF).min(1.0)
 }
 
 /// How far along a Hilbert curve through 1024^3 cells a cell lies (Skilling 2004, "Programming the
@@ -125,4 +243,97 @@ pub(crate) fn hilbert(mut cell: [u32; 3]) -> u32 {
     (0..BITS)
         .rev()
         .fold(0, |key, bit| key << 3 | (x >> bit & 1) << 2 | (y >> bit & 1) << 1 | z >> bit & 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::scalp::tests::ball;
+    use crate::maths::hash::Dice;
+
+    /// For each of 20,000 places of the line, evenly spread, where it lies.
+    fn places(spread: &Spread, surface: &Surface) -> Vec<Vec3> {
+        let step = u32::MAX / 20_000;
+        let at = |i: u32| {
+            let (triangle, far) = spread.place(i * step).expect("there is a region");
+            // Somewhere in the triangle by how far through it.
+            surface.at(triangle, glam::Vec2::new(0.5 * far as f32, 0.25))
+        };
+        (0..20_000).map(at).collect()
+    }
+
+    #[test]
+    fn a_head_rounded_elsewhere_and_in_another_order_has_the_same_line() {
+        let scalp = ball();
+        let (surface, region) = (scalp.surface(), scalp.region());
+        // As a character stands in a file: 160 cm up, where coordinates are exact to 1.5e-5 cm, and rounded once more.
+        let up = |p: &Vec3, round: f32| (*p + Vec3::Y * 160.0) * round * (1.0 / round);
+        let points = |round: f32| surface.points.iter().map(|p| up(p, round)).collect::<Vec<_>>();
+        let of = |points: Vec<Vec3>, triangles: Vec<[u32; 3]>| {
+            let surface = Surface::new(points, triangles);
+            (places(&Spread::new(&surface, region), &surface), surface.points)
+        };
+        let (as_is, was) = of(points(1.0), surface.triangles.clone());
+        let mut turned = surface.triangles.clone();
+        turned.reverse();
+        for (round, triangles) in
+            [(1.0, turned), (0.01, surface.triangles.clone()), (2.54, surface.triangles.clone())]
+        {
+            let (places, points) = of(points(round), triangles);
+            let off = points.iter().zip(&was).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+            let moved = places.iter().zip(&as_is).filter(|(a, b)| a.distance(**b) > 1e-4).count();
+            assert!(off < 1e-4 && moved <= 120, "{round}: {off} cm, {moved} of 20,000 moved");
+        }
+    }
+
+    #[test]
+    fn each_triangle_has_the_line_that_its_area_is_worth() {
+        let scalp = ball();
+        let (surface, region) = (scalp.surface(), scalp.region());
+        let spread = Spread::new(surface, region);
+        let worth = |t: u32| {
+            0.5 * f64::from(surface.area_vector(t).length())
+                * f64::from(highest(region, surface.triangles[t as usize]))
+        };
+        let (mut before, mut seen) = (0.0, std::collections::BTreeSet::new());
+        let (mut line, mut area, mut worst) = (0.0, 0.0, 0.0f64);
+        for (k, (triangle, end)) in spread.triangles.iter().zip(&spread.ends).enumerate() {
+            assert!(seen.insert(*triangle), "{triangle} twice");
+            let off = (end - before) * spread.area() / worth(*triangle) - 1.0;
+            assert!(off.abs() < 0.12, "{triangle}: {off}");
+            (line, area) = (line + end - before, area + worth(*triangle));
+            if k % 200 == 199 {
+                worst = worst.max((line * spread.area() / area - 1.0).abs());
+                (line, area) = (0.0, 0.0);
+            }
+            before = *end;
+        }
+        assert!(worst < 0.01, "of 200 triangles: {worst}");
+        assert_eq!(before, 1.0);
+        let all = (0..surface.triangles.len() as u32).filter(|t| worth(*t) > 0.0).count();
+        assert_eq!(seen.len(), all);
+    }
+
+    #[test]
+    fn triangles_in_one_place_or_like_steps_are_laid_without_end() {
+        let dice = Dice::new(3, 0, "steps");
+        // A thousand on one spot; each half as far as the one before; one far from many that lie together.
+        let spot = |_: u32| Vec3::ONE;
+        let steps = |i: u32| Vec3::X * 0.5f32.powi(i as i32 % 120);
+        let lone = |i: u32| {
+            if i == 0 {
+                Vec3::X * 1e6
+            } else {
+                Vec3::from([0, 1, 2].map(|k| dice.unit(u64::from(i), k)))
+            }
+        };
+        for at in [&spot as &dyn Fn(u32) -> Vec3, &steps, &lone] {
+            let corners = |i: u32| [at(i), at(i) + 0.1 * Vec3::Y, at(i) + 0.1 * Vec3::Z];
+            let points: Vec<Vec3> = (0..1000).flat_map(corners).collect();
+            let triangles = (0..1000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+            let spread = Spread::new(&Surface::new(points, triangles), &[1.0; 3000]);
+            assert!(spread.triangles.len() > 900, "{}", spread.triangles.len());
+            assert!(spread.ends.is_sorted());
+        }
+    }
 }

@@ -181,7 +181,7 @@ fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, No
             }
             let share = mask.at(slot, slot, 0.0);
             let chosen = keep.unit(u64::from(i), 0) < share;
-            if apart.take(root.point, 1.0) {
+            if apart.take(i, root.point) {
                 match chosen {
                     true => out.push((i, root)),
                     false => skipped += 1.0,

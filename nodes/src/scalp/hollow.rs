@@ -6,8 +6,8 @@
 //! Guarantees: a head that is solid about the middle of its cranium has no inner wall. Not promised: nooks of the hollow that
 //! are seen neither from its middle nor across it, such as in a chin, stay what they are.
 
-use crate::define::NodeError;
 use crate::data::spread::hilbert;
+use crate::define::NodeError;
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::frame::round_about;
 use glam::Vec3;
