@@ -274,16 +274,27 @@ impl Grower<'_> {
             let pull = self.inputs.droop * 0.25 * step / self.unit;
             direction = (direction + down * pull).normalize_or(direction);
         }
+        let mut out = self.even(&grown, count);
+        // Round a corner of its section the curve may lead wider than the steps did: it ends before.
+        while grown.len() > SUBSTEPS && home.is_some_and(|home| home.passes(&out)) {
+            grown.truncate(grown.len() * 3 / 4);
+            out = self.even(&grown, count);
+        }
+        out
+    }
+
+    /// The steps of a guide as so many points at even lengths, out of the skin.
+    fn even(&self, grown: &[Vec3], count: usize) -> Vec<Vec3> {
         let mut out = Vec::with_capacity(count);
-        match Spline::new(&grown) {
+        match Spline::new(grown) {
             Ok(spline) => spline.resample(count, |p| out.push(p)),
-            Err(_) => out = grown,
+            Err(_) => out = grown.to_vec(),
         }
         // The spline may cut a corner of the skin that the steps kept out of.
         for p in &mut out[1..] {
             *p = self.skin.lift(*p, 0.5 * CLEARANCE).0;
         }
-        out[0] = root.point;
+        out[0] = grown[0];
         out
     }
 

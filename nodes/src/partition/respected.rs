@@ -62,6 +62,11 @@ fn guides_fills_and_puffs_keep_off_partings() {
         };
         let laid = guides(&[("length", Value::Float(4.0))]);
         check(&format!("laid guides on {cells}"), &scalp, &laid, 1000);
+        // Seeds with a guide whose curve leads wider round a corner of its box than its steps.
+        for seed in [8, 12] {
+            let laid = guides(&[("length", Value::Float(4.0)), ("seed", Value::Int(seed))]);
+            check(&format!("laid guides on {cells}, seed {seed}"), &scalp, &laid, 1000);
+        }
         let between = [on(), ("guides", laid.into()), ("density", Value::Float(20.0))];
         let hair = curves("interpolate", &between);
         check(&format!("hair between guides on {cells}"), &scalp, &hair, 5000);
