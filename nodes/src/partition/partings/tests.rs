@@ -297,7 +297,7 @@ fn a_parting_that_ends_in_hair_parts_the_hair_beside_it_and_curls_keep_off_it() 
     let (grown, _) = run(crate::by_id("scatter_guides").unwrap(), &set);
     let swept = curves_of(&grown[0]).each().map(|(tuft, i)| {
         let root = tuft.curve(i)[0];
-        let aside = Vec3::X * (root.x - 2.0).signum() * 0.4;
+        let aside = Vec3::new((root.x - 2.0).signum() * 0.15, 0.0, -0.35);
         let mut b = TuftBuilder::new();
         let mut points = vec![root];
         for k in 0..8 {
