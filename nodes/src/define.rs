@@ -6,6 +6,7 @@
 
 use crate::data::curves::Curves;
 use crate::data::field::{Field, FieldFault};
+use crate::data::gestures::Gestures;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
 use crate::data::shapes::ShapeList;
@@ -125,6 +126,8 @@ pub enum Type {
     Shapes,
     /// Pen strokes.
     Strokes,
+    /// Pen gestures that edit curves.
+    Gestures,
     /// Guides, clusters, braids or hair.
     Curves,
     /// A head.
@@ -147,6 +150,7 @@ impl Type {
             Type::Ramp => "ramp",
             Type::Shapes => "shape list",
             Type::Strokes => "strokes",
+            Type::Gestures => "gestures",
             Type::Curves => "curves",
             Type::Scalp => "scalp",
         }
@@ -245,6 +249,8 @@ pub enum Value {
     Shapes(Arc<ShapeList>),
     /// See [`Type::Strokes`].
     Strokes(Arc<Strokes>),
+    /// See [`Type::Gestures`].
+    Gestures(Arc<Gestures>),
     /// See [`Type::File`].
     File(Arc<FileData>),
     /// See [`Type::Curves`].
@@ -266,6 +272,7 @@ impl Value {
             Value::Ramp(_) => Type::Ramp.name(),
             Value::Shapes(_) => Type::Shapes.name(),
             Value::Strokes(_) => Type::Strokes.name(),
+            Value::Gestures(_) => Type::Gestures.name(),
             Value::File(_) => Type::File.name(),
             Value::Curves(_) => Type::Curves.name(),
             Value::Scalp(_) => Type::Scalp.name(),
@@ -286,6 +293,7 @@ impl Value {
             Value::Ramp(ramp) => ramp.add_to(KeyBuilder::new("ramp")).finish(),
             Value::Shapes(shapes) => shapes.add_to(KeyBuilder::new("shapes")).finish(),
             Value::Strokes(strokes) => strokes.key(),
+            Value::Gestures(gestures) => gestures.key(),
             Value::File(file) => {
                 let key = KeyBuilder::new("file").text(&file.extension).column(&file.bytes);
                 file.sides
@@ -306,6 +314,7 @@ impl Value {
             Value::Field(field) => field.is_finite(),
             Value::Shapes(shapes) => return shapes.fault(),
             Value::Strokes(strokes) => return strokes.fault(),
+            Value::Gestures(gestures) => return gestures.fault(),
             _ => true,
         };
         (!finite).then(|| "not a finite number".to_owned())
@@ -317,6 +326,7 @@ impl Value {
             Value::Scalp(scalp) => scalp.bytes(),
             Value::File(file) => file.bytes.len(),
             Value::Strokes(strokes) => strokes.bytes(),
+            Value::Gestures(gestures) => gestures.bytes(),
             _ => 64,
         }
     }
@@ -342,6 +352,7 @@ values! {
     Ramp => |x| Value::Ramp(Arc::new(x));
     ShapeList => |x| Value::Shapes(Arc::new(x));
     Strokes => |x| Value::Strokes(Arc::new(x));
+    Gestures => |x| Value::Gestures(Arc::new(x));
     Curves => |x| Value::Curves(x);
     Scalp => |x| Value::Scalp(Arc::new(x));
     Arc<Scalp> => |x| Value::Scalp(x);
@@ -560,6 +571,7 @@ plain_inputs! {
     Arc<str>, Text <= Text;
     Arc<ShapeList>, Shapes <= Shapes;
     Arc<Strokes>, Strokes <= Strokes;
+    Arc<Gestures>, Gestures <= Gestures;
     Curves, Curves <= Curves;
     Arc<Scalp>, Scalp <= Scalp;
 }

@@ -211,7 +211,7 @@ fn hostile(input: &InputDef) -> Vec<Value> {
         }
         Type::Curves => curves(),
         Type::Scalp => scalps(),
-        Type::File | Type::Strokes => vec![],
+        Type::File | Type::Strokes | Type::Gestures => vec![],
     }
     .into_iter()
     .filter(|value| value.fault().is_none())

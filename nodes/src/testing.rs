@@ -100,7 +100,7 @@ pub(crate) fn run_on(
     let mut key = KeyBuilder::new(node.id);
     for (name, value) in set {
         let (at, _) = node.input(name).unwrap_or_else(|| panic!("{} has no {name}", node.id));
-        if !matches!(value, Value::Curves(_) | Value::Strokes(_)) {
+        if !matches!(value, Value::Curves(_) | Value::Strokes(_) | Value::Gestures(_)) {
             key = key.text(name).key(value.key());
         }
         values[at].push(value.clone());

@@ -6,6 +6,7 @@ pub mod curves;
 mod cut;
 pub mod field;
 pub mod footprint;
+pub mod gestures;
 pub mod home;
 pub mod lead;
 pub mod mesh;

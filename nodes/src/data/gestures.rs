@@ -1,0 +1,428 @@
+//! Pen gestures as a document keeps them: what the hand did, from where it was seen, and what it meant.
+//!
+//! A gesture is drawn on a picture. It keeps the pen's samples in pixels and the view that they were drawn under, in the head's
+//! frame, so that it means the same on another head; the curves it acts on by their ids; and, where it made a new curve, that
+//! curve in the frame of its root.
+//!
+//! Guarantees: what cannot be used is found before anything runs ([`Gestures::fault`]). Not known here: what a gesture does
+//! (`sketch/`), and how files hold it.
+
+use super::scalp::{HEAD_RADIUS, Root};
+use crate::maths::frame::{across, any_normal};
+use crate::maths::hash::{Key, KeyBuilder};
+use glam::{Vec2, Vec3};
+
+/// One sample of the pen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::NoUninit)]
+#[repr(C)]
+pub struct PenSample {
+    /// Pixels from the middle of the picture, to the right and down.
+    pub at: Vec2,
+    /// 0 to 1.
+    pub pressure: f32,
+    /// Seconds since the gesture began.
+    pub time: f32,
+    /// How far the pen leans to the right and towards the user, in quotients of 90 degrees, each -1 to 1.
+    pub tilt: Vec2,
+}
+
+/// From where a gesture was drawn: the eye, in the head's frame and head units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Where the eye is.
+    pub eye: Vec3,
+    /// Where it looks at; not at the eye.
+    pub target: Vec3,
+    /// The way that is up in the picture; not along the view.
+    pub up: Vec3,
+    /// Half the height of the picture: of one head unit's distance from the eye, or where all rays are parallel, in head units.
+    pub half_height: f32,
+    /// Whether all rays are parallel.
+    pub parallel: bool,
+    /// Height of the picture in pixels.
+    pub pixels: f32,
+}
+
+/// What a gesture does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Tool {
+    /// A new cluster from a place of the scalp.
+    Implant,
+    /// A cluster goes on from its end.
+    Lengthen,
+    /// Curves end at the stroke; on the scalp they are removed whole.
+    Cut,
+    /// Each full circle fills clusters a little more (clockwise) or less.
+    Density,
+    /// Each loop turns the cross-section of a cluster from there on.
+    Twist,
+    /// A scribble says how much strands wander.
+    Frizz,
+    /// Pushes curves along the stroke.
+    Comb,
+    /// Locks the nearest CV in its place, or frees it.
+    Pin,
+    /// Evens out what the brush passes.
+    Smooth,
+    /// Lifts it off the skin.
+    Puff,
+    /// Takes it along.
+    Grab,
+    /// Draws it straight between its root and its end.
+    Straighten,
+}
+
+impl Tool {
+    /// Every tool with its word in documents, in the order of the shelf.
+    pub const ALL: &[(Tool, &str)] = &[
+        (Tool::Implant, "implant"),
+        (Tool::Lengthen, "lengthen"),
+        (Tool::Cut, "cut"),
+        (Tool::Density, "density"),
+        (Tool::Twist, "twist"),
+        (Tool::Frizz, "frizz"),
+        (Tool::Comb, "comb"),
+        (Tool::Pin, "pin"),
+        (Tool::Smooth, "smooth"),
+        (Tool::Puff, "puff"),
+        (Tool::Grab, "grab"),
+        (Tool::Straighten, "straighten"),
+    ];
+    /// Its word in documents and messages.
+    pub fn word(self) -> &'static str {
+        Self::ALL.iter().find(|(tool, _)| *tool == self).map_or("", |(_, word)| word)
+    }
+    /// The tool of a word.
+    pub fn named(word: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(_, own)| *own == word).map(|(tool, _)| *tool)
+    }
+}
+
+/// How deep a gesture reaches: the paper's three levels of pressure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Layer {
+    /// The curve nearest to the eye.
+    Nearest,
+    /// All curves down to the head.
+    Through,
+    /// The head itself, and what is rooted there.
+    Scalp,
+}
+
+impl Layer {
+    /// Every layer with its word in documents, from light to heavy pressure.
+    pub const ALL: &[(Layer, &str)] =
+        &[(Layer::Nearest, "nearest"), (Layer::Through, "through"), (Layer::Scalp, "scalp")];
+    /// Its word in documents and messages.
+    pub fn word(self) -> &'static str {
+        Self::ALL.iter().find(|(layer, _)| *layer == self).map_or("", |(_, word)| word)
+    }
+    /// The layer of a word.
+    pub fn named(word: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(_, own)| *own == word).map(|(layer, _)| *layer)
+    }
+    /// The layer of a pressure from 0 to 1: three equal levels.
+    pub fn of_pressure(pressure: f32) -> Self {
+        match pressure {
+            p if p < 1.0 / 3.0 => Layer::Nearest,
+            p if p < 2.0 / 3.0 => Layer::Through,
+            _ => Layer::Scalp,
+        }
+    }
+}
+
+/// A gesture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gesture {
+    /// Stored with the gesture, unique within its list, never 0. The id of the curve that an implant makes comes of it.
+    pub id: u64,
+    /// What it does.
+    pub tool: Tool,
+    /// How deep it reaches.
+    pub layer: Layer,
+    /// From where it was drawn.
+    pub view: View,
+    /// At least one.
+    pub samples: Vec<PenSample>,
+    /// Ids of the curves it acts on. Empty: found under the pen each time it is replayed.
+    pub curves: Vec<u64>,
+    /// Where an implant is rooted, in the head's frame and head units. None: where the ray through the first sample meets the head.
+    pub root: Option<Vec3>,
+    /// The curve that an implant or lengthening drew, without its first point, in the frame of its root or old end, in head units
+    /// ([`RootFrame`]). Empty: made from the samples each time it is replayed.
+    pub path: Vec<Vec3>,
+    /// Colour of what is implanted, linear Rec.709. None: that of curves without one.
+    pub colour: Option<Vec3>,
+    /// Reach of a brush, pixels; 0: the node's own.
+    pub size: f32,
+    /// How strongly a brush or comb acts, as a multiple of what it does by itself.
+    pub strength: f32,
+}
+
+/// The gestures of one node, in the order in which they were drawn.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Gestures(pub Vec<Gesture>);
+
+/// Farther from the head's centre than anything is looked at from (head units), and more pixels than any picture has.
+const FARTHEST: f32 = 1e5;
+/// The most curves that one gesture names.
+const MOST_CURVES: usize = 100_000;
+
+impl View {
+    /// Why nothing can be seen so; none when it can.
+    pub fn fault(&self) -> Option<&'static str> {
+        let near = |v: Vec3| v.is_finite() && v.abs().max_element() <= FARTHEST;
+        let ahead = (self.target - self.eye).try_normalize();
+        let turned = ahead.is_none_or(|ahead| ahead.cross(self.up).length() < 1e-4);
+        let sized = |x: f32| x.is_finite() && x > 0.0 && x <= FARTHEST;
+        match () {
+            () if !near(self.eye) || !near(self.target) || !near(self.up) => {
+                Some("its view is not on earth")
+            }
+            () if ahead.is_none() => Some("its view looks at its own eye"),
+            () if turned => Some("the up of its view lies along the view"),
+            () if !sized(self.half_height) || !sized(self.pixels) => Some("its view has no height"),
+            () => None,
+        }
+    }
+}
+
+impl Gesture {
+    /// Hash of the content.
+    pub fn key(&self) -> Key {
+        let view = &self.view;
+        KeyBuilder::new("gesture")
+            .int(self.id)
+            .text(self.tool.word())
+            .text(self.layer.word())
+            .vec3(view.eye)
+            .vec3(view.target)
+            .vec3(view.up)
+            .float(view.half_height)
+            .int(u64::from(view.parallel))
+            .float(view.pixels)
+            .column(&self.samples)
+            .column(&self.curves)
+            .column(bytemuck::cast_slice::<_, f32>(&self.path))
+            .float(self.size)
+            .float(self.strength)
+            .int(u64::from(self.root.is_some()))
+            .vec3(self.root.unwrap_or_default())
+            .int(u64::from(self.colour.is_some()))
+            .vec3(self.colour.unwrap_or_default())
+            .finish()
+    }
+
+    /// Why it cannot be used; none when it can.
+    pub fn fault(&self) -> Option<String> {
+        let finite = |s: &PenSample| {
+            s.at.is_finite() && s.pressure.is_finite() && s.time.is_finite() && s.tilt.is_finite()
+        };
+        if let Some(fault) = self.view.fault() {
+            return Some(fault.to_owned());
+        }
+        if self.samples.is_empty() {
+            return Some("it has no samples".to_owned());
+        }
+        if let Some(i) = self.samples.iter().position(|s| !finite(s)) {
+            return Some(format!("sample {i} is not a finite number"));
+        }
+        if let Some(i) = self.samples.iter().position(|s| s.at.abs().max_element() > FARTHEST) {
+            return Some(format!("sample {i} is {FARTHEST} pixels and more off"));
+        }
+        let near = |v: &Vec3| v.is_finite() && v.abs().max_element() <= FARTHEST;
+        if let Some(i) = self.path.iter().position(|p| !near(p)) {
+            return Some(format!("point {i} of its path is not on earth"));
+        }
+        if self.root.is_some_and(|root| !near(&root)) {
+            return Some("its root is not on earth".to_owned());
+        }
+        if self.curves.len() > MOST_CURVES {
+            return Some(format!("it names {} curves, {MOST_CURVES} at most", self.curves.len()));
+        }
+        let sized = |x: f32, most: f32| x.is_finite() && (0.0..=most).contains(&x);
+        if !sized(self.size, 1e4) || !sized(self.strength, 100.0) {
+            return Some(format!(
+                "its size is {} (0 to 10000 pixels), its strength {} (0 to 100)",
+                self.size, self.strength
+            ));
+        }
+        let shade = |c: Vec3| c.is_finite() && c.min_element() >= 0.0 && c.max_element() <= 100.0;
+        self.colour.is_some_and(|c| !shade(c)).then(|| "its colour is none".to_owned())
+    }
+}
+
+impl Gestures {
+    /// Hash of the content.
+    pub fn key(&self) -> Key {
+        self.0.iter().fold(KeyBuilder::new("gestures"), |key, one| key.key(one.key())).finish()
+    }
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let each = |one: &Gesture| {
+            size_of_val(&one.samples[..])
+                + size_of_val(&one.curves[..])
+                + size_of_val(&one.path[..])
+        };
+        self.0.iter().map(each).sum::<usize>() + self.0.len() * size_of::<Gesture>()
+    }
+    /// Why the list cannot be used; none when it can.
+    pub fn fault(&self) -> Option<String> {
+        let mut seen = std::collections::BTreeSet::new();
+        for (i, one) in self.0.iter().enumerate() {
+            if one.id == 0 || !seen.insert(one.id) {
+                return Some(format!("gesture {i}: its id {} is 0 or used before", one.id));
+            }
+            if let Some(fault) = one.fault() {
+                return Some(format!("gesture {i} ({}): {fault}", one.tool.word()));
+            }
+        }
+        None
+    }
+}
+
+/// The frame in which what grows from a place of a head is kept: out of the skin, down over it, and across. Where the skin
+/// looks straight up or down, forward stands for down.
+#[derive(Clone, Copy, Debug)]
+pub struct RootFrame {
+    origin: Vec3,
+    /// Unit and at right angles: out, down over the skin, and across.
+    axes: [Vec3; 3],
+    unit: f32,
+}
+
+impl RootFrame {
+    /// The frame at a root of a head.
+    pub fn at(frame: &super::scalp::HeadFrame, root: &Root) -> Self {
+        Self::of(frame, root.point, root.normal)
+    }
+    /// The frame at any place where something that grows looks this way.
+    pub fn of(frame: &super::scalp::HeadFrame, origin: Vec3, out: Vec3) -> Self {
+        let out = out.normalize_or(frame.up);
+        // Forward counts a little, so that near the crown down turns to it without a leap.
+        let down = across(frame.forward * 0.25 - frame.up, out).unwrap_or_else(|| any_normal(out));
+        Self { origin, axes: [out, down, out.cross(down)], unit: frame.radius / HEAD_RADIUS }
+    }
+    /// A point in the frame, head units.
+    pub fn local(&self, p: Vec3) -> Vec3 {
+        let off = (p - self.origin) / self.unit;
+        Vec3::from(self.axes.map(|axis| off.dot(axis)))
+    }
+    /// A point of the frame, in the head's space, cm.
+    pub fn world(&self, p: Vec3) -> Vec3 {
+        let [out, down, aside] = self.axes;
+        self.origin + (out * p.x + down * p.y + aside * p.z) * self.unit
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::data::scalp::HeadFrame;
+
+    /// A gesture of two samples, seen from the front.
+    pub(crate) fn gesture(id: u64, tool: Tool) -> Gesture {
+        let sample =
+            |x: f32| PenSample { at: Vec2::new(x, 0.0), pressure: 0.5, ..Default::default() };
+        Gesture {
+            id,
+            tool,
+            layer: Layer::Through,
+            view: View {
+                eye: Vec3::Z * 60.0,
+                target: Vec3::ZERO,
+                up: Vec3::Y,
+                half_height: 0.25,
+                parallel: false,
+                pixels: 1000.0,
+            },
+            samples: vec![sample(0.0), sample(100.0)],
+            curves: vec![],
+            root: None,
+            path: vec![],
+            colour: None,
+            size: 0.0,
+            strength: 1.0,
+        }
+    }
+
+    #[test]
+    fn each_word_leads_to_its_tool_and_layer_and_three_levels_are_equal() {
+        for (tool, word) in Tool::ALL {
+            assert_eq!((Tool::named(word), tool.word()), (Some(*tool), *word));
+        }
+        for (layer, word) in Layer::ALL {
+            assert_eq!((Layer::named(word), layer.word()), (Some(*layer), *word));
+        }
+        let levels = [0.0, 0.33, 0.34, 0.66, 0.67, 1.0].map(Layer::of_pressure);
+        use Layer::{Nearest, Scalp, Through};
+        assert_eq!(levels, [Nearest, Nearest, Through, Through, Scalp, Scalp]);
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_named() {
+        #[track_caller]
+        fn check(change: impl Fn(&mut Gesture), expected: &str) {
+            let mut one = gesture(7, Tool::Comb);
+            change(&mut one);
+            let fault = Gestures(vec![one]).fault().unwrap_or_default();
+            assert!(fault.contains(expected), "{fault:?}: expected {expected:?}");
+        }
+        assert_eq!(Gestures(vec![gesture(7, Tool::Comb)]).fault(), None);
+        check(|g| g.id = 0, "gesture 0: its id 0 is 0 or used before");
+        check(|g| g.samples.clear(), "gesture 0 (comb): it has no samples");
+        check(|g| g.samples[1].at.x = f32::NAN, "sample 1 is not a finite number");
+        check(|g| g.samples[1].at.x = 1e6, "sample 1 is 100000 pixels");
+        check(|g| g.view.eye = g.view.target, "looks at its own eye");
+        check(|g| g.view.up = Vec3::Z, "lies along the view");
+        check(|g| g.view.pixels = 0.0, "has no height");
+        check(|g| g.view.eye.x = f32::INFINITY, "not on earth");
+        check(|g| g.path = vec![Vec3::NAN], "point 0 of its path");
+        check(|g| g.strength = -1.0, "its strength -1");
+        check(|g| g.colour = Some(Vec3::splat(-1.0)), "its colour");
+        let twice = Gestures(vec![gesture(7, Tool::Comb), gesture(7, Tool::Cut)]);
+        assert!(twice.fault().unwrap().contains("gesture 1: its id 7"));
+    }
+
+    #[test]
+    fn every_part_of_a_gesture_is_in_its_key() {
+        let changes: &[fn(&mut Gesture)] = &[
+            |g| g.id = 8,
+            |g| g.tool = Tool::Cut,
+            |g| g.layer = Layer::Scalp,
+            |g| g.view.eye.x = 1.0,
+            |g| g.view.target.x = 1.0,
+            |g| g.view.up.x = 0.1,
+            |g| g.view.half_height = 0.3,
+            |g| g.view.parallel = true,
+            |g| g.view.pixels = 900.0,
+            |g| g.samples[1].pressure = 0.6,
+            |g| g.curves.push(5),
+            |g| g.root = Some(Vec3::Y),
+            |g| g.path.push(Vec3::Y),
+            |g| g.colour = Some(Vec3::ONE),
+            |g| g.size = 40.0,
+            |g| g.strength = 2.0,
+        ];
+        let mut keys = std::collections::BTreeSet::from([gesture(7, Tool::Comb).key().0]);
+        for (i, change) in changes.iter().enumerate() {
+            let mut one = gesture(7, Tool::Comb);
+            change(&mut one);
+            assert!(keys.insert(one.key().0), "change {i}");
+        }
+    }
+
+    #[test]
+    fn the_frame_of_a_root_leads_to_and_fro_and_stands_as_the_head_does() {
+        let frame = HeadFrame { radius: 17.8, ..HeadFrame::IDENTITY };
+        let at = RootFrame::of(&frame, Vec3::new(0.0, 0.0, 17.8), Vec3::Z);
+        // Two head units out and one down: of a head twice as large 4 cm and 2 cm.
+        assert!(at.world(Vec3::new(2.0, 1.0, 0.0)).distance(Vec3::new(0.0, -2.0, 21.8)) < 1e-5);
+        for p in [Vec3::new(0.3, -2.0, 7.0), Vec3::splat(-4.0)] {
+            assert!(at.world(at.local(p)).distance(p) < 1e-4);
+        }
+        // On the crown down is forward.
+        let crown = RootFrame::of(&frame, Vec3::Y * 17.8, Vec3::Y);
+        assert!(crown.world(Vec3::Y).distance(Vec3::new(0.0, 17.8, 2.0)) < 1e-5);
+    }
+}
