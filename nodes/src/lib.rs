@@ -24,6 +24,7 @@ pub mod scalp;
 mod shape;
 #[cfg(test)]
 mod sizes;
+pub mod sketch;
 #[cfg(test)]
 mod testing;
 
@@ -37,6 +38,7 @@ pub const STAGES: &[(&str, &[&NodeDef])] = &[
     ("partition", partition::NODES),
     ("curl", curl::NODES),
     ("puff", puff::NODES),
+    ("sketch", sketch::NODES),
     ("cluster", cluster::NODES),
     ("shape", shape::NODES),
     ("output", output::NODES),

@@ -198,6 +198,8 @@ declare! {
     FRIZZ: f32 = "frizz", 0.0;
     /// How densely a cluster is filled, 0 to 1.
     DENSITY: f32 = "density", 0.5;
+    /// 1 for a CV that a hairpin locks in its place, 0 for one that is free.
+    PINNED: i32 = "pinned", 0;
     /// Colour, linear Rec.709.
     COLOUR: Vec3 = "colour", Vec3::new(0.09, 0.05, 0.03);
     /// How deep under the skin the curve may go, cm.

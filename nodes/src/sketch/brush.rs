@@ -1,0 +1,92 @@
+//! Soft brushes beyond the paper: smooth, puff, grab and straighten, each with a size and a falloff.
+//!
+//! Guarantees of all: what [`super::relax`] keeps; CVs farther from the brush than its size do not move by it, but those behind
+//! them follow, for lengths stay.
+
+use super::hand::{Hand, Sketch};
+use super::lock::Lock;
+use super::relax::Rest;
+use super::seen::steps;
+use crate::data::gestures::Tool;
+use glam::Vec2;
+
+/// Lift of one step of a puff under the middle of the brush, head units.
+const LIFT: f32 = 0.12;
+/// Share of the way to smooth or straight that one step makes there.
+const SHARE: f32 = 0.35;
+
+pub(super) fn brush(hand: &Hand, sketch: &mut Sketch, number: usize) {
+    let size = hand.reach();
+    let line = steps(&hand.line(), 0.25 * size);
+    let taken = hand.takes(
+        sketch,
+        number,
+        |hand, sketch| hand.passed(sketch, &line, size),
+        "the brush passes no curve: begin on hair",
+    );
+    for i in taken {
+        let mut lock = (*sketch.locks[i]).clone();
+        if brushed(hand, &line, size, &mut lock) {
+            sketch.locks[i] = lock.done();
+        }
+    }
+}
+
+/// 1 under the middle of the brush, 0 at its edge, level at both.
+fn falloff(off: f32, size: f32) -> f32 {
+    let t = (1.0 - off / size).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+fn brushed(hand: &Hand, line: &[Vec2], size: f32, lock: &mut Lock) -> bool {
+    let held = lock.held();
+    let rest = Rest::of(&lock.points, held, &hand.skin);
+    let was = lock.points.clone();
+    let strength = hand.gesture.strength;
+    if hand.gesture.tool == Tool::Grab {
+        let way = line[line.len() - 1] - line[0];
+        for p in &mut lock.points[held + 1..] {
+            let Some(at) = hand.seen.pixel(*p) else { continue };
+            let share = falloff(at.distance(line[0]), size) * strength;
+            *p = hand.seen.at(at + way * share, hand.seen.depth(*p));
+        }
+    } else {
+        for at in line {
+            step(hand, *at, size, held, lock);
+            rest.lengthen(&mut lock.points, &hand.skin);
+        }
+    }
+    if lock.points == was {
+        return false;
+    }
+    rest.relax(&mut lock.points, &hand.skin);
+    true
+}
+
+/// One place of the brush.
+fn step(hand: &Hand, at: Vec2, size: f32, held: usize, lock: &mut Lock) {
+    let was = lock.points.clone();
+    let last = was.len() - 1;
+    let (from, to) = (was[held], was[last]);
+    for k in held + 1..=last {
+        let Some(pixel) = hand.seen.pixel(was[k]) else { continue };
+        let share = falloff(pixel.distance(at), size) * hand.gesture.strength;
+        if share == 0.0 {
+            continue;
+        }
+        let wanted = match hand.gesture.tool {
+            Tool::Smooth if k < last => 0.5 * (was[k - 1] + was[k + 1]),
+            Tool::Straighten => from.lerp(to, (k - held) as f32 / (last - held) as f32),
+            Tool::Puff => {
+                let out = hand
+                    .skin
+                    .closest(was[k])
+                    .map(|hit| hand.scalp.surface().smooth_normal(hit.triangle, hit.bary));
+                lock.points[k] += out.unwrap_or_default() * (LIFT * hand.set.unit * share);
+                continue;
+            }
+            _ => continue,
+        };
+        lock.points[k] = was[k].lerp(wanted, (SHARE * share).min(1.0));
+    }
+}

@@ -1,0 +1,112 @@
+//! Cut: curves end where a straight stroke crosses them (the paper's 4.3).
+//!
+//! The stroke has to enter a cluster on one side and leave it on the other. By layer it cuts the nearest, all down to the head, or
+//! removes whole what is rooted where it crosses the head.
+
+use super::hand::{Hand, Sketch, off_line};
+use super::lock::Lock;
+use crate::data::gestures::Layer;
+use glam::{Vec2, Vec3};
+
+/// A curve that would be shorter than this (cm) after a cut is removed whole.
+const SHORTEST: f32 = 0.1;
+
+pub(super) fn cut(hand: &Hand, sketch: &mut Sketch, number: usize) {
+    let line = hand.line();
+    let stroke = [line[0], line[line.len() - 1]];
+    let nothing = match hand.gesture.layer {
+        Layer::Scalp => "it crosses no roots on the head",
+        _ => "it crosses no curve from side to side: begin and end beside the hair",
+    };
+    let taken = hand.takes(sketch, number, |hand, sketch| crossed(hand, sketch, stroke), nothing);
+    if hand.gesture.layer == Layer::Scalp {
+        let mut gone = vec![false; sketch.locks.len()];
+        taken.into_iter().for_each(|i| gone[i] = true);
+        let mut gone = gone.into_iter();
+        sketch.locks.retain(|_| !gone.next().unwrap_or(false));
+        return;
+    }
+    let mut gone = vec![false; sketch.locks.len()];
+    for i in taken {
+        let Some((k, t)) = crossing(hand, &sketch.locks[i], stroke) else { continue };
+        let mut lock = (*sketch.locks[i]).clone();
+        match shorter(&mut lock, k, t) {
+            true => sketch.locks[i] = lock.done(),
+            false => gone[i] = true,
+        }
+    }
+    let mut gone = gone.into_iter();
+    sketch.locks.retain(|_| !gone.next().unwrap_or(false));
+}
+
+/// Curves that the stroke crosses.
+fn crossed(hand: &Hand, sketch: &Sketch, stroke: [Vec2; 2]) -> Vec<usize> {
+    let locks = sketch.locks.iter().enumerate().filter(|(_, lock)| lock.is_curve());
+    if hand.gesture.layer == Layer::Scalp {
+        let at_root = |lock: &Lock| {
+            let root = lock.root();
+            let wide = lock.radius / hand.seen.cm_per_pixel(hand.seen.depth(root));
+            let near = hand.seen.pixel(root).is_some_and(|at| off_line(&stroke, at) <= wide);
+            near && hand.seen.sees(hand.scalp, root)
+        };
+        return locks.filter(|(_, lock)| at_root(lock)).map(|(i, _)| i).collect();
+    }
+    let mut met: Vec<(usize, f32)> = vec![];
+    for (i, lock) in locks {
+        let Some((k, t)) = crossing(hand, lock, stroke) else { continue };
+        let at = lock.points[k].lerp(lock.points[k + 1], t);
+        let wide = lock.radius / hand.seen.cm_per_pixel(hand.seen.depth(at));
+        // Both ends beside the cluster as it is drawn.
+        let Some(drawn) = hand.drawn(lock) else { continue };
+        let drawn: Vec<Vec2> = drawn.into_iter().map(|(at, _)| at).collect();
+        let beside = stroke.iter().all(|end| off_line(&drawn, *end) > wide);
+        if beside && hand.seen.sees(hand.scalp, at) {
+            met.push((i, hand.seen.depth(at)));
+        }
+    }
+    met.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+    let most = if hand.gesture.layer == Layer::Nearest { 1 } else { usize::MAX };
+    met.into_iter().take(most).map(|(i, _)| i).collect()
+}
+
+/// Where a curve is crossed for the first time from its root on: the segment, and how far along it, beyond the last CV that
+/// holds its place or not.
+fn crossing(hand: &Hand, lock: &Lock, [a, b]: [Vec2; 2]) -> Option<(usize, f32)> {
+    let drawn = hand.drawn(lock)?;
+    drawn.windows(2).enumerate().find_map(|(k, pair)| {
+        let (p, q) = (pair[0].0, pair[1].0);
+        let (r, s) = (q - p, b - a);
+        let det = r.perp_dot(s);
+        if det == 0.0 {
+            return None;
+        }
+        let (t, u) = ((a - p).perp_dot(s) / det, (a - p).perp_dot(r) / det);
+        if !((0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u)) {
+            return None;
+        }
+        // What is even on the picture is not in space.
+        let (near, far) = (pair[0].1, pair[1].1);
+        let t = if hand.seen.is_parallel() { t } else { t * near / (far + (near - far) * t) };
+        Some((k, t))
+    })
+}
+
+/// Ends a curve in its segment `k`, `t` along it; CVs about as far apart as they were. False where nothing is left.
+fn shorter(lock: &mut Lock, k: usize, t: f32) -> bool {
+    let mut kept: Vec<Vec3> = lock.points[..=k].to_vec();
+    let mut places: Vec<f32> = (0..=k).map(|k| k as f32).collect();
+    let end = lock.points[k].lerp(lock.points[k + 1], t);
+    let segment = lock.points[k].distance(lock.points[k + 1]);
+    // A short last segment is made one with that before, if that is free to give way.
+    if t * segment < 0.3 * segment && kept.len() > 1 && !lock.pinned[k] {
+        kept.pop();
+        places.pop();
+    }
+    kept.push(end);
+    places.push(k as f32 + t);
+    if kept.windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f32>() < SHORTEST {
+        return false;
+    }
+    lock.set_points(kept, &places);
+    true
+}

@@ -1,0 +1,97 @@
+//! Density: each full circle fills clusters by a twentieth more, clockwise, or less (the paper's 4.4).
+
+use super::hand::{Hand, Sketch, off_line};
+use crate::data::gestures::Layer;
+use crate::maths::transcendental::atan2;
+use glam::Vec2;
+
+/// By how much one circle fills a cluster.
+pub(super) const STEP: f32 = 0.05;
+
+pub(super) fn density(hand: &Hand, sketch: &mut Sketch, number: usize) {
+    let line = hand.line();
+    let turns = circles(&line);
+    if turns == 0 {
+        return sketch.told.push((number, "it closes no circle: draw all the way round".into()));
+    }
+    let taken = hand.takes(
+        sketch,
+        number,
+        |hand, sketch| within(hand, sketch, &line),
+        "there is no curve in the circle",
+    );
+    for i in taken {
+        let mut lock = (*sketch.locks[i]).clone();
+        let filled = (lock.density + STEP * turns as f32 * hand.gesture.strength).clamp(0.0, 1.0);
+        if filled != lock.density {
+            lock.density = filled;
+            sketch.locks[i] = lock.done();
+        }
+    }
+}
+
+/// Full circles about the stroke's middle, clockwise positive.
+pub(super) fn circles(line: &[Vec2]) -> i32 {
+    let middle = line.iter().sum::<Vec2>() / line.len().max(1) as f32;
+    let turn = |pair: &[Vec2]| {
+        let (a, b) = (pair[0] - middle, pair[1] - middle);
+        atan2(a.perp_dot(b), a.dot(b))
+    };
+    // (A hand closes a circle a little short of it.)
+    let all: f32 = line.windows(2).map(turn).sum::<f32>() / std::f32::consts::TAU;
+    (all.abs() + 0.06) as i32 * all.signum() as i32
+}
+
+fn within(hand: &Hand, sketch: &Sketch, line: &[Vec2]) -> Vec<usize> {
+    let middle = line.iter().sum::<Vec2>() / line.len() as f32;
+    let locks = sketch.locks.iter().enumerate().filter(|(_, lock)| lock.is_curve());
+    match hand.gesture.layer {
+        Layer::Nearest => {
+            // The nearest to the circle's middle, and of those as near that nearest to the eye.
+            if let Some((i, _)) = hand.met(sketch, middle).first() {
+                return vec![*i];
+            }
+            let off = locks.filter_map(|(i, lock)| {
+                let drawn: Vec<Vec2> = hand.drawn(lock)?.into_iter().map(|(at, _)| at).collect();
+                let seen = lock.points[1..].iter().any(|p| hand.seen.sees(hand.scalp, *p));
+                seen.then_some((i, off_line(&drawn, middle)))
+            });
+            off.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i).into_iter().collect()
+        }
+        Layer::Through => {
+            // Most of its CVs in the circle, on this side of the head.
+            let inside = |lock: &super::lock::Lock| {
+                let seen = |p: &&glam::Vec3| {
+                    hand.seen.pixel(**p).is_some_and(|at| encloses(line, at))
+                        && hand.seen.sees(hand.scalp, **p)
+                };
+                2 * lock.points.iter().filter(seen).count() > lock.points.len()
+            };
+            locks.filter(|(_, lock)| inside(lock)).map(|(i, _)| i).collect()
+        }
+        Layer::Scalp => {
+            let rooted = |root: glam::Vec3| {
+                hand.seen.pixel(root).is_some_and(|at| encloses(line, at))
+                    && hand.seen.sees(hand.scalp, root)
+            };
+            locks.filter(|(_, lock)| rooted(lock.root())).map(|(i, _)| i).collect()
+        }
+    }
+}
+
+/// Whether a closed line goes round a pixel.
+fn encloses(line: &[Vec2], at: Vec2) -> bool {
+    let mut round = 0;
+    let ends = line.iter().zip(line.iter().cycle().skip(1));
+    for (a, b) in ends {
+        if (a.y <= at.y) != (b.y <= at.y) {
+            let side = (*b - *a).perp_dot(at - *a);
+            round += match (side > 0.0, b.y > a.y) {
+                (true, true) => 1,
+                (false, false) => -1,
+                _ => 0,
+            };
+        }
+    }
+    round != 0
+}

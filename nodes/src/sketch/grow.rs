@@ -1,0 +1,224 @@
+//! Implant and lengthen: a stroke on the picture becomes a curve in space (the paper's 4.1 and 4.2).
+//!
+//! A picture does not say how far a stroke leads into it. Where curves near it run alike on the picture, it goes as deep as they do
+//! on the mean; elsewhere it keeps its depth.
+//!
+//! Guarantees: segments are as long as the node says, to what makes them come out even; the curve starts on the head or at the old
+//! tip, and none of its other CVs lies under the skin; one implant replaces the curves whose disc holds its root.
+
+use super::hand::{Hand, Sketch};
+use super::lock::{Implanted, Lock};
+use super::relax::{CLEARANCE, Rest};
+use super::seen::steps;
+use crate::data::gestures::RootFrame;
+use crate::data::scalp::{HeadFrame, Root, Scalp};
+use crate::maths::hash::curve_id;
+use crate::scalp::lay::Polyline;
+use glam::{Vec2, Vec3};
+
+/// Steepest way into the picture: depth by length on it.
+const STEEPEST: f32 = 2.5;
+/// Of a segment's length a neighbour must show so much on the picture to tell anything of its depth.
+const SHOWS: f32 = 0.35;
+/// Nearer to the skin by less than this (cm) is rounding.
+const NOTHING: f32 = 1e-3;
+/// Turns wider than 60 degrees are smoothed, in so many rounds.
+const ROUNDS: usize = 4;
+
+pub(super) fn implant(hand: &Hand, sketch: &mut Sketch, number: usize) {
+    let frame = hand.scalp.frame();
+    let (root, drift) = match hand.gesture.root {
+        Some(drawn) => {
+            let drawn = frame.point_from_head(drawn);
+            match hand.scalp.closest_root(drawn) {
+                Some(root) => (root, root.point.distance(drawn)),
+                None => return sketch.told.push((number, "the head has no skin".into())),
+            }
+        }
+        None => match hand.on_head() {
+            Some(hit) => (hand.scalp.root(hit.triangle, hit.bary), 0.0),
+            None => {
+                let text = "it begins beside the head: begin an implant on the skin";
+                return sketch.told.push((number, text.into()));
+            }
+        },
+    };
+    // A hair's breadth off the skin after all: a root lies on it.
+    let points = match hand.gesture.path.is_empty() {
+        true => {
+            let drawn = stroke(hand, sketch, root.point, u64::MAX);
+            let mut points = even(hand, root.point, drawn);
+            clear(hand, &mut points, 0);
+            points
+        }
+        false => {
+            let own = RootFrame::at(frame, &root);
+            let path = hand.gesture.path.iter().map(|p| own.world(*p));
+            let mut points: Vec<Vec3> = std::iter::once(root.point).chain(path).collect();
+            clear(hand, &mut points, 0);
+            points
+        }
+    };
+    if length(&points) < 1e-3 {
+        return sketch.told.push((number, "it has no length: draw on from the root".into()));
+    }
+    let held = |lock: &Lock| lock.is_curve() && lock.root().distance(root.point) <= lock.radius;
+    let before = sketch.locks.len();
+    let density = density_about(hand, sketch, &root);
+    sketch.locks.retain(|lock| !held(lock));
+    if sketch.locks.len() < before {
+        let gone = before - sketch.locks.len();
+        sketch.replaced += gone;
+    }
+    let id = curve_id(hand.gesture.id, hand.set.seed, 0);
+    let asked =
+        Implanted { root, radius: hand.set.radius, density, colour: hand.gesture.colour, drift };
+    sketch.drifts.push(drift);
+    sketch.locks.push(std::sync::Arc::new(Lock::implanted(id, points, &asked, hand.scalp)));
+}
+
+pub(super) fn lengthen(hand: &Hand, sketch: &mut Sketch, number: usize) {
+    let near_end = |hand: &Hand, sketch: &Sketch| -> Vec<usize> {
+        let off = |i: usize| {
+            let lock = &sketch.locks[i];
+            let tip = lock.is_curve().then(|| lock.tip())?;
+            let far = hand.seen.pixel(tip)?.distance(hand.start());
+            (far <= hand.set.rho && hand.seen.sees(hand.scalp, tip)).then_some((i, far))
+        };
+        let ends = (0..sketch.locks.len()).filter_map(off);
+        ends.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i).into_iter().collect()
+    };
+    let taken = hand.takes(sketch, number, near_end, "no curve ends here: begin at a tip");
+    for i in taken {
+        let mut lock = (*sketch.locks[i]).clone();
+        let (tip, last) = (lock.tip(), lock.points.len() - 1);
+        let mut points = lock.points.clone();
+        match hand.gesture.path.is_empty() {
+            true => {
+                let more = even(hand, tip, stroke(hand, sketch, tip, lock.id));
+                points.extend(&more[1..]);
+                let lengths = points.windows(2).map(|w| w[0].distance(w[1])).collect();
+                Rest::new(lengths, last).relax(&mut points, &hand.skin);
+            }
+            false => {
+                let own = at_tip(hand.scalp.frame(), &lock.points);
+                points.extend(hand.gesture.path.iter().map(|p| own.world(*p)));
+                clear(hand, &mut points, last);
+            }
+        }
+        let places: Vec<f32> = (0..points.len()).map(|k| k.min(last) as f32).collect();
+        lock.set_points(points, &places);
+        sketch.locks[i] = lock.done();
+    }
+}
+
+/// The stroke in space from `start` on, which it is drawn as if it began at.
+fn stroke(hand: &Hand, sketch: &Sketch, start: Vec3, own: u64) -> Vec<Vec3> {
+    let seen = &hand.seen;
+    let Some(first) = seen.pixel(start) else { return vec![start] };
+    let mut depth = seen.depth(start);
+    let step = (hand.set.segment / seen.cm_per_pixel(depth)).max(2.0);
+    let shift = first - hand.start();
+    let line: Vec<Vec2> = steps(&hand.line(), step).into_iter().map(|p| p + shift).collect();
+    let mut points = vec![start];
+    for pair in line.windows(2) {
+        let way = pair[1] - pair[0];
+        let at = points[points.len() - 1];
+        let slope = slope(hand, sketch, at, way, own).unwrap_or(0.0);
+        depth += slope * way.length() * seen.cm_per_pixel(depth);
+        depth = depth.max(0.2);
+        points.push(seen.at(pair[1], depth));
+    }
+    points
+}
+
+/// How steeply curves that run alike near a place lead into the picture: the mean weighted by nearness; none where none do.
+fn slope(hand: &Hand, sketch: &Sketch, at: Vec3, way: Vec2, own: u64) -> Option<f32> {
+    let seen = &hand.seen;
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for lock in sketch.locks.iter().filter(|lock| lock.id != own && lock.is_curve()) {
+        let far = |k: usize| lock.points[k].distance_squared(at);
+        let k = (0..lock.points.len()).fold(0, |best, k| if far(k) < far(best) { k } else { best });
+        let distance = far(k).sqrt();
+        if distance >= hand.set.tau {
+            continue;
+        }
+        let (a, b) = (lock.points[k.max(1) - 1], lock.points[k.max(1)]);
+        let (Some(q), Some(r)) = (seen.pixel(a), seen.pixel(b)) else { continue };
+        let along = r - q;
+        let cm = along.length() * seen.cm_per_pixel(seen.depth(a));
+        let alike = along.dot(way) >= hand.set.alike * along.length() * way.length();
+        if cm >= SHOWS * a.distance(b) && cm > 0.0 && alike {
+            let weight = 1.0 - distance / hand.set.tau;
+            sum += weight * (seen.depth(b) - seen.depth(a)) / cm;
+            weights += weight;
+        }
+    }
+    (weights > 0.0).then(|| (sum / weights).clamp(-STEEPEST, STEEPEST))
+}
+
+/// The stroke without sharp turns, in segments of equal length.
+fn even(hand: &Hand, start: Vec3, mut points: Vec<Vec3>) -> Vec<Vec3> {
+    for _ in 0..ROUNDS {
+        for k in 1..points.len().saturating_sub(1) {
+            let (a, b) = (points[k] - points[k - 1], points[k + 1] - points[k]);
+            if a.dot(b) < 0.5 * a.length() * b.length() {
+                points[k] = points[k].lerp(0.5 * (points[k - 1] + points[k + 1]), 0.5);
+            }
+        }
+    }
+    points[0] = start;
+    if points.len() < 2 {
+        return points;
+    }
+    let line = Polyline::new(points);
+    let count = (line.length() / hand.set.segment).round().clamp(1.0, 4096.0) as usize;
+    line.evenly(count + 1)
+}
+
+/// All behind CV `held` out of the head, segments as long as they are.
+fn clear(hand: &Hand, points: &mut [Vec3], held: usize) {
+    if points[held + 1..].iter().any(|p| hand.skin.distance(*p) < CLEARANCE - NOTHING) {
+        let lengths = points.windows(2).map(|pair| pair[0].distance(pair[1])).collect();
+        Rest::new(lengths, held).lengthen(points, &hand.skin);
+        for p in &mut points[held + 1..] {
+            *p = hand.skin.lift(*p, CLEARANCE).0;
+        }
+    }
+}
+
+/// The frame in which what goes on from a tip is kept.
+fn at_tip(frame: &HeadFrame, points: &[Vec3]) -> RootFrame {
+    let tip = points[points.len() - 1];
+    RootFrame::of(frame, tip, tip - points[points.len() - 2])
+}
+
+/// What an implant or a lengthening drew, for the gesture to keep: where it is rooted and its path ([`Gesture::path`]). `before` are
+/// the CVs that were there, none of an implant.
+pub(super) fn kept(scalp: &Scalp, before: &[Vec3], after: &[Vec3]) -> Option<(Vec3, Vec<Vec3>)> {
+    let frame = scalp.frame();
+    let own = match before {
+        [] => RootFrame::at(frame, &scalp.closest_root(*after.first()?)?),
+        [_] => return None,
+        _ => at_tip(frame, before),
+    };
+    let new = after.get(before.len().max(1)..)?;
+    Some((frame.head_from_point(after[0]), new.iter().map(|p| own.local(*p)).collect()))
+}
+
+fn length(points: &[Vec3]) -> f32 {
+    points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
+}
+
+/// The mean of the densities of clusters near a root, the nearer the more; the node's where none is near.
+fn density_about(hand: &Hand, sketch: &Sketch, root: &Root) -> f32 {
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for lock in sketch.locks.iter().filter(|lock| lock.is_curve()) {
+        let weight = 1.0 - lock.root().distance(root.point) / hand.set.tau;
+        if weight > 0.0 {
+            sum += weight * lock.density;
+            weights += weight;
+        }
+    }
+    if weights > 0.0 { sum / weights } else { hand.set.density }
+}

@@ -1,0 +1,234 @@
+//! A gesture at work: what it was drawn over, and which curves it takes.
+//!
+//! Guarantees: a gesture that names curves acts on those and on no others; what is not there any more is told by its id. One that
+//! names none takes what lies under the pen, by its layer, each time it is replayed.
+
+use super::lock::Lock;
+use super::seen::Seen;
+use crate::data::gestures::{Gesture, Layer};
+use crate::data::scalp::{Scalp, Skin};
+use crate::maths::closest::Hit;
+use glam::{Vec2, Vec3};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// What the node was set to, in cm of this head.
+#[derive(Clone, Copy)]
+pub(super) struct Settings {
+    pub radius: f32,
+    pub segment: f32,
+    /// How far neighbours are looked for, cm.
+    pub tau: f32,
+    /// Reach of a comb, pixels.
+    pub rho: f32,
+    /// The cosine of how far neighbours may point elsewhere.
+    pub alike: f32,
+    pub density: f32,
+    /// How much a comb turns with the neighbours, 0 to 1.
+    pub follow: f32,
+    /// Cm in one head unit.
+    pub unit: f32,
+    pub seed: u64,
+}
+
+/// A gesture, the head and the view it was drawn in.
+pub(super) struct Hand<'a> {
+    pub gesture: &'a Gesture,
+    pub seen: Seen,
+    pub scalp: &'a Scalp,
+    pub skin: Skin<'a>,
+    pub set: Settings,
+}
+
+/// Curves as gestures leave them, and what was said.
+#[derive(Clone, Default)]
+pub(super) struct Sketch {
+    pub locks: Vec<Arc<Lock>>,
+    /// What gestures have to say: which, and what.
+    pub told: Vec<(usize, Arc<str>)>,
+    /// Bytes of it that the state before does not hold.
+    pub bytes: usize,
+    /// How many curves gave way to implants.
+    pub replaced: usize,
+    /// How far roots of implants lie from where they were drawn, cm.
+    pub drifts: Vec<f32>,
+}
+
+impl Sketch {
+    /// Bytes of what this state holds and the one before it does not.
+    pub(super) fn bytes_beside(&self, before: &Self) -> usize {
+        let known: BTreeSet<*const Lock> = before.locks.iter().map(Arc::as_ptr).collect();
+        let new = self.locks.iter().filter(|lock| !known.contains(&Arc::as_ptr(lock)));
+        self.locks.len() * 8 + new.map(|lock| lock.bytes()).sum::<usize>() + 64
+    }
+}
+
+/// Pixels about the pen within which a thin curve is taken as if it were under it.
+const TOUCH: f32 = 6.0;
+
+impl Hand<'_> {
+    /// The pen's way, pixels.
+    pub(super) fn line(&self) -> Vec<Vec2> {
+        self.gesture.samples.iter().map(|sample| sample.at).collect()
+    }
+    /// Where the pen came down, pixels.
+    pub(super) fn start(&self) -> Vec2 {
+        self.gesture.samples[0].at
+    }
+    /// Reach of a brush, pixels.
+    pub(super) fn reach(&self) -> f32 {
+        if self.gesture.size > 0.0 { self.gesture.size } else { 2.0 * self.set.rho }
+    }
+
+    /// Numbers of the curves that the gesture names; none where it names none. Those that are not there are told.
+    fn named(&self, sketch: &mut Sketch, number: usize) -> Option<Vec<usize>> {
+        if self.gesture.curves.is_empty() {
+            return None;
+        }
+        let mut wanted: BTreeMap<u64, bool> =
+            self.gesture.curves.iter().map(|id| (*id, false)).collect();
+        let mut found = vec![];
+        for (i, lock) in sketch.locks.iter().enumerate() {
+            if let Some(seen) = wanted.get_mut(&lock.id) {
+                *seen = true;
+                if lock.is_curve() {
+                    found.push(i);
+                }
+            }
+        }
+        let missing: Vec<String> =
+            wanted.iter().filter(|(_, seen)| !**seen).map(|(id, _)| format!("{id:016x}")).collect();
+        if !missing.is_empty() {
+            let list = missing.iter().take(3).cloned().collect::<Vec<_>>().join(", ");
+            let more = if missing.len() > 3 { ", ..." } else { "" };
+            let all = self.gesture.curves.len();
+            let text = match missing.len() == all {
+                true => format!("its {} not there any more: {list}{more}", curves(all)),
+                false => format!(
+                    "{} of its {} not there any more: {list}{more}",
+                    missing.len(),
+                    curves(all)
+                ),
+            };
+            sketch.told.push((number, text.into()));
+        }
+        Some(found)
+    }
+
+    /// Numbers of the curves that the gesture acts on: those that it names, or else those that `under` finds.
+    pub(super) fn takes(
+        &self,
+        sketch: &mut Sketch,
+        number: usize,
+        under: impl FnOnce(&Self, &Sketch) -> Vec<usize>,
+        nothing: &str,
+    ) -> Vec<usize> {
+        if let Some(named) = self.named(sketch, number) {
+            return named;
+        }
+        let found = under(self, sketch);
+        if found.is_empty() {
+            sketch.told.push((number, nothing.into()));
+        }
+        found
+    }
+
+    /// Curves that the line of sight through a pixel meets before the head, with how far from the eye (cm), the nearest first.
+    pub(super) fn met(&self, sketch: &Sketch, pixel: Vec2) -> Vec<(usize, f32)> {
+        let (origin, direction) = self.seen.ray(pixel);
+        let head = self.seen.head(self.scalp, pixel).map_or(f32::MAX, |hit| hit.distance);
+        let mut met: Vec<(usize, f32)> = vec![];
+        for (i, lock) in sketch.locks.iter().enumerate().filter(|(_, lock)| lock.is_curve()) {
+            let nearest = lock.points.windows(2).filter_map(|pair| {
+                let (apart, far) = between(origin, direction, pair[0], pair[1]);
+                let touch =
+                    TOUCH * self.seen.cm_per_pixel(self.seen.depth(origin + direction * far));
+                // A cluster that lies on the head is before it with its nearer half.
+                let before = far > 0.0 && far - lock.radius.max(touch) < head;
+                (before && apart <= lock.radius.max(touch)).then_some(far)
+            });
+            if let Some(far) = nearest.min_by(f32::total_cmp) {
+                met.push((i, far));
+            }
+        }
+        met.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+        met
+    }
+
+    /// Curves under the pen's start, by layer.
+    pub(super) fn under_start(&self, sketch: &Sketch) -> Vec<usize> {
+        let met = self.met(sketch, self.start());
+        let most = if self.gesture.layer == Layer::Nearest { 1 } else { usize::MAX };
+        met.into_iter().take(most).map(|(i, _)| i).collect()
+    }
+
+    /// Curves under the pen's start, or where it came down beside hair that it then went to and fro over, under the stroke's middle.
+    pub(super) fn under_start_or_middle(&self, sketch: &Sketch) -> Vec<usize> {
+        let found = self.under_start(sketch);
+        if !found.is_empty() {
+            return found;
+        }
+        let line = self.line();
+        let met = self.met(sketch, line.iter().sum::<Vec2>() / line.len() as f32);
+        let most = if self.gesture.layer == Layer::Nearest { 1 } else { usize::MAX };
+        met.into_iter().take(most).map(|(i, _)| i).collect()
+    }
+
+    /// Curves that a stroke passes nearer than `reach` (pixels) on this side of the head; the nearest of them to the pen's start
+    /// alone where the layer asks for one.
+    pub(super) fn passed(&self, sketch: &Sketch, line: &[Vec2], reach: f32) -> Vec<usize> {
+        let near = |i: usize| {
+            let lock = &sketch.locks[i];
+            let close =
+                |p: &&Vec3| self.seen.pixel(**p).is_some_and(|at| off_line(line, at) <= reach);
+            // (The root moves nowhere.)
+            lock.points[1..].iter().filter(close).any(|p| self.seen.sees(self.scalp, *p))
+        };
+        if self.gesture.layer == Layer::Nearest {
+            return self.met(sketch, self.start()).into_iter().take(1).map(|(i, _)| i).collect();
+        }
+        (0..sketch.locks.len()).filter(|i| sketch.locks[*i].is_curve() && near(*i)).collect()
+    }
+
+    /// Where the head is met under the pen's start.
+    pub(super) fn on_head(&self) -> Option<Hit> {
+        self.seen.head(self.scalp, self.start())
+    }
+
+    /// A curve as it is drawn: pixels and depths of its CVs; none where a part of it is behind the eye.
+    pub(super) fn drawn(&self, lock: &Lock) -> Option<Vec<(Vec2, f32)>> {
+        lock.points.iter().map(|p| Some((self.seen.pixel(*p)?, self.seen.depth(*p)))).collect()
+    }
+}
+
+/// So many curves, and the verb that goes with them.
+fn curves(count: usize) -> String {
+    if count == 1 { "curve is".to_owned() } else { format!("{count} curves are") }
+}
+
+/// How far a pixel lies from a line of them.
+pub(super) fn off_line(line: &[Vec2], at: Vec2) -> f32 {
+    if let [one] = line {
+        return one.distance(at);
+    }
+    let off = |pair: &[Vec2]| {
+        let along = pair[1] - pair[0];
+        let t = (at - pair[0]).dot(along) / along.length_squared().max(1e-12);
+        at.distance(pair[0] + along * t.clamp(0.0, 1.0))
+    };
+    line.windows(2).map(off).fold(f32::MAX, f32::min)
+}
+
+/// How near a line of sight comes to a piece of a curve, and how far along it that is.
+fn between(origin: Vec3, direction: Vec3, a: Vec3, b: Vec3) -> (f32, f32) {
+    let (along, off) = (b - a, a - origin);
+    let (ll, ld) = (along.length_squared(), along.dot(direction));
+    let apart = ll - ld * ld;
+    let t = match apart > 1e-9 {
+        true => ((ld * off.dot(direction) - along.dot(off)) / apart).clamp(0.0, 1.0),
+        false => 0.0,
+    };
+    let p = a + along * t;
+    let far = (p - origin).dot(direction);
+    (p.distance(origin + direction * far), far)
+}

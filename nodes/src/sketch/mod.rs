@@ -1,0 +1,25 @@
+//! Sketching on the head: pen gestures that make and edit curves (methods.md 7; Fu et al. 2007, "Sketching hairstyles").
+//!
+//! One file a gesture, each a function from the curves as they are to the curves as the gesture leaves them; `hair_sketch` replays
+//! a list of them. Nothing here knows a window: what is live and what is replayed is the same call.
+
+use crate::define::NodeDef;
+
+mod brush;
+mod comb;
+mod cut;
+mod density;
+mod frizz;
+mod grow;
+pub mod hair_sketch;
+mod hand;
+#[cfg(test)]
+mod laws;
+mod lock;
+mod pin;
+mod relax;
+pub mod seen;
+mod twist;
+
+/// The nodes of this folder.
+pub const NODES: &[&NodeDef] = &[&hair_sketch::NODE];
