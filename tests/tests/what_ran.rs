@@ -101,7 +101,7 @@ const PARTED: &str = r#"(
         "clusters": (kind: "cluster_to_strands", inputs: {"strands": 30, "radius": 0.8}),
         "curl": (kind: "shape_list_curl", inputs: {"preset": "3a"}),
         "curls": (kind: "groom_output", inputs: {"name": "curls"}),
-        "guides": (kind: "scatter_guides", inputs: {"count": 200, "length": 12.0}),
+        "guides": (kind: "scatter_guides", inputs: {"count": 200, "length": 12.0, "seed": 3}),
         "hair": (kind: "braid_hair"),
         "head": (kind: "head"),
         "lines": (kind: "stroke_input", inputs: {"project": "free"}),

@@ -208,7 +208,7 @@ pub(crate) fn highest(region: &[f32], corners: [u32; 3]) -> f32 {
         return 0.0;
     }
     const OFF: u32 = 20;
-    f32::from_bits(((highest.to_bits() - 1 >> OFF) + 1) << OFF).min(1.0)
+    f32::from_bits((((highest.to_bits() - 1) >> OFF) + 1) << OFF).min(1.0)
 }
 
 /// How far along a Hilbert curve through 1024^3 cells a cell lies (Skilling 2004, "Programming the
@@ -319,7 +319,7 @@ mod tests {
         let dice = Dice::new(3, 0, "steps");
         // A thousand on one spot; each half as far as the one before; one far from many that lie together.
         let spot = |_: u32| Vec3::ONE;
-        let steps = |i: u32| Vec3::X * 0.5f32.powi(i as i32 % 120);
+        let steps = |i: u32| Vec3::X * f32::from_bits((127 - i % 120) << 23);
         let lone = |i: u32| {
             if i == 0 {
                 Vec3::X * 1e6
