@@ -8,6 +8,7 @@
 //! promised: that strands keep clear of each other, or that points of strands pushed off the skin or
 //! frizzed are as evenly spaced as the cluster's.
 
+use super::bias::end_on_plane;
 use super::sections::{Section, Sections, open_radius, reads_attribute, widest_radius};
 use super::shape::Shape;
 use crate::data::attributes::{
@@ -378,6 +379,15 @@ impl Filler<'_> {
                         None => p,
                     }
                 }));
+            }
+            if let Some((tip, normal)) = sections.cut {
+                let strand = &mut points[first..];
+                end_on_plane(strand, tip, normal, sections.root_radius);
+                if let Some(skin) = skin {
+                    for (p, section) in strand[1..].iter_mut().zip(&sections.at[1..]) {
+                        *p = skin.push_out(*p, section.depth).0;
+                    }
+                }
             }
             if let (Some(home), Some(triangle)) = (&home, triangles.last()) {
                 let mut near = *triangle as u32;

@@ -2,6 +2,7 @@
 
 use crate::define::NodeDef;
 
+mod bias;
 mod cluster_to_strands;
 mod interpolate;
 #[cfg(test)]

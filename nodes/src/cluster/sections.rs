@@ -1,6 +1,6 @@
 //! The cross-sections of a cluster where its strands have points: worked out once, used by every strand.
 
-use crate::data::attributes::{ALLOW_DEPTH, COLOUR, NORMAL, ROLL, SCALP_NORMAL};
+use crate::data::attributes::{ALLOW_DEPTH, COLOUR, CUT, NORMAL, ROLL, SCALP_NORMAL};
 use crate::data::curves::{Tuft, View};
 use crate::data::field::{Field, Sampler};
 use crate::data::ramp::Ramp;
@@ -46,6 +46,8 @@ pub(super) struct Sections {
     pub root: Vec3,
     /// Where the cluster is open first: see [`open_radius`].
     pub root_radius: f32,
+    /// The plane in which strands end: a point of it, and its normal out of the hair, unit.
+    pub cut: Option<(Vec3, Vec3)>,
     /// Length of the cluster, cm.
     pub length: f32,
     /// Half axes of the disc of roots, in the scalp's tangent plane, cm.
@@ -173,8 +175,10 @@ impl Sections {
         let disc = [upright.normal * root_radius, upright.binormal() * root_radius];
         let disc = flat.pressed(disc, thin(places[0], 0.0));
         let steps = if steps.iter().all(|s| *s <= 0.0) { vec![] } else { steps };
-        let sinks = matches!(depth, View::Point(all) if all[cvs].iter().any(|depth| *depth > 0.0));
-        Ok(Self { root, root_radius, length, disc, at, steps, places, coarse, sinks })
+        let sinks = matches!(depth, View::Point(all) if all[cvs.clone()].iter().any(|depth| *depth > 0.0));
+        let cut = tuft.view(CUT).at(curve, cvs.start).try_normalize();
+        let cut = cut.map(|normal| (tuft.curve(curve)[cvs.len() - 1], normal));
+        Ok(Self { root, cut, root_radius, length, disc, at, steps, places, coarse, sinks })
     }
 
     /// The cluster's colour at each point of a strand, or the one it has everywhere.

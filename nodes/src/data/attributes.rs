@@ -200,6 +200,8 @@ declare! {
     DENSITY: f32 = "density", 0.5;
     /// 1 for a CV that a hairpin locks in its place, 0 for one that is free.
     PINNED: i32 = "pinned", 0;
+    /// Normal, out of the hair, of the plane through a cluster's tip in which its strands end. Unit; zero: they end as they are.
+    CUT: Vec3 = "cut", Vec3::ZERO;
     /// Colour, linear Rec.709.
     COLOUR: Vec3 = "colour", Vec3::new(0.09, 0.05, 0.03);
     /// How deep under the skin the curve may go, cm.

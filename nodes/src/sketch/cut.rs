@@ -1,13 +1,16 @@
 //! Cut: curves end where a straight stroke crosses them (the paper's 4.3).
 //!
 //! The stroke has to enter a cluster on one side and leave it on the other. By layer it cuts the nearest, all down to the head, or
-//! removes whole what is rooted where it crosses the head.
+//! removes whole what is rooted where it crosses the head. Beyond the paper: the plane of the stroke stays with the curve, and Cluster to
+//! strands ends each strand in it, so that a cut on a bias is one.
 
 use super::hand::{Hand, Sketch, off_line};
-use super::lock::Lock;
+use super::lock::{Lock, way};
 use crate::data::gestures::Layer;
 use glam::{Vec2, Vec3};
 
+/// The cosine between hair and the normal of its cut from which on it has a bias: 75 degrees.
+const BIAS: f32 = 0.26;
 /// A curve that would be shorter than this (cm) after a cut is removed whole.
 const SHORTEST: f32 = 0.1;
 
@@ -31,7 +34,14 @@ pub(super) fn cut(hand: &Hand, sketch: &mut Sketch, number: usize) {
         let Some((k, t)) = crossing(hand, &sketch.locks[i], stroke) else { continue };
         let mut lock = (*sketch.locks[i]).clone();
         match shorter(&mut lock, k, t) {
-            true => sketch.locks[i] = lock.done(),
+            true => {
+                let to = way(&lock.points);
+                let normal = hand.seen.plane(stroke[0], stroke[1]);
+                let normal = if normal.dot(to) < 0.0 { -normal } else { normal };
+                // Along the hair a plane ends nothing.
+                lock.cut = (normal.dot(to) > BIAS).then_some([normal, to]);
+                sketch.locks[i] = lock.done();
+            }
             false => gone[i] = true,
         }
     }

@@ -108,6 +108,7 @@ pub(super) fn lengthen(hand: &Hand, sketch: &mut Sketch, number: usize) {
         }
         let places: Vec<f32> = (0..points.len()).map(|k| k.min(last) as f32).collect();
         lock.set_points(points, &places);
+        lock.cut = None;
         sketch.locks[i] = lock.done();
     }
 }

@@ -567,3 +567,29 @@ fn ten_thousand_random_gestures_keep_roots_lengths_and_hair_out_of_the_head() {
     let Value::Scalp(scalp) = &out[0] else { panic!() };
     hold(scalp, 10_000);
 }
+
+#[test]
+fn a_cut_on_a_bias_ends_each_strand_on_the_stroke() {
+    // A cut that falls by 100 pixels over 200 across a cluster of 78, and one straight across.
+    for (from, to) in [([-100.0, 50.0], [100.0, 150.0]), ([-100.0, 100.0], [100.0, 100.0])] {
+        let stroke = drawn(Tool::Cut, Layer::Nearest, &line(from, to));
+        let (cut, said) = sketch(None, &[one_lock(), stroke]);
+        assert!(said.is_empty(), "{said:?}");
+        let set = [("curves", cut.into()), ("scalp", shared_ball().into())];
+        let hair = run(crate::by_id("cluster_to_strands").unwrap(), &set).0;
+        let seen = super::seen::Seen::new(&one_lock().view, shared_ball().frame());
+        let (a, b) = (Vec2::from(from), Vec2::from(to));
+        let off = |p: &Vec3| {
+            let at = seen.pixel(*p).unwrap();
+            (at - a).perp_dot((b - a).normalize()).abs()
+        };
+        let ends: Vec<f32> = curves_of(&hair[0])
+            .each()
+            .map(|(tuft, i)| off(tuft.curve(i).last().unwrap()))
+            .collect();
+        assert!(ends.len() > 200);
+        // Half a pixel is a fifth of a millimetre; what was pushed out of the head may be off.
+        let near = ends.iter().filter(|off| **off < 0.5).count();
+        assert!(100 * near >= 95 * ends.len(), "{near} of {}", ends.len());
+    }
+}

@@ -4,11 +4,12 @@
 //! that is touched keeps all else that it carried, by where along the old curve each CV comes from.
 
 use crate::data::attributes::{
-    COLOUR, Column, DENSITY, DRIFT, Domain, FRIZZ, ID, Item, PINNED, RADIUS, ROLL, ROOT_BARY,
+    COLOUR, CUT, Column, DENSITY, DRIFT, Domain, FRIZZ, ID, Item, PINNED, RADIUS, ROLL, ROOT_BARY,
     ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION, default_of,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp};
+use crate::maths::frame::smallest_rotation;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -26,6 +27,8 @@ pub(super) struct Lock {
     pub frizz: f32,
     /// Radius at the root, cm.
     pub radius: f32,
+    /// The plane in which its strands end, as its normal and the way the tip pointed when it was cut.
+    pub cut: Option<[Vec3; 2]>,
     /// For each CV where in the curve that came in its other values come from, in CVs.
     from: Vec<f32>,
     /// One curve: as it came in, or as it was implanted.
@@ -66,6 +69,9 @@ impl Lock {
             frizz: first(base.view(FRIZZ), FRIZZ.default),
             radius: first(base.view(RADIUS), RADIUS.default),
             from: each.map(|k| k as f32).collect(),
+            cut: (points.len() > 1)
+                .then(|| base.view(CUT).at(0, 0))
+                .and_then(|normal| Some([normal.try_normalize()?, way(&points)])),
             points,
             tuft: base.clone(),
             base,
@@ -170,6 +176,11 @@ impl Lock {
         if self.frizz != was.frizz {
             b.set(FRIZZ, Domain::Curve, vec![self.frizz]);
         }
+        // The plane turns with the tip.
+        let cut = self.cut.map(|[normal, was]| smallest_rotation(was, way(&self.points)) * normal);
+        if cut.is_some() || base.attribute(CUT.name).is_some() {
+            b.set(CUT, Domain::Curve, vec![cut.unwrap_or_default()]);
+        }
         if self.roll.iter().any(|roll| *roll != 0.0) || base.attribute(ROLL.name).is_some() {
             b.set(ROLL, Domain::Point, self.roll.clone());
         }
@@ -184,6 +195,12 @@ impl Lock {
     pub(super) fn bytes(&self) -> usize {
         size_of::<Self>() + self.points.len() * (12 + 4 + 4 + 1) + self.tuft.bytes()
     }
+}
+
+/// The way a curve's tip points, unit.
+pub(super) fn way(points: &[Vec3]) -> Vec3 {
+    let last = points.len() - 1;
+    (points[last] - points[last - 1]).normalize_or(Vec3::Y)
 }
 
 /// What an implant is beside its CVs.

@@ -93,6 +93,12 @@ impl Seen {
         }
     }
 
+    /// The normal of the plane of all that is drawn on the line through two pixels, unit.
+    pub fn plane(&self, a: Vec2, b: Vec2) -> Vec3 {
+        let along = self.at(b, 1.0) - self.at(a, 1.0);
+        along.cross(self.ray(a.midpoint(b)).1).normalize_or(self.up)
+    }
+
     /// Where the head is met under a pixel.
     pub fn head(&self, scalp: &Scalp, pixel: Vec2) -> Option<Hit> {
         let (origin, direction) = self.ray(pixel);
