@@ -1,0 +1,137 @@
+//! What the pen costs: one more sample of a comb over 150 clusters, and 500 gestures from nothing. Beside each, what the node does with
+//! the same curves and no gesture.
+
+use coif_nodes::data::curves::Curves;
+use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
+use coif_nodes::define::Value;
+use coif_nodes::eval::{EvalCx, Host, Kept, Log, Quality};
+use coif_nodes::maths::hash::{Dice, Key, KeyBuilder};
+use divan::Bencher;
+use glam::{Vec2, Vec3};
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+fn main() {
+    divan::main();
+}
+
+/// A host on one thread that keeps all it is given.
+#[derive(Default)]
+struct Memory(Mutex<BTreeMap<Key, Kept>>);
+
+impl Host for Memory {
+    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+        (0..n).for_each(f);
+    }
+    fn cancelled(&self) -> bool {
+        false
+    }
+    fn find(&self, key: Key) -> Option<Kept> {
+        self.0.lock().unwrap().get(&key).cloned()
+    }
+    fn keep(&self, key: Key, value: Kept, _: usize) {
+        self.0.lock().unwrap().insert(key, value);
+    }
+    fn progress(&self, _: usize, _: usize) {}
+}
+
+fn run(kind: &str, set: &[(&str, Value)], host: &dyn Host) -> Value {
+    let node = coif_nodes::by_id(kind).unwrap();
+    let mut values: Vec<Vec<Value>> = vec![vec![]; node.inputs.len()];
+    for (name, value) in set {
+        values[node.input(name).unwrap().0].push(value.clone());
+    }
+    let log = Log::default();
+    let cx = EvalCx::new(0, Quality::Final, KeyBuilder::new(kind).finish(), host, &log);
+    (node.run)(&cx, &values).unwrap().remove(0)
+}
+
+/// A gesture across the front of the head, from a random place.
+fn gesture(id: u64, tool: Tool, samples: u64) -> Gesture {
+    let dice = Dice::new(id, 0, "bench");
+    let from = Vec2::new(dice.signed(0, 0), dice.signed(0, 1)) * 200.0;
+    let way = Vec2::new(dice.signed(0, 2), dice.signed(0, 3)) * 300.0;
+    let at = |k: u64| PenSample { at: from + way * (k as f32 / 60.0), ..Default::default() };
+    Gesture {
+        id,
+        tool,
+        layer: if tool == Tool::Implant { Layer::Scalp } else { Layer::Through },
+        view: View {
+            eye: Vec3::new(0.0, 10.0, 60.0),
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+            half_height: 0.25,
+            parallel: false,
+            pixels: 1000.0,
+        },
+        samples: (0..samples).map(at).collect(),
+        curves: vec![],
+        root: None,
+        path: vec![],
+        colour: None,
+        size: 0.0,
+        strength: 1.0,
+    }
+}
+
+fn start(host: &Memory) -> Vec<(&'static str, Value)> {
+    let scalp = run("head", &[], host);
+    let set = [("scalp", scalp.clone()), ("count", Value::Int(150))];
+    let guides = run("scatter_guides", &set, host);
+    vec![("scalp", scalp), ("curves", guides)]
+}
+
+fn sketch(host: &Memory, set: &[(&'static str, Value)], gestures: &[Gesture]) -> Curves {
+    let gestures = Value::from(Gestures(gestures.to_vec()));
+    match run("hair_sketch", &[set, &[("gestures", gestures)]].concat(), host) {
+        Value::Curves(curves) => curves,
+        _ => panic!(),
+    }
+}
+
+/// Each time the comb has gone on by a sample: all of it is replayed on the state before.
+#[divan::bench]
+fn a_sample_of_a_comb_over_150_clusters(bencher: Bencher) {
+    let host = Memory::default();
+    let set = start(&host);
+    sketch(&host, &set, &[]);
+    let mut samples = 60u64;
+    bencher.bench_local(|| {
+        samples += 1;
+        sketch(&host, &set, &[gesture(5, Tool::Comb, samples)])
+    });
+}
+
+#[divan::bench]
+fn b_the_500th_gesture(bencher: Bencher) {
+    let host = Memory::default();
+    let set = start(&host);
+    let mut all = five_hundred();
+    sketch(&host, &set, &all);
+    let mut id = 1000;
+    bencher.bench_local(|| {
+        id += 1;
+        all[499] = gesture(id, Tool::Comb, 60);
+        sketch(&host, &set, &all)
+    });
+}
+
+#[divan::bench(sample_count = 5)]
+fn c_500_gestures_from_nothing(bencher: Bencher) {
+    let host = Memory::default();
+    let set = start(&host);
+    let all = five_hundred();
+    bencher.bench_local(|| sketch(&Memory::default(), &set, &all));
+}
+
+#[divan::bench]
+fn d_no_gesture(bencher: Bencher) {
+    let host = Memory::default();
+    let set = start(&host);
+    bencher.bench_local(|| sketch(&Memory::default(), &set, &[]));
+}
+
+fn five_hundred() -> Vec<Gesture> {
+    let tools = [Tool::Comb, Tool::Implant, Tool::Puff, Tool::Smooth, Tool::Comb, Tool::Grab];
+    (0..500).map(|i| gesture(i + 1, tools[i as usize % tools.len()], 60)).collect()
+}
