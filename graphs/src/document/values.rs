@@ -16,7 +16,8 @@ pub const DEEPEST_FIELD: usize = 16;
 /// be held.
 ///
 /// Whole numbers become numbers where the input takes numbers, constant fields and constant ramps
-/// have one form, files are their path, strokes and gestures are brought to the grid in which files keep them.
+/// have one form, files are their path, strokes and gestures are brought to the grid in which files keep
+/// them.
 pub fn fit(ty: Type, value: Value) -> Result<Value, String> {
     let found = value.type_name();
     let value = match (ty, value) {

@@ -154,6 +154,7 @@ mod tests {
     use crate::document::testing::Random;
     use coif_nodes::data::gestures::Gestures;
     use coif_nodes::define::{Type, Value};
+    use glam::Vec2;
 
     /// What a gesture is that has nothing that may be left out.
     const LEAST: &str = "(id: 7, tool: \"comb\", layer: \"through\", eye: (0.0, 0.0, 60.0), \
@@ -347,9 +348,11 @@ mod tests {
                 1 => {
                     gesture.tool = Tool::Twist;
                     gesture.curves = vec![random.bits()];
-                    for (i, sample) in gesture.samples.iter_mut().enumerate() {
-                        let turn = i as f32 * 0.06;
-                        sample.at += glam::Vec2::new(turn.cos(), turn.sin()) * 60.0;
+                    // Two turns and a half of 60 pixels around the arc.
+                    let mut arm = Vec2::X * 60.0;
+                    for sample in &mut gesture.samples {
+                        arm = Vec2::new(0.998_63, 0.052_336).rotate(arm);
+                        sample.at += arm;
                     }
                 }
                 _ => {

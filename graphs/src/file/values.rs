@@ -266,8 +266,7 @@ pub fn write_value(value: &Value) -> String {
     out
 }
 
-/// Writes a value; lists of shapes, strokes and gestures take a line each, led by `indent`, where there is
-/// one.
+/// Writes a value; shapes, strokes and gestures take a line each, led by `indent`, where there is one.
 pub(super) fn write_to(out: &mut String, value: &Value, indent: Option<usize>) {
     // Writing to a String cannot fail.
     let _ = match value {

@@ -93,7 +93,7 @@ fn the_grid_holds_what_is_on_it() {
 fn time_runs_on_and_what_is_no_number_is_left_out() {
     // The clock of the pen goes back by 2 s in the third sample: it waits for the fourth.
     let times = [0.0, 3.0, 1.0, f32::NAN, 4.0];
-    let corner = |i: usize| at(i as f32 * 10.0, if i % 2 == 0 { 0.0 } else { 30.0 });
+    let corner = |i: usize| at(i as f32 * 10.0, (i % 2) as f32 * 30.0);
     let sample = |(i, time): (usize, f32)| PenSample { time, ..corner(i) };
     let samples = times.into_iter().enumerate().map(sample).collect();
     let gesture = finish(comb(samples), &Gestures::default()).unwrap();
