@@ -9,7 +9,7 @@ use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
 use coif_nodes::data::ramp::{Blend, Ramp};
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};
-use coif_nodes::data::strokes::{Sample, Strokes};
+use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use coif_nodes::define::{Type, Value};
 use coif_nodes::maths::hash::Dice;
 use glam::{Vec2, Vec3};
@@ -234,9 +234,13 @@ impl Random {
     }
     fn node(&mut self) -> Node {
         let all: Vec<&str> = coif_nodes::all().map(|def| def.id).collect();
-        let kind = match self.below(4) {
+        let kind = match self.below(5) {
             0 => "of_tomorrow",
             1 => self.pick(&all),
+            // What holds strokes or gestures.
+            2 => self.pick(
+                &all.into_iter().filter(|kind| drawn_input(kind).is_some()).collect::<Vec<_>>(),
+            ),
             _ => "resample",
         };
         let mut node = Node {
@@ -297,7 +301,7 @@ impl Random {
     pub(crate) fn edit(&mut self, document: &Document) -> Edit {
         let (id, to) = (self.id(), self.socket());
         let kind = document.node(id.as_str()).map_or("", |node| &node.kind).to_owned();
-        match self.below(29) {
+        match self.below(31) {
             0..=2 => Edit::AddNode { id, node: self.node().into(), at: self.point() },
             3 => Edit::RemoveNode { id },
             4 => Edit::ReplaceNode { id, node: self.node().into() },
@@ -357,9 +361,47 @@ impl Random {
                 };
                 Edit::SetView { name: self.text(), view: (!self.chance(4)).then_some(view) }
             }
+            27..=28 => self.edit_of_list(document, id),
             _ => {
                 let count = self.below(4);
                 Edit::Several((0..count).map(|_| self.edit(document)).collect())
+            }
+        }
+    }
+    /// An edit of one stroke or gesture, possible or not.
+    fn edit_of_list(&mut self, document: &Document, node: NodeId) -> Edit {
+        let takes = document.nodes.iter().filter(|(_, node)| drawn_input(&node.kind).is_some());
+        let takes: Vec<&NodeId> = takes.map(|(id, _)| id).collect();
+        let node = if takes.is_empty() { node } else { self.pick(&takes).clone() };
+        let held = document.node(node.as_str());
+        let drawn = held.and_then(|node| drawn_input(&node.kind));
+        let (input, ty) = drawn.unwrap_or(("strokes", Type::Strokes));
+        let setting = held.and_then(|node| node.inputs.get(input));
+        let (input, at) = (input.to_owned(), self.below(3));
+        match (ty, setting, self.below(3)) {
+            (Type::Gestures, Some(Setting::Known(Value::Gestures(all))), n) if n > 0 => {
+                let id = all.0.get(at).map_or(1, |gesture| gesture.id);
+                let gesture = Gesture { id, ..self.gesture(&Gestures::default()) };
+                match n {
+                    1 => Edit::RemoveGesture { node, input, id },
+                    _ => Edit::ReplaceGesture { node, input, gesture },
+                }
+            }
+            (Type::Gestures, ..) => {
+                let gesture = self.gesture(&Gestures::default());
+                Edit::AddGesture { node, input, at, gesture }
+            }
+            (_, Some(Setting::Known(Value::Strokes(all))), n) if n > 0 => {
+                let id = all.0.get(at).map_or(1, |stroke| stroke.id);
+                let samples = strokes::finish(&self.pen(20), &Strokes::default()).unwrap().samples;
+                match n {
+                    1 => Edit::RemoveStroke { node, input, id },
+                    _ => Edit::ReplaceStroke { node, input, stroke: Stroke::new(id, samples) },
+                }
+            }
+            _ => {
+                let stroke = strokes::finish(&self.pen(20), &Strokes::default()).unwrap();
+                Edit::AddStroke { node, input, at, stroke }
             }
         }
     }
@@ -380,6 +422,13 @@ impl Random {
     pub(crate) fn gesture_node(&mut self) -> Node {
         holding("gestures", self.gestures().into())
     }
+}
+
+/// The input of a kind that holds strokes or gestures.
+fn drawn_input(kind: &str) -> Option<(&'static str, Type)> {
+    let mut inputs = coif_nodes::by_id(kind)?.inputs.iter();
+    let drawn = inputs.find(|input| matches!(input.ty, Type::Strokes | Type::Gestures))?;
+    Some((drawn.name, drawn.ty))
 }
 
 fn holding(what: &str, value: Value) -> Node {

@@ -54,7 +54,7 @@ fn refused(document: &Document, edit: &Edit, why: &str) {
 
 #[test]
 fn random_edits_restore_exactly_and_refused_ones_change_nothing() {
-    let mut happened = 0;
+    let (mut happened, mut drawn) = (0, 0);
     for seed in 0..60 {
         let mut random = Random::new(seed);
         let mut document = Document::default();
@@ -64,6 +64,14 @@ fn random_edits_restore_exactly_and_refused_ones_change_nothing() {
             match edit.apply(&mut after) {
                 Ok(_) => {
                     happened += 1;
+                    use Edit::{RemoveGesture, RemoveStroke, ReplaceGesture, ReplaceStroke};
+                    drawn += usize::from(matches!(
+                        edit,
+                        RemoveGesture { .. }
+                            | RemoveStroke { .. }
+                            | ReplaceGesture { .. }
+                            | ReplaceStroke { .. }
+                    ));
                     document = there_and_back(&document, &edit);
                 }
                 Err(_) => assert_eq!(after, document, "{edit:?}"),
@@ -78,7 +86,10 @@ fn random_edits_restore_exactly_and_refused_ones_change_nothing() {
             assert!(document.layout.keys().all(|id| document.nodes.contains_key(id)));
         }
     }
-    assert!(happened > 2000, "only {happened} edits happened");
+    assert!(
+        happened > 2000 && drawn > 20,
+        "only {happened} edits happened, {drawn} of one stroke or gesture"
+    );
 }
 
 #[test]
