@@ -63,6 +63,7 @@ pub(super) fn type_colour(ty: Option<Type>) -> Color32 {
         Some(Type::Curves) => Color32::from_rgb(128, 203, 148),
         Some(Type::Scalp) => Color32::from_rgb(219, 172, 130),
         Some(Type::Strokes) => Color32::from_rgb(232, 150, 96),
+        Some(Type::Gestures) => Color32::from_rgb(226, 132, 178),
         Some(Type::Field | Type::Ramp) => Color32::from_rgb(178, 158, 235),
         Some(Type::Bool | Type::Int | Type::Float) => Color32::from_rgb(130, 180, 225),
         Some(Type::Vec3 | Type::Colour) => Color32::from_rgb(224, 205, 110),
@@ -92,6 +93,8 @@ pub(super) fn socket(p: &Painter, at: Pos2, ty: Option<Type>, wired: bool, brigh
         }
         Some(Type::Scalp) => polygon(regular(at, r * 1.25, 4, 0.125)),
         Some(Type::Strokes) => polygon(regular(at, r * 1.25, 4, 0.0)),
+        // The nib of a pen.
+        Some(Type::Gestures) => polygon(regular(at, r * 1.2, 3, 0.25)),
         Some(Type::Field | Type::Ramp) => polygon(regular(at, r * 1.2, 3, 0.0)),
         Some(Type::Bool | Type::Int | Type::Float) => polygon(regular(at, r * 1.1, 5, 0.75)),
         Some(Type::Vec3 | Type::Colour | Type::Shapes) => polygon(regular(at, r * 1.1, 6, 0.0)),

@@ -260,7 +260,8 @@ fn header(
             for node in nodes {
                 let Some(held) = state.document.node(node.as_str()) else { continue };
                 for input in all.iter().filter(|input| {
-                    held.inputs.contains_key(input.name) && input.ty != Type::Strokes
+                    held.inputs.contains_key(input.name)
+                        && !matches!(input.ty, Type::Strokes | Type::Gestures)
                 }) {
                     let (node, input) = (node.clone(), input.name.to_owned());
                     edits.push(Edit::UnsetInput { node, input });
@@ -268,8 +269,9 @@ fn header(
             }
             let can = !edits.is_empty();
             let reset = ui.add_enabled(can, egui::Button::new("Reset all inputs"));
-            let reset =
-                reset.on_hover_text("Every input but strokes gets its default; wires stay.");
+            let reset = reset.on_hover_text(
+                "What was drawn and wires stay; every other input gets its default.",
+            );
             if reset.on_disabled_hover_text("All are at their defaults.").clicked() {
                 once(edits, out);
                 ui.close();

@@ -163,6 +163,7 @@ fn told(value: &Value, scale: &Scale) -> String {
         Value::Text(text) if text.is_empty() => "empty".to_owned(),
         Value::Text(text) => text.to_string(),
         Value::Strokes(strokes) if strokes.0.is_empty() => "none".to_owned(),
+        Value::Gestures(gestures) if gestures.0.is_empty() => "none".to_owned(),
         other => write_value(other),
     }
 }

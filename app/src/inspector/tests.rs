@@ -141,6 +141,7 @@ fn every_input_of_every_kind_has_a_widget() {
                 Type::Vec3 => format!("{name} x"),
                 Type::Shapes => format!("{name}: choose"),
                 Type::Strokes => format!("{name}: draw"),
+                Type::Gestures => format!("{name}: clear"),
                 _ => name.clone(),
             };
             let found = hands.query_all_by_label(&label).count();

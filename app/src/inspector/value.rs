@@ -12,6 +12,7 @@ use crate::editor::documents;
 use crate::editor::event::Event;
 use crate::editor::theme;
 use coif_nodes::data::field::Field;
+use coif_nodes::data::gestures::{Gestures, Tool};
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};
 use coif_nodes::data::strokes::Strokes;
 use coif_nodes::define::{Arity, InputDef, Type, Unit, Value, choice_name};
@@ -94,6 +95,17 @@ pub(crate) fn show(
                 _ => &none,
             };
             drawn(ui, target, input, name, strokes);
+        }
+        (Type::Gestures, value) => {
+            let none = Gestures::default();
+            let gestures = match &value {
+                Some(Value::Gestures(gestures)) => gestures,
+                _ => &none,
+            };
+            ui.horizontal_wrapped(|ui| ui.label(counted(gestures)));
+            if clear(ui, name, "gestures", !gestures.0.is_empty()) {
+                target.set(input, none, How::Once);
+            }
         }
         (_, Some(other)) => {
             ui.weak(format!("Holds a {}.", other.type_name()));
@@ -411,18 +423,61 @@ fn drawn(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, strokes
             let node = target.nodes.first().filter(|_| !pinned).cloned();
             target.out.push(Event::Pin(node));
         }
-        let clear = ui.add_enabled(count > 0, egui::Button::new("Clear"));
-        set_name(ui, &clear, &format!("{name}: clear"));
-        if clear.on_hover_text("Removes all strokes; can be undone.").clicked() {
+        if clear(ui, name, "strokes", count > 0) {
             target.set(input, Strokes::default(), How::Once);
         }
     });
 }
 
+/// Whether the button that removes all items of a list was pressed.
+fn clear(ui: &mut Ui, name: &str, what: &str, can: bool) -> bool {
+    let clear = ui.add_enabled(can, egui::Button::new("Clear"));
+    set_name(ui, &clear, &format!("{name}: clear"));
+    clear.on_hover_text(format!("Removes all {what}; can be undone.")).clicked()
+}
+
+/// How many gestures there are of each tool, most first: "12 gestures: 5 comb, 4 implant, 3 cut".
+fn counted(gestures: &Gestures) -> String {
+    let of = |tool: Tool| gestures.0.iter().filter(|gesture| gesture.tool == tool).count();
+    let mut tools: Vec<(usize, &str)> =
+        Tool::ALL.iter().map(|(tool, word)| (of(*tool), *word)).filter(|(n, _)| *n > 0).collect();
+    // Where there are as many, in the order of the shelf: the sort is stable.
+    tools.sort_by_key(|(n, _)| std::cmp::Reverse(*n));
+    let count = gestures.0.len();
+    let plural = if count == 1 { "" } else { "s" };
+    let tools: Vec<String> = tools.iter().map(|(n, word)| format!("{n} {word}")).collect();
+    match &tools[..] {
+        [] => "no gestures".to_owned(),
+        tools => format!("{count} gesture{plural}: {}", tools.join(", ")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use coif_graphs::file::read_value;
     use coif_nodes::data::ramp::Ramp;
+    use coif_nodes::define::Type;
+
+    #[test]
+    fn gestures_are_counted_by_tool() {
+        let one = |id: u64, tool: &str| {
+            format!(
+                "(id: {id}, tool: {tool:?}, layer: \"scalp\", eye: (0.0, 0.0, 9.0), target: (0.0, 0.0, 0.0), \
+                 up: (0.0, 1.0, 0.0), half_height: 0.3, pixels: 900.0, x: [1], y: [1], pressure: [1], time: [0])"
+            )
+        };
+        let check = |tools: &[&str], expected: &str| {
+            let all: Vec<String> =
+                tools.iter().enumerate().map(|(i, tool)| one(i as u64 + 1, tool)).collect();
+            let value = read_value(Type::Gestures, &format!("[{}]", all.join(", "))).unwrap();
+            let Value::Gestures(gestures) = value else { panic!("{value:?}") };
+            assert_eq!(counted(&gestures), expected);
+        };
+        check(&[], "no gestures");
+        check(&["pin"], "1 gesture: 1 pin");
+        check(&["cut", "comb", "implant", "comb"], "4 gestures: 2 comb, 1 implant, 1 cut");
+    }
 
     #[test]
     fn what_unset_means_is_said() {

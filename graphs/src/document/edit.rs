@@ -8,13 +8,15 @@
 use super::{
     Document, Frame, Node, NodeId, Place, Point, SavedView, Setting, Socket, graph, values,
 };
-use coif_nodes::data::strokes::{Stroke, Strokes};
-use coif_nodes::define::{Arity, Type, Value};
+use coif_nodes::data::gestures::Gesture;
+use coif_nodes::data::strokes::Stroke;
+use coif_nodes::define::Arity;
 use std::sync::Arc;
 use wires::{
     bends_of, kept_bends, one, remove_node, restoring, set_wires, settle_names, wired_with, wires,
 };
 
+mod lists;
 mod wires;
 
 /// A change of a document.
@@ -192,6 +194,35 @@ pub enum Edit {
         /// The stroke.
         stroke: Stroke,
     },
+    /// Adds a gesture to an input that holds gestures.
+    AddGesture {
+        /// Of which node.
+        node: NodeId,
+        /// Which input.
+        input: String,
+        /// Its number; behind all when past the end.
+        at: usize,
+        /// The gesture.
+        gesture: Gesture,
+    },
+    /// Removes a gesture.
+    RemoveGesture {
+        /// Of which node.
+        node: NodeId,
+        /// Which input.
+        input: String,
+        /// Its stored id.
+        id: u64,
+    },
+    /// Puts another form of a gesture in its place, under the same id.
+    ReplaceGesture {
+        /// Of which node.
+        node: NodeId,
+        /// Which input.
+        input: String,
+        /// The gesture.
+        gesture: Gesture,
+    },
     /// All of them in order, or none.
     Several(Vec<Edit>),
 }
@@ -236,12 +267,17 @@ pub enum EditError {
         /// Wires there are.
         count: usize,
     },
-    /// The input holds no strokes.
-    #[error("{0} holds no strokes")]
-    NoStrokes(Socket),
-    /// No stroke has that id, or one has it already.
+    /// The input holds no such list.
+    #[error("{at} holds no {what}")]
+    NoList {
+        /// Input.
+        at: Socket,
+        /// "strokes" or "gestures".
+        what: &'static str,
+    },
+    /// No item of a list has that id, one has it already, or the list cannot hold it.
     #[error("{at}: {reason}")]
-    BadStroke {
+    BadItem {
         /// Input.
         at: Socket,
         /// What is wrong.
@@ -455,34 +491,22 @@ impl Edit {
                 Ok(Edit::SetComment { place: place.clone(), lines: old.unwrap_or_default() })
             }
             Edit::AddStroke { node, input, at, stroke } => {
-                let (node, input, id) = (node.clone(), input.clone(), stroke.id);
-                let was_set = slot(document, &node)?.inputs.contains_key(&input);
-                on_strokes(document, &node, &input, |strokes| {
-                    let at = (*at).min(strokes.len());
-                    strokes.insert(at, stroke.clone());
-                    Ok(())
-                })?;
-                Ok(if was_set {
-                    Edit::RemoveStroke { node, input, id }
-                } else {
-                    Edit::UnsetInput { node, input }
-                })
+                lists::add(document, (node, input), *at, stroke)
             }
             Edit::RemoveStroke { node, input, id } => {
-                let (node, input) = (node.clone(), input.clone());
-                let (at, stroke) = on_strokes(document, &node, &input, |strokes| {
-                    let at = find(strokes, *id)?;
-                    Ok((at, strokes.remove(at)))
-                })?;
-                Ok(Edit::AddStroke { node, input, at, stroke })
+                lists::remove::<Stroke>(document, (node, input), *id)
             }
             Edit::ReplaceStroke { node, input, stroke } => {
-                let (node, input) = (node.clone(), input.clone());
-                let stroke = on_strokes(document, &node, &input, |strokes| {
-                    let at = find(strokes, stroke.id)?;
-                    Ok(std::mem::replace(&mut strokes[at], stroke.clone()))
-                })?;
-                Ok(Edit::ReplaceStroke { node, input, stroke })
+                lists::replace(document, (node, input), stroke)
+            }
+            Edit::AddGesture { node, input, at, gesture } => {
+                lists::add(document, (node, input), *at, gesture)
+            }
+            Edit::RemoveGesture { node, input, id } => {
+                lists::remove::<Gesture>(document, (node, input), *id)
+            }
+            Edit::ReplaceGesture { node, input, gesture } => {
+                lists::replace(document, (node, input), gesture)
             }
             Edit::Several(edits) => {
                 let mut undo = vec![];
@@ -531,6 +555,10 @@ impl Edit {
                 Edit::ReplaceStroke { node, input, stroke },
                 Edit::ReplaceStroke { node: other, input: same, stroke: newer },
             ) => node == other && input == same && stroke.id == newer.id,
+            (
+                Edit::ReplaceGesture { node, input, gesture },
+                Edit::ReplaceGesture { node: other, input: same, gesture: newer },
+            ) => node == other && input == same && gesture.id == newer.id,
             (Edit::SetWires { to, .. }, Edit::SetWires { to: other, .. }) => to == other,
             (Edit::Several(all), Edit::Several(newer)) => {
                 all.len() == newer.len() && all.iter().zip(newer).all(|(a, b)| a.covers(b))
@@ -622,35 +650,6 @@ fn checked_node(id: &NodeId, node: &Arc<Node>) -> Result<Arc<Node>, EditError> {
         return Ok(node.clone());
     }
     Ok(Arc::new(Node { inputs, label, ..Node::clone(node) }))
-}
-
-fn find(strokes: &[Stroke], id: u64) -> Result<usize, String> {
-    strokes.iter().position(|s| s.id == id).ok_or_else(|| format!("there is no stroke {id}"))
-}
-
-/// Changes the strokes of an input. The list is copied, because snapshots hold the old one: 20
-/// bytes a sample.
-fn on_strokes<T>(
-    document: &mut Document,
-    node: &NodeId,
-    input: &str,
-    change: impl FnOnce(&mut Vec<Stroke>) -> Result<T, String>,
-) -> Result<T, EditError> {
-    let at = Socket::new(node.clone(), input);
-    let def = coif_nodes::by_id(&slot(document, node)?.kind).and_then(|def| def.input(input));
-    let takes = def.is_some_and(|(_, def)| def.ty == Type::Strokes);
-    let old = match slot(document, node)?.inputs.get(input) {
-        Some(Setting::Known(Value::Strokes(strokes))) => strokes.clone(),
-        None if takes => Arc::default(),
-        _ => return Err(EditError::NoStrokes(at)),
-    };
-    let mut strokes: Strokes = (*old).clone();
-    let bad = |reason: String| EditError::BadStroke { at: at.clone(), reason };
-    let given = change(&mut strokes.0).map_err(bad)?;
-    let strokes = values::fit(Type::Strokes, Value::Strokes(Arc::new(strokes)));
-    let strokes = Setting::Known(strokes.map_err(bad)?);
-    node_mut(document, node)?.inputs.insert(input.to_owned(), strokes);
-    Ok(given)
 }
 
 #[cfg(test)]

@@ -60,7 +60,10 @@ fn node_of(edit: &Edit) -> Option<&NodeId> {
         | E::UnsetInput { node, .. }
         | E::AddStroke { node, .. }
         | E::RemoveStroke { node, .. }
-        | E::ReplaceStroke { node, .. } => Some(node),
+        | E::ReplaceStroke { node, .. }
+        | E::AddGesture { node, .. }
+        | E::RemoveGesture { node, .. }
+        | E::ReplaceGesture { node, .. } => Some(node),
         E::Connect { to, .. }
         | E::Disconnect { to, .. }
         | E::Reorder { to, .. }
@@ -328,6 +331,9 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
         E::AddStroke { node, .. } => format!("{}: stroke removed", name(node)),
         E::RemoveStroke { node, .. } => format!("{}: stroke added", name(node)),
         E::ReplaceStroke { node, .. } => format!("{}: stroke changed", name(node)),
+        E::AddGesture { node, .. } => format!("{}: gesture removed", name(node)),
+        E::RemoveGesture { node, .. } => format!("{}: gesture added", name(node)),
+        E::ReplaceGesture { node, .. } => format!("{}: gesture changed", name(node)),
         E::Several(edits) => match &edits[..] {
             // What went with a node or with a wire is no news of its own.
             [first @ E::AddNode { .. }, rest @ ..]

@@ -16,6 +16,7 @@ use std::fmt;
 use std::sync::Arc;
 
 pub mod edit;
+pub mod gestures;
 pub mod graph;
 pub mod history;
 mod layout;

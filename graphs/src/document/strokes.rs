@@ -5,7 +5,7 @@
 //! grid of [`on_the_grid`], in which files hold it exactly.
 
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
-use coif_nodes::maths::hash::KeyBuilder;
+use coif_nodes::maths::hash::{Key, KeyBuilder};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -23,11 +23,11 @@ pub const TOLERANCE: f32 = 0.02;
 /// a sample by at most 0.0087 cm, which is taken out of [`TOLERANCE`].
 const STEPS_PER_CM: f64 = 100.0;
 /// Steps of pressure: as many as the cheapest pens report.
-const PRESSURE_STEPS: f64 = 256.0;
+pub(super) const PRESSURE_STEPS: f64 = 256.0;
 /// Steps of time in a second: pens report at most each millisecond.
-const STEPS_PER_SECOND: f64 = 1000.0;
+pub(super) const STEPS_PER_SECOND: f64 = 1000.0;
 /// Steps of tilt in a right angle: 1.4 degrees, finer than any hand.
-const TILT_STEPS: f64 = 64.0;
+pub(super) const TILT_STEPS: f64 = 64.0;
 /// What simplifying may use of [`TOLERANCE`] once rounding has had its share.
 const SHARE: f32 = 0.011;
 /// How far pressure may be from the pen's, absolute: 4 of 256 steps. One step would keep the noise
@@ -39,7 +39,7 @@ const TILT_TOLERANCE: f32 = 4.0 / 64.0;
 /// Farther from the head's centre than anything drawn, near enough for exact sums (cm).
 const FARTHEST: f64 = 1e5;
 /// Longer than anybody draws one stroke (seconds).
-const LONGEST: f64 = 1e5;
+pub(super) const LONGEST: f64 = 1e5;
 /// Samples that are simplified at once. Its worst case is quadratic; a stroke of 2 s has 400
 /// samples.
 const WINDOW: usize = 2048;
@@ -49,10 +49,10 @@ const WINDOW: usize = 2048;
 pub(crate) struct Steps(pub(crate) [i64; 7]);
 
 /// Nearest step; values beyond `most` are moved to it, NaN to 0.
-fn steps(x: f32, per_unit: f64, most: f64) -> i64 {
+pub(super) fn steps(x: f32, per_unit: f64, most: f64) -> i64 {
     (f64::from(x).clamp(-most, most) * per_unit).round() as i64
 }
-fn value(steps: i64, per_unit: f64, most: f64) -> f32 {
+pub(super) fn value(steps: i64, per_unit: f64, most: f64) -> f32 {
     (steps as f64 / per_unit).clamp(-most, most) as f32
 }
 
@@ -79,7 +79,9 @@ impl Steps {
 /// The strokes with every sample on the grid: the same `Arc` when they are already. Samples that
 /// are not finite are left as they are, to be refused as such.
 pub fn on_the_grid(strokes: Arc<Strokes>) -> Arc<Strokes> {
-    let on_grid = |s: &Sample| !s.is_finite() || Steps::of(s).sample() == *s;
+    // By bits: -0.0 is none of the grid's.
+    let same = |a: &Sample, b: &Sample| bytemuck::bytes_of(a) == bytemuck::bytes_of(b);
+    let on_grid = |s: &Sample| !s.is_finite() || same(&Steps::of(s).sample(), s);
     let is_kept =
         |stroke: &Stroke| stroke.samples.iter().all(on_grid) && stroke.drawn.iter().all(on_grid);
     if strokes.0.iter().all(is_kept) {
@@ -103,27 +105,26 @@ pub fn on_the_grid(strokes: Arc<Strokes>) -> Arc<Strokes> {
 /// that are not finite are left out; none is made when nothing remains.
 pub fn finish(samples: &[Sample], others: &Strokes) -> Option<Stroke> {
     let samples: Vec<Sample> = samples.iter().copied().filter(Sample::is_finite).collect();
-    let kept = simplify(&samples);
+    let kept = simplify(&samples, SHARE);
     let samples: Vec<Sample> = kept.into_iter().map(|i| Steps::of(&samples[i]).sample()).collect();
     (!samples.is_empty()).then(|| Stroke::new(free_id(&samples, others), samples))
 }
 
-/// An id that no stroke of `others` has, of 32 bits, drawn from what was drawn: strokes that two
-/// people add to the same node differ when they are merged, and a replay gives the same ids.
 fn free_id(samples: &[Sample], others: &Strokes) -> u64 {
-    for n in 0.. {
-        let key = KeyBuilder::new("stroke id").int(n).column(samples).finish();
-        let id = u64::from(key.0 as u32);
-        if id != 0 && others.0.iter().all(|stroke| stroke.id != id) {
-            return id;
-        }
-    }
-    0
+    let key = |n: u64| KeyBuilder::new("stroke id").int(n).column(samples).finish();
+    new_id(key, |id| others.0.iter().any(|stroke| stroke.id == id))
 }
 
-/// The numbers of the samples to keep: Douglas and Peucker's method (1973), on position, pressure and
-/// tilt, in windows whose ends stay.
-fn simplify(samples: &[Sample]) -> Vec<usize> {
+/// The first id that is not taken, of 32 bits of each key, drawn from what was drawn: what two people add
+/// to the same node differs when it is merged, and a replay gives the same ids.
+pub(super) fn new_id(key: impl Fn(u64) -> Key, is_taken: impl Fn(u64) -> bool) -> u64 {
+    let mut ids = (0..).map(|n| u64::from(key(n).0 as u32));
+    ids.find(|id| *id != 0 && !is_taken(*id)).unwrap_or_default()
+}
+
+/// The numbers of the samples to keep: Douglas and Peucker's method (1973), on position (within `share`),
+/// pressure and tilt, in windows whose ends stay.
+pub(super) fn simplify(samples: &[Sample], share: f32) -> Vec<usize> {
     let n = samples.len();
     let mut keep = vec![false; n];
     let mut open = vec![];
@@ -134,7 +135,7 @@ fn simplify(samples: &[Sample]) -> Vec<usize> {
     }
     while let Some((a, b)) = open.pop() {
         let worst = (a + 1..b)
-            .map(|i| (misfit(&samples[a], &samples[b], &samples[i]), i))
+            .map(|i| (misfit(&samples[a], &samples[b], &samples[i], share), i))
             .max_by(|(x, i), (y, j)| x.total_cmp(y).then(j.cmp(i)));
         if let Some((_, i)) = worst.filter(|(misfit, _)| *misfit > 1.0) {
             keep[i] = true;
@@ -145,7 +146,7 @@ fn simplify(samples: &[Sample]) -> Vec<usize> {
 }
 
 /// How badly a line from `a` to `b` stands for `s`: over 1 is too badly.
-fn misfit(a: &Sample, b: &Sample, s: &Sample) -> f32 {
+fn misfit(a: &Sample, b: &Sample, s: &Sample, share: f32) -> f32 {
     let (span, to) = (b.position - a.position, s.position - a.position);
     let length2 = span.length_squared();
     // A pen that rests moves in time only.
@@ -159,5 +160,5 @@ fn misfit(a: &Sample, b: &Sample, s: &Sample) -> f32 {
     let off = (to - span * t).length();
     let pressure = (a.pressure + (b.pressure - a.pressure) * t - s.pressure).abs();
     let tilt = (a.tilt + (b.tilt - a.tilt) * t - s.tilt).abs().max_element();
-    (off / SHARE).max(pressure / PRESSURE_TOLERANCE).max(tilt / TILT_TOLERANCE)
+    (off / share).max(pressure / PRESSURE_TOLERANCE).max(tilt / TILT_TOLERANCE)
 }

@@ -2,16 +2,17 @@
 
 use super::edit::Edit;
 use super::{
-    Document, Frame, Node, NodeId, Place, Point, SavedView, Setting, Socket, strokes, values,
+    Document, Frame, Node, NodeId, Place, Point, SavedView, Setting, Socket, gestures, strokes,
+    values,
 };
 use coif_nodes::data::field::Field;
+use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
 use coif_nodes::data::ramp::{Blend, Ramp};
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};
-use coif_nodes::data::strokes::{Sample, Strokes};
+use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use coif_nodes::define::{Type, Value};
 use coif_nodes::maths::hash::Dice;
 use glam::{Vec2, Vec3};
-use std::sync::Arc;
 
 /// Draws from a seed.
 pub(crate) struct Random(Dice, u64);
@@ -143,6 +144,55 @@ impl Random {
         }
         strokes
     }
+    /// Pen samples on a picture of 1000 pixels: the wavering arc of [`Self::pen`], 40 pixels a cm.
+    pub(crate) fn pen_on_picture(&mut self, count: usize) -> Vec<PenSample> {
+        let on_picture = |s: &Sample| {
+            let at = Vec2::new(s.position.x, s.position.y + s.position.z) * 40.0;
+            PenSample { at, pressure: s.pressure, time: s.time, tilt: s.tilt }
+        };
+        self.pen(count).iter().map(on_picture).collect()
+    }
+    /// A gesture as the pen makes it, finished, with and without everything that may be left out.
+    pub(crate) fn gesture(&mut self, others: &Gestures) -> Gesture {
+        let count = 1 + self.below(60);
+        let mut samples = self.pen_on_picture(count);
+        if self.chance(2) {
+            samples.iter_mut().for_each(|sample| sample.tilt = Vec2::ZERO);
+        }
+        let mut any = |most: f32| (self.unit() - 0.5) * 2.0 * most;
+        let eye = Vec3::new(any(40.0), any(40.0), 60.0);
+        let (target, up) = (Vec3::new(any(5.0), -0.0, 1e-45), Vec3::new(0.1, 1.0, any(0.1)));
+        let (root, colour) = (Vec3::new(any(9.0), any(9.0), -0.0), Vec3::splat(any(1.0).abs()));
+        let path = if self.chance(2) { vec![] } else { self.pen(count) };
+        let gesture = Gesture {
+            id: 0,
+            tool: self.pick(Tool::ALL).0,
+            layer: self.pick(Layer::ALL).0,
+            view: View {
+                eye,
+                target,
+                up,
+                half_height: 0.1 + self.unit(),
+                parallel: self.chance(2),
+                pixels: 1.0 + self.below(3000) as f32,
+            },
+            samples,
+            curves: (0..self.below(4)).map(|_| self.bits()).collect(),
+            root: self.chance(2).then_some(root),
+            path: path.iter().map(|s| s.position).collect(),
+            colour: self.chance(2).then_some(colour),
+            size: self.pick(&[0.0, -0.0, 40.0, 1.0 / 3.0]),
+            strength: self.pick(&[1.0, 0.0, 2.5]),
+        };
+        gestures::finish(gesture, others).unwrap()
+    }
+    pub(crate) fn gestures(&mut self) -> Gestures {
+        let mut all = Gestures::default();
+        for _ in 0..self.below(4) {
+            all.0.push(self.gesture(&all));
+        }
+        all
+    }
     /// A value of the type, in the form that documents have.
     pub(crate) fn value(&mut self, ty: Type) -> Value {
         let value = match ty {
@@ -156,6 +206,7 @@ impl Random {
             Type::Ramp => Value::from(self.ramp()),
             Type::Shapes => Value::from(self.shapes()),
             Type::Strokes => Value::from(self.strokes()),
+            Type::Gestures => Value::from(self.gestures()),
             Type::Curves | Type::Scalp => panic!("{} come by wire", ty.name()),
         };
         values::fit(ty, value).unwrap()
@@ -177,14 +228,19 @@ impl Random {
             Some((_, def)) if !matches!(def.ty, Type::Curves | Type::Scalp) => {
                 Setting::Known(self.value(def.ty))
             }
+            None if self.chance(8) => Setting::Known(self.value(Type::Gestures)),
             _ => Setting::Raw(self.pick(&RAW).into()),
         }
     }
     fn node(&mut self) -> Node {
         let all: Vec<&str> = coif_nodes::all().map(|def| def.id).collect();
-        let kind = match self.below(4) {
+        let kind = match self.below(5) {
             0 => "of_tomorrow",
             1 => self.pick(&all),
+            // What holds strokes or gestures.
+            2 => self.pick(
+                &all.into_iter().filter(|kind| drawn_input(kind).is_some()).collect::<Vec<_>>(),
+            ),
             _ => "resample",
         };
         let mut node = Node {
@@ -245,7 +301,7 @@ impl Random {
     pub(crate) fn edit(&mut self, document: &Document) -> Edit {
         let (id, to) = (self.id(), self.socket());
         let kind = document.node(id.as_str()).map_or("", |node| &node.kind).to_owned();
-        match self.below(29) {
+        match self.below(31) {
             0..=2 => Edit::AddNode { id, node: self.node().into(), at: self.point() },
             3 => Edit::RemoveNode { id },
             4 => Edit::ReplaceNode { id, node: self.node().into() },
@@ -305,9 +361,47 @@ impl Random {
                 };
                 Edit::SetView { name: self.text(), view: (!self.chance(4)).then_some(view) }
             }
+            27..=28 => self.edit_of_list(document, id),
             _ => {
                 let count = self.below(4);
                 Edit::Several((0..count).map(|_| self.edit(document)).collect())
+            }
+        }
+    }
+    /// An edit of one stroke or gesture, possible or not.
+    fn edit_of_list(&mut self, document: &Document, node: NodeId) -> Edit {
+        let takes = document.nodes.iter().filter(|(_, node)| drawn_input(&node.kind).is_some());
+        let takes: Vec<&NodeId> = takes.map(|(id, _)| id).collect();
+        let node = if takes.is_empty() { node } else { self.pick(&takes).clone() };
+        let held = document.node(node.as_str());
+        let drawn = held.and_then(|node| drawn_input(&node.kind));
+        let (input, ty) = drawn.unwrap_or(("strokes", Type::Strokes));
+        let setting = held.and_then(|node| node.inputs.get(input));
+        let (input, at) = (input.to_owned(), self.below(3));
+        match (ty, setting, self.below(3)) {
+            (Type::Gestures, Some(Setting::Known(Value::Gestures(all))), n) if n > 0 => {
+                let id = all.0.get(at).map_or(1, |gesture| gesture.id);
+                let gesture = Gesture { id, ..self.gesture(&Gestures::default()) };
+                match n {
+                    1 => Edit::RemoveGesture { node, input, id },
+                    _ => Edit::ReplaceGesture { node, input, gesture },
+                }
+            }
+            (Type::Gestures, ..) => {
+                let gesture = self.gesture(&Gestures::default());
+                Edit::AddGesture { node, input, at, gesture }
+            }
+            (_, Some(Setting::Known(Value::Strokes(all))), n) if n > 0 => {
+                let id = all.0.get(at).map_or(1, |stroke| stroke.id);
+                let samples = strokes::finish(&self.pen(20), &Strokes::default()).unwrap().samples;
+                match n {
+                    1 => Edit::RemoveStroke { node, input, id },
+                    _ => Edit::ReplaceStroke { node, input, stroke: Stroke::new(id, samples) },
+                }
+            }
+            _ => {
+                let stroke = strokes::finish(&self.pen(20), &Strokes::default()).unwrap();
+                Edit::AddStroke { node, input, at, stroke }
             }
         }
     }
@@ -322,9 +416,23 @@ impl Random {
     }
     /// A node that holds strokes, whatever nodes there are.
     pub(crate) fn stroke_node(&mut self) -> Node {
-        let mut node = Node { kind: "of_strokes".into(), ..Node::default() };
-        let strokes = Value::Strokes(Arc::new(self.strokes()));
-        node.inputs.insert("strokes".into(), Setting::Known(strokes));
-        node
+        holding("strokes", self.strokes().into())
     }
+    /// A node that holds gestures, whatever nodes there are.
+    pub(crate) fn gesture_node(&mut self) -> Node {
+        holding("gestures", self.gestures().into())
+    }
+}
+
+/// The input of a kind that holds strokes or gestures.
+fn drawn_input(kind: &str) -> Option<(&'static str, Type)> {
+    let mut inputs = coif_nodes::by_id(kind)?.inputs.iter();
+    let drawn = inputs.find(|input| matches!(input.ty, Type::Strokes | Type::Gestures))?;
+    Some((drawn.name, drawn.ty))
+}
+
+fn holding(what: &str, value: Value) -> Node {
+    let mut node = Node { kind: format!("of_{what}"), ..Node::default() };
+    node.inputs.insert(what.to_owned(), Setting::Known(value));
+    node
 }

@@ -3,7 +3,9 @@
 //! What passes [`fit`] is written to a file and read back as the same value.
 
 use coif_nodes::data::field::Field;
+use coif_nodes::data::gestures::Gestures;
 use coif_nodes::data::ramp::Ramp;
+use coif_nodes::data::strokes::Strokes;
 use coif_nodes::define::{Type, Value, short};
 use std::sync::Arc;
 
@@ -14,7 +16,8 @@ pub const DEEPEST_FIELD: usize = 16;
 /// be held.
 ///
 /// Whole numbers become numbers where the input takes numbers, constant fields and constant ramps
-/// have one form, files are their path, strokes are brought to the grid in which files keep them.
+/// have one form, files are their path, strokes and gestures are brought to the grid in which files keep
+/// them.
 pub fn fit(ty: Type, value: Value) -> Result<Value, String> {
     let found = value.type_name();
     let value = match (ty, value) {
@@ -39,12 +42,16 @@ pub fn fit(ty: Type, value: Value) -> Result<Value, String> {
         (Type::File, Value::File(file)) => Value::Text(file.path.as_str().into()),
         (Type::Choice(words), Value::Text(word)) => {
             if !words.iter().any(|(known, _)| *known == &*word) {
-                return Err(no_such_word(&word, words));
+                let known: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+                return Err(no_such_word(&word, &known));
             }
             Value::Text(word)
         }
         (Type::Strokes, Value::Strokes(strokes)) => {
             Value::Strokes(super::strokes::on_the_grid(strokes))
+        }
+        (Type::Gestures, Value::Gestures(gestures)) => {
+            Value::Gestures(super::gestures::on_the_grid(gestures))
         }
         (Type::Curves | Type::Scalp, _) => {
             return Err(format!("{} come by wire: connect a node", ty.name()));
@@ -63,13 +70,36 @@ pub fn fit(ty: Type, value: Value) -> Result<Value, String> {
     Ok(value)
 }
 
-fn no_such_word(word: &str, words: &[(&str, &str)]) -> String {
-    let known: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+/// Says which words there are in the place of one that is none of them.
+pub(crate) fn no_such_word(word: &str, known: &[&str]) -> String {
     // A long one is no slip of the pen.
     let slip = Some(word).filter(|word| word.len() <= 64);
     let meant = slip.and_then(|word| super::suggest::nearest(word, known.iter().copied()));
     let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
     format!("{:?} is none of {}{meant}", short(word), known.join(", "))
+}
+
+/// The first item of a list that [`fit`] refuses with those before it, and why.
+pub(crate) fn wrong_item(ty: Type, list: &Value) -> Option<(usize, String)> {
+    let (mut good, mut bad) = match list {
+        Value::Strokes(all) => (0, all.0.len()),
+        Value::Gestures(all) => (0, all.0.len()),
+        _ => return None,
+    };
+    let why = |n: usize| {
+        let first = match list {
+            Value::Strokes(all) => Value::from(Strokes(all.0[..n].to_vec())),
+            Value::Gestures(all) => Value::from(Gestures(all.0[..n].to_vec())),
+            _ => return None,
+        };
+        fit(ty, first).err()
+    };
+    // What some of them do wrong, more of them do too.
+    while bad > good + 1 {
+        let middle = good + (bad - good) / 2;
+        if why(middle).is_some() { bad = middle } else { good = middle }
+    }
+    why(bad).map(|reason| (good, reason))
 }
 
 fn depth(field: &Field) -> usize {
@@ -88,17 +118,41 @@ fn depth(field: &Field) -> usize {
 mod tests {
     use super::super::testing::Random;
     use super::*;
-    use coif_nodes::data::strokes::{Stroke, Strokes};
+    use coif_nodes::data::strokes::{Sample, Stroke};
+    use glam::Vec3;
 
     #[test]
     fn what_fits_fits_again_unchanged() {
         let mut random = Random::new(6);
         let words: &[(&str, &str)] = &[("count", ""), ("spacing", "")];
-        for ty in [Type::Float, Type::Field, Type::Ramp, Type::Strokes, Type::Choice(words)] {
+        for ty in [
+            Type::Float,
+            Type::Field,
+            Type::Ramp,
+            Type::Strokes,
+            Type::Gestures,
+            Type::Choice(words),
+        ] {
             for _ in 0..100 {
                 let value = random.value(ty);
                 assert_eq!(fit(ty, value.clone()).unwrap().key(), value.key());
             }
+        }
+    }
+
+    #[test]
+    fn what_fits_is_written_and_read_back_to_the_bit() {
+        // -0.0 is no step of a grid: kept, it would come back as 0.0, under another key.
+        let sample = Sample { position: Vec3::new(1.0, -0.0, 0.0), ..Sample::default() };
+        let strokes = Value::from(Strokes(vec![Stroke::new(7, vec![sample])]));
+        let mut gesture = Random::new(1).gesture(&Gestures::default());
+        gesture.samples[0].at.x = -0.0;
+        gesture.strength = -0.0;
+        let gestures = Gestures(vec![gesture]);
+        for (ty, value) in [(Type::Strokes, strokes), (Type::Gestures, gestures.into())] {
+            let held = fit(ty, value).unwrap();
+            let back = crate::file::read_value(ty, &crate::file::write_value(&held)).unwrap();
+            assert_eq!(back.key(), held.key());
         }
     }
 

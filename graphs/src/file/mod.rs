@@ -13,8 +13,11 @@ use std::fmt;
 use std::io::{self, Write as _};
 use std::path::Path;
 
+mod columns;
+mod gestures;
 mod read;
 mod scan;
+mod strokes;
 #[cfg(test)]
 mod tests;
 mod upgrade;

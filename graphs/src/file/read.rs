@@ -1,7 +1,8 @@
 //! Text to documents: the structs of format 1, and their conversion.
 
 use super::scan::{Scan, error_at, errors_at, scan, trimmed};
-use super::{FORMAT, FileError, Loaded, PART, read_value, upgrade};
+use super::values::{Wrong, placed_value};
+use super::{FORMAT, FileError, Loaded, PART, upgrade};
 use crate::document::{Document, Frame, Node, NodeId, Place, Point, SavedView, Setting, Socket};
 use coif_nodes::define::{NodeDef, short};
 use ron::value::RawValue;
@@ -279,14 +280,20 @@ fn parse<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, FileError> {
         return Err(error_at(text, text.len() - trimmed_start(text).len(), message));
     }
     ron::Options::default().with_recursion_limit(DEEPEST).from_str(text).map_err(|err| {
-        use ron::Error as E;
-        let named = matches!(
-            err.code,
-            E::NoSuchStructField { .. } | E::DuplicateStructField { .. } | E::Message(_)
-        );
-        let place = if named { err.span.start } else { err.span.end };
-        FileError { line: place.line, column: place.col, message: in_words(&err.code) }
+        let (line, column) = place_of(&err);
+        FileError { line, column, message: in_words(&err.code) }
     })
+}
+
+/// Line and column of an error of the RON reader.
+pub(super) fn place_of(err: &ron::error::SpannedError) -> (usize, usize) {
+    use ron::Error as E;
+    let named = matches!(
+        err.code,
+        E::NoSuchStructField { .. } | E::DuplicateStructField { .. } | E::Message(_)
+    );
+    let place = if named { err.span.start } else { err.span.end };
+    (place.line, place.col)
 }
 
 /// Whether a file can hold the text as the value of an input and give it back; else why not.
@@ -428,9 +435,12 @@ impl Reader<'_> {
     ) -> Setting {
         if let Some(def) = def {
             match def.inputs.iter().find(|input| input.name == name) {
-                Some(input) => match read_value(input.ty, text) {
+                Some(input) => match placed_value(input.ty, text) {
                     Ok(value) => return Setting::Known(value),
-                    Err(reason) => self.warn(place, format!("{id}.{name}: {reason}")),
+                    Err(Wrong { at, reason }) => {
+                        let at = self.at(place) + at;
+                        self.warnings.push((at, format!("{id}.{name}: {reason}")));
+                    }
                 },
                 None => {
                     let message =

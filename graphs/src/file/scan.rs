@@ -106,6 +106,31 @@ impl Here<'_> {
     }
 }
 
+/// Where a line and column, both from 1, lie in a text, in bytes.
+pub(super) fn offset(text: &str, (line, column): (usize, usize)) -> usize {
+    let begin: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+    let on_line = text[begin..].chars().take(column.saturating_sub(1));
+    begin + on_line.map(char::len_utf8).sum::<usize>()
+}
+
+/// Where the items of a RON list begin, in bytes.
+pub(super) fn items(text: &str) -> Vec<usize> {
+    let mut scanner = Scanner { text, at: 0, found: Scan::default(), pending: vec![] };
+    let mut starts = vec![];
+    scanner.trivia(false);
+    // The list's own bracket, then the comma before each item but the first.
+    while scanner.rest().starts_with(if starts.is_empty() { '[' } else { ',' }) {
+        scanner.skip(1);
+        scanner.trivia(false);
+        if scanner.rest().is_empty() || scanner.rest().starts_with(']') {
+            break;
+        }
+        starts.push(scanner.at);
+        scanner.value();
+    }
+    starts
+}
+
 /// RON text without white space and comments around it.
 pub(super) fn trimmed(text: &str) -> &str {
     let mut scanner = Scanner { text, at: 0, found: Scan::default(), pending: vec![] };

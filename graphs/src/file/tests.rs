@@ -410,6 +410,27 @@ fn adding_a_node_adds_one_block() {
 }
 
 #[test]
+fn a_wrong_stroke_is_found_on_its_own_line() {
+    let stroke = |id: u32, x: &str| {
+        format!("\n(id: {id}, x: [{x}], y: [1], z: [1], pressure: [1], time: [1]),")
+    };
+    let check = |strokes: &[String], expected: (usize, &str)| {
+        let list =
+            format!("kind: \"stroke_input\", inputs: {{\"strokes\": [{}]}}", strokes.concat());
+        let loaded = ok(&node(&list));
+        let [warning] = &loaded.warnings[..] else { panic!("{:?}", loaded.warnings) };
+        assert_eq!(warning.line, expected.0, "{warning}");
+        assert!(warning.message.contains(expected.1), "{warning}");
+    };
+    // The node stands on line 4, its strokes from line 5 on.
+    let good = stroke(1, "1");
+    check(&[good.clone(), stroke(2, "1,2")], (6, "stroke 2: y has 1 samples, x has 2"));
+    check(&[good.clone(), stroke(2, "1"), stroke(1, "5")], (7, "stroke 2: its id 1 is 0 or used"));
+    check(&[good.clone(), stroke(2, "x")], (6, "stroke 1: expected a whole number"));
+    check(&[stroke(1, "\n1\n,9.5"), good], (7, "stroke 0: "));
+}
+
+#[test]
 fn two_branches_merge_line_by_line() {
     // Two people change different values of one node; taking both changed lines gives both changes.
     let set = |input: &str, value: Value| {

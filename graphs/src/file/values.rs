@@ -1,11 +1,13 @@
 //! Values as text, read by the type that the node's declaration names.
 
-use crate::document::strokes::Steps;
-use crate::document::values::{DEEPEST_FIELD, fit};
+use super::scan::items;
+use super::{gestures, strokes};
+use crate::document::values::{DEEPEST_FIELD, fit, wrong_item};
 use coif_nodes::data::field::Field;
+use coif_nodes::data::gestures::Gestures;
 use coif_nodes::data::ramp::{Blend, Ramp};
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};
-use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
+use coif_nodes::data::strokes::Strokes;
 use coif_nodes::define::{Type, Value, short};
 use glam::{Vec2, Vec3};
 use ron::value::RawValue;
@@ -15,8 +17,6 @@ use std::sync::Arc;
 
 /// The deepest nesting of brackets in one value: deeper is an attack on a recursive reader.
 const DEEPEST: usize = 64;
-/// Samples on one line of a stroke: a changed sample changes one or two short lines in each column.
-const SAMPLES_A_LINE: usize = 12;
 
 /// Reads what a command line gives: RON, or for texts, choices and files a bare word.
 pub fn parse_value(ty: Type, text: &str) -> Result<Value, String> {
@@ -31,17 +31,38 @@ pub fn parse_value(ty: Type, text: &str) -> Result<Value, String> {
 /// Reads RON text as an input of type `ty` would have it. The error names the text and says how it
 /// is written.
 pub fn read_value(ty: Type, text: &str) -> Result<Value, String> {
-    fit(
-        ty,
-        value_of(ty, text).map_err(|err| {
-            format!("{} is no {}: {err}; write it like {}", short(text), ty.name(), like(ty))
-        })?,
-    )
+    placed_value(ty, text).map_err(|wrong| wrong.reason)
+}
+
+/// What is wrong with the text of a value.
+pub(super) struct Wrong {
+    /// Where it is in the text, in bytes.
+    pub(super) at: usize,
+    pub(super) reason: String,
+}
+
+/// What is wrong with a value is wrong where it begins, unless somebody knows better.
+impl From<String> for Wrong {
+    fn from(reason: String) -> Self {
+        Self { at: 0, reason }
+    }
+}
+
+/// The same, with an error that also says where in the text it is.
+pub(super) fn placed_value(ty: Type, text: &str) -> Result<Value, Wrong> {
+    let value = value_of(ty, text).map_err(|Wrong { at, reason }| {
+        let (text, name) = (short(text), ty.name());
+        Wrong { at, reason: format!("{text} is no {name}: {reason}; write it like {}", like(ty)) }
+    })?;
+    fit(ty, value.clone()).map_err(|reason| match wrong_item(ty, &value) {
+        Some((n, reason)) => Wrong { at: items(text).get(n).copied().unwrap_or_default(), reason },
+        None => reason.into(),
+    })
 }
 
 /// The same, with an error that says only what is wrong.
 pub(crate) fn proven_value(ty: Type, text: &str) -> Result<Value, String> {
-    fit(ty, value_of(ty, text)?)
+    fit(ty, value_of(ty, text).map_err(|wrong| wrong.reason)?)
 }
 
 /// How a value of the type is written.
@@ -56,11 +77,12 @@ fn like(ty: Type) -> &'static str {
         Type::Ramp => "1.5 or Linear([(0.0, 1.0), (1.0, 0.3)])",
         Type::Shapes => "[(A, Circle), (B, Ellipse(0.7))]",
         Type::Strokes => "the strokes of another groom",
+        Type::Gestures => "the gestures of another groom",
         Type::Curves | Type::Scalp => "a wire",
     }
 }
 
-fn value_of(ty: Type, text: &str) -> Result<Value, String> {
+fn value_of(ty: Type, text: &str) -> Result<Value, Wrong> {
     Ok(match ty {
         Type::Bool => Value::Bool(parse(text)?),
         Type::Int => Value::Int(parse(text).map_err(|err| match number(text) {
@@ -83,12 +105,15 @@ fn value_of(ty: Type, text: &str) -> Result<Value, String> {
             Value::from(ShapeList(shapes.collect()))
         }
         Type::Strokes => {
-            let strokes: Vec<FileStroke> = parse(text)?;
-            let strokes: Result<_, String> = strokes.into_iter().map(FileStroke::stroke).collect();
-            Value::from(Strokes(strokes?))
+            let stroke = |_, one: strokes::FileStroke| one.stroke();
+            Value::from(Strokes(list(text, "stroke", stroke)?))
+        }
+        Type::Gestures => {
+            let gesture = |n, one: gestures::FileGesture| one.gesture(n);
+            Value::from(Gestures(list(text, "gesture", gesture)?))
         }
         Type::Curves | Type::Scalp => {
-            return Err(format!("{} come by wire: connect a node", ty.name()));
+            return Err(format!("{} come by wire: connect a node", ty.name()).into());
         }
     })
 }
@@ -99,6 +124,27 @@ fn options() -> ron::Options {
 
 fn parse<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, String> {
     options().from_str(text).map_err(|err| super::read::in_words(&err.code))
+}
+
+/// Reads a list of what is long; what is wrong is found where it stands.
+fn list<'a, F: Deserialize<'a>, T>(
+    text: &'a str,
+    item: &str,
+    mut read: impl FnMut(usize, F) -> Result<T, String>,
+) -> Result<Vec<T>, Wrong> {
+    let files: Vec<F> = options().from_str(text).map_err(|err| {
+        let at = super::scan::offset(text, super::read::place_of(&err));
+        let reason = super::read::in_words(&err.code);
+        match items(text).partition_point(|start| *start <= at) {
+            0 => Wrong { at, reason },
+            n => Wrong { at, reason: format!("{item} {}: {reason}", n - 1) },
+        }
+    })?;
+    let one = |(n, file): (usize, F)| {
+        let place = |reason| Wrong { at: items(text).get(n).copied().unwrap_or_default(), reason };
+        read(n, file).map_err(place)
+    };
+    files.into_iter().enumerate().map(one).collect()
 }
 
 fn number(text: &str) -> Result<f32, String> {
@@ -213,82 +259,6 @@ impl FileSection {
     }
 }
 
-/// A stroke in columns of whole steps of the grid (0.01 cm, 1/256 of pressure, 1 ms, 1/64 of a right
-/// angle): the first sample, then each sample's distance from the one before. Small numbers are short,
-/// and a moved sample changes two.
-#[derive(Deserialize)]
-#[serde(rename = "stroke", deny_unknown_fields)]
-struct FileStroke {
-    id: u64,
-    x: Vec<i64>,
-    y: Vec<i64>,
-    z: Vec<i64>,
-    pressure: Vec<i64>,
-    time: Vec<i64>,
-    #[serde(default)]
-    tilt_x: Vec<i64>,
-    #[serde(default)]
-    tilt_y: Vec<i64>,
-    #[serde(default)]
-    drawn: FileDrawn,
-}
-
-/// The samples of a stroke as drawn, in the same columns.
-#[derive(Default, Deserialize)]
-#[serde(rename = "drawn", deny_unknown_fields)]
-struct FileDrawn {
-    x: Vec<i64>,
-    y: Vec<i64>,
-    z: Vec<i64>,
-    pressure: Vec<i64>,
-    time: Vec<i64>,
-    #[serde(default)]
-    tilt_x: Vec<i64>,
-    #[serde(default)]
-    tilt_y: Vec<i64>,
-}
-
-const COLUMNS: [&str; 7] = ["x", "y", "z", "pressure", "time", "tilt_x", "tilt_y"];
-/// The number of the first column that is left out where it says nothing.
-const TILT: usize = 5;
-/// More steps than any place, pressure or time of a stroke has; sums of them stay exact.
-const MOST_STEPS: i64 = 1 << 32;
-
-impl FileStroke {
-    fn stroke(self) -> Result<Stroke, String> {
-        let Self { id, x, y, z, pressure, time, tilt_x, tilt_y, drawn } = self;
-        let samples = samples([x, y, z, pressure, time, tilt_x, tilt_y])
-            .map_err(|reason| format!("stroke {id}: {reason}"))?;
-        let FileDrawn { x, y, z, pressure, time, tilt_x, tilt_y } = drawn;
-        let drawn = self::samples([x, y, z, pressure, time, tilt_x, tilt_y])
-            .map_err(|reason| format!("stroke {id} as drawn: {reason}"))?;
-        Ok(Stroke { id, samples, drawn })
-    }
-}
-
-/// Samples from their columns, in the order of [`COLUMNS`].
-fn samples(columns: [Vec<i64>; 7]) -> Result<Vec<Sample>, String> {
-    let count = columns[0].len();
-    let is_short =
-        |(i, column): (usize, &Vec<i64>)| column.len() != count && (i < TILT || !column.is_empty());
-    if let Some(i) = columns.iter().enumerate().position(is_short) {
-        let (name, found) = (COLUMNS[i], columns[i].len());
-        return Err(format!("{name} has {found} samples, x has {count}"));
-    }
-    let mut at = Steps::default();
-    let mut samples = Vec::with_capacity(count);
-    for i in 0..count {
-        for (sum, column) in at.0.iter_mut().zip(&columns) {
-            *sum = sum.saturating_add(column.get(i).copied().unwrap_or_default());
-            if sum.abs() > MOST_STEPS {
-                return Err(format!("sample {i} is not on earth"));
-            }
-        }
-        samples.push(at.sample());
-    }
-    Ok(samples)
-}
-
 /// Writes a value as RON, on one line.
 pub fn write_value(value: &Value) -> String {
     let mut out = String::new();
@@ -296,8 +266,7 @@ pub fn write_value(value: &Value) -> String {
     out
 }
 
-/// Writes a value; lists of shapes and strokes take a line each, led by `indent`, where there is
-/// one.
+/// Writes a value; shapes, strokes and gestures take a line each, led by `indent`, where there is one.
 pub(super) fn write_to(out: &mut String, value: &Value, indent: Option<usize>) {
     // Writing to a String cannot fail.
     let _ = match value {
@@ -329,8 +298,14 @@ pub(super) fn write_to(out: &mut String, value: &Value, indent: Option<usize>) {
             });
             Ok(())
         }
-        Value::Strokes(strokes) => {
-            write_list(out, &strokes.0, indent, |out, stroke| write_stroke(out, stroke, indent));
+        Value::Strokes(all) => {
+            let lines = indent.is_some();
+            write_list(out, &all.0, indent, |out, one| strokes::write(out, one, lines));
+            Ok(())
+        }
+        Value::Gestures(all) => {
+            let lines = indent.is_some();
+            write_list(out, &all.0, indent, |out, one| gestures::write(out, one, lines));
             Ok(())
         }
         // Never in a document: `fit` refuses them.
@@ -416,40 +391,6 @@ fn write_section(out: &mut String, section: &Section) {
     };
 }
 
-fn write_stroke(out: &mut String, stroke: &Stroke, indent: Option<usize>) {
-    let _ = write!(out, "(id: {}, ", stroke.id);
-    write_samples(out, &stroke.samples, indent);
-    if !stroke.drawn.is_empty() {
-        out.push_str(", drawn: (");
-        write_samples(out, &stroke.drawn, indent);
-        out.push(')');
-    }
-    out.push(')');
-}
-
-/// The columns of samples. Their numbers begin their lines: indentation would be a fifth of the file.
-fn write_samples(out: &mut String, samples: &[Sample], indent: Option<usize>) {
-    let steps: Vec<Steps> = samples.iter().map(Steps::of).collect();
-    let is_upright = |Steps(at): &Steps| at[TILT..].iter().all(|tilt| *tilt == 0);
-    let count = if steps.iter().all(is_upright) { TILT } else { COLUMNS.len() };
-    for (c, name) in COLUMNS.iter().enumerate().take(count) {
-        let _ = write!(out, "{}{name}: [", if c > 0 { ", " } else { "" });
-        let mut last = 0;
-        for (i, Steps(at)) in steps.iter().enumerate() {
-            if indent.is_some() && i % SAMPLES_A_LINE == 0 {
-                out.push('\n');
-            }
-            let comma = if i + 1 < steps.len() { "," } else { "" };
-            let _ = write!(out, "{}{comma}", at[c] - last);
-            last = at[c];
-        }
-        if indent.is_some() {
-            out.push('\n');
-        }
-        out.push(']');
-    }
-}
-
 /// A text in quotes. Line breaks and control characters are escaped: a text is one line of a file.
 pub(super) fn quoted(out: &mut String, text: &str) {
     out.push('"');
@@ -476,7 +417,7 @@ mod tests {
     use expect_test::{Expect, expect};
 
     const WORDS: Type = Type::Choice(&[("count", "a number"), ("spacing", "a distance")]);
-    const TYPES: [Type; 12] = [
+    const TYPES: [Type; 13] = [
         Type::Bool,
         Type::Int,
         Type::Float,
@@ -489,6 +430,7 @@ mod tests {
         Type::Ramp,
         Type::Shapes,
         Type::Strokes,
+        Type::Gestures,
     ];
 
     #[test]

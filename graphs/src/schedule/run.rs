@@ -352,7 +352,8 @@ impl Keys {
     }
 }
 
-/// What comes as a list enters the keys of the pieces made from its items, not of all pieces.
+/// What comes as a list enters the keys of the pieces made from its items, not of all pieces. Gestures
+/// are none: each one acts on what those before it left, so every piece is made from all of them.
 fn is_list(ty: Type) -> bool {
     matches!(ty, Type::Curves | Type::Strokes)
 }

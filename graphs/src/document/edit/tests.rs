@@ -2,6 +2,9 @@
 
 use super::super::testing::Random;
 use super::*;
+use coif_nodes::data::gestures::Gestures;
+use coif_nodes::data::strokes::Strokes;
+use coif_nodes::define::Value;
 
 fn id(text: &str) -> NodeId {
     NodeId::new(text).unwrap()
@@ -51,7 +54,7 @@ fn refused(document: &Document, edit: &Edit, why: &str) {
 
 #[test]
 fn random_edits_restore_exactly_and_refused_ones_change_nothing() {
-    let mut happened = 0;
+    let (mut happened, mut drawn) = (0, 0);
     for seed in 0..60 {
         let mut random = Random::new(seed);
         let mut document = Document::default();
@@ -61,6 +64,14 @@ fn random_edits_restore_exactly_and_refused_ones_change_nothing() {
             match edit.apply(&mut after) {
                 Ok(_) => {
                     happened += 1;
+                    use Edit::{RemoveGesture, RemoveStroke, ReplaceGesture, ReplaceStroke};
+                    drawn += usize::from(matches!(
+                        edit,
+                        RemoveGesture { .. }
+                            | RemoveStroke { .. }
+                            | ReplaceGesture { .. }
+                            | ReplaceStroke { .. }
+                    ));
                     document = there_and_back(&document, &edit);
                 }
                 Err(_) => assert_eq!(after, document, "{edit:?}"),
@@ -75,7 +86,10 @@ fn random_edits_restore_exactly_and_refused_ones_change_nothing() {
             assert!(document.layout.keys().all(|id| document.nodes.contains_key(id)));
         }
     }
-    assert!(happened > 2000, "only {happened} edits happened");
+    assert!(
+        happened > 2000 && drawn > 20,
+        "only {happened} edits happened, {drawn} of one stroke or gesture"
+    );
 }
 
 #[test]
@@ -214,6 +228,48 @@ fn strokes_are_added_changed_and_removed_one_by_one() {
     add("plain", "resample").apply(&mut document).unwrap();
     let edit = Edit::AddStroke { node: id("plain"), input, at: 0, stroke };
     refused(&document, &edit, "plain.strokes holds no strokes");
+}
+
+#[test]
+fn gestures_are_added_changed_and_removed_one_by_one() {
+    let mut random = Random::new(3);
+    let mut document = Document::default();
+    document.nodes.insert(id("pen"), random.gesture_node().into());
+    let held = |document: &Document| match &document.node("pen").unwrap().inputs["gestures"] {
+        Setting::Known(Value::Gestures(all)) => all.0.clone(),
+        other => panic!("{other:?}"),
+    };
+    let before = held(&document);
+    let gesture = random.gesture(&Gestures(before.clone()));
+    let (node, input) = (id("pen"), "gestures".to_owned());
+    let at = usize::MAX;
+    let edit = Edit::AddGesture { node, input, at, gesture: gesture.clone() };
+    let after = there_and_back(&document, &edit);
+    assert_eq!(held(&after), [before.clone(), vec![gesture.clone()]].concat());
+    let twice = format!(
+        "pen.gestures: gesture {}: its id {} is 0 or used before",
+        before.len() + 1,
+        gesture.id
+    );
+    refused(&after, &edit, &twice);
+    let (node, input) = (id("pen"), "gestures".to_owned());
+    let other = Gesture { id: gesture.id, ..random.gesture(&Gestures::default()) };
+    let edit = Edit::ReplaceGesture { node, input, gesture: other.clone() };
+    let after = there_and_back(&after, &edit);
+    assert_eq!(held(&after).last(), Some(&other));
+    let (node, input) = (id("pen"), "gestures".to_owned());
+    let empty = Gesture { samples: vec![], ..other };
+    let what = format!("gesture {} ({}): it has no samples", before.len(), empty.tool.word());
+    let edit = Edit::ReplaceGesture { node, input, gesture: empty };
+    refused(&after, &edit, &format!("pen.gestures: {what}"));
+    let (node, input) = (id("pen"), "gestures".to_owned());
+    let edit = Edit::RemoveGesture { node, input, id: gesture.id };
+    assert_eq!(there_and_back(&after, &edit), document);
+    refused(&document, &edit, &format!("pen.gestures: there is no gesture {}", gesture.id));
+    add("plain", "resample").apply(&mut document).unwrap();
+    let (node, input) = (id("plain"), "gestures".to_owned());
+    let edit = Edit::AddGesture { node, input, at: 0, gesture };
+    refused(&document, &edit, "plain.gestures holds no gestures");
 }
 
 #[test]

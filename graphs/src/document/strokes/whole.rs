@@ -5,7 +5,7 @@
 //! on the grid.
 
 use super::cvs::{as_drawn, at, edited, length, nearest, ways};
-use super::{Steps, free_id, simplify};
+use super::{SHARE, Steps, free_id, simplify};
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use glam::Vec3;
 
@@ -162,7 +162,7 @@ fn appended(mut a: Vec<Sample>, b: &[Sample], gap: f32) -> Vec<Sample> {
 /// `reach` from the stroke, or when both are at the same place.
 pub fn redrawn(stroke: &Stroke, pen: &[Sample], reach: f32) -> Option<Stroke> {
     let pen: Vec<Sample> = pen.iter().copied().filter(Sample::is_finite).collect();
-    let kept = simplify(&pen);
+    let kept = simplify(&pen, SHARE);
     let mut pen: Vec<Sample> = kept.into_iter().map(|i| pen[i]).collect();
     let ends = |pen: &[Sample]| {
         let place = |s: &Sample| Some(nearest(stroke, s.position)).filter(|n| n.1 <= reach);
