@@ -352,10 +352,10 @@ impl Keys {
     }
 }
 
-/// What comes as a list enters the keys of the pieces made from its items, not of all pieces. Gestures
-/// are none: each one acts on what those before it left, so every piece is made from all of them.
+/// What comes as a list enters the keys of the pieces made from its items, not of all pieces: a node that takes one
+/// adds them. Gestures enter one after the other, so that what those before have made is known.
 fn is_list(ty: Type) -> bool {
-    matches!(ty, Type::Curves | Type::Strokes)
+    matches!(ty, Type::Curves | Type::Strokes | Type::Gestures)
 }
 
 fn node_key(
