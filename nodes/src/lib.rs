@@ -24,6 +24,7 @@ pub mod scalp;
 mod shape;
 #[cfg(test)]
 mod sizes;
+pub mod sketch;
 #[cfg(test)]
 mod testing;
 
