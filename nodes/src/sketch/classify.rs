@@ -45,7 +45,7 @@ const TAP_SIZE: f32 = 0.2;
 /// Two taps are no farther apart, in `rho`.
 const TAPS_APART: f32 = 0.4;
 /// A stroke that gets no farther from its start than this, in `rho`, has no shape to go by.
-const SHORT: f32 = 0.4;
+const SHORT: f32 = 0.3;
 
 /// Whether a stroke is a tap: within 6 pixels of its middle (of a `rho` of 30), and no longer than 0.25 s.
 pub fn is_tap(samples: &[PenSample], rho: f32) -> bool {
@@ -71,8 +71,11 @@ pub fn classify(
     if is_tap(samples, rho) {
         return tapped(samples, before, around, rho);
     }
-    if points.iter().all(|p| p.distance(start) < rho * SHORT) {
-        return Guess::Unsure("The stroke is too short: draw it longer, or tap twice quickly to pin");
+    let small = points.iter().all(|p| p.distance(start) < rho * SHORT);
+    if small && (around.eraser || scribble(&points, rho).is_none()) {
+        return Guess::Unsure(
+            "The stroke is too short: draw it longer, or tap twice quickly to pin",
+        );
     }
     if around.eraser { erased(&points, around, rho) } else { drawn(&points, around, rho) }
 }
@@ -81,12 +84,7 @@ fn middle(samples: &[PenSample]) -> Vec2 {
     samples.iter().map(|s| s.at).sum::<Vec2>() / samples.len().max(1) as f32
 }
 
-fn tapped(
-    samples: &[PenSample],
-    before: Option<&[PenSample]>,
-    around: &Around,
-    rho: f32,
-) -> Guess {
+fn tapped(samples: &[PenSample], before: Option<&[PenSample]>, around: &Around, rho: f32) -> Guess {
     if around.eraser {
         return Guess::Unsure(
             "A tap of the eraser does nothing: draw straight across hair to cut, or circles to change its density",

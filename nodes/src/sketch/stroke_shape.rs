@@ -55,18 +55,24 @@ pub fn resampled(points: &[Vec2], step: f32) -> Vec<Vec2> {
     stepped(points, step, MOST_RESAMPLED).0
 }
 
-/// How many full circles the stroke has run through: clockwise ones less counter-clockwise ones. A circle is full 25 degrees
+/// How many full circles the stroke has run through: clockwise ones less counter-clockwise ones. A circle is full 30 degrees
 /// before its end, for hands stop short; it may drift and be as flat as 1 to 3.
 pub fn full_circles(points: &[Vec2], rho: f32) -> i32 {
     let path = Path::of(points, rho);
-    let (mut count, mut base) = (0, 0.0);
-    for (j, turned) in path.turned.iter().enumerate() {
-        let ahead = turned - base;
-        if ahead.abs() < FULL {
+    // From where the next circle of either way counts: where the last one ended, or the hand turned round.
+    let (mut count, mut low, mut high) = (0, 0.0_f32, 0.0_f32);
+    for (j, &turned) in path.turned.iter().enumerate() {
+        low = low.min(turned + (TAU - FULL));
+        high = high.max(turned - (TAU - FULL));
+        let sign = if turned - low >= FULL {
+            low += TAU;
+            1.0
+        } else if high - turned >= FULL {
+            high -= TAU;
+            -1.0
+        } else {
             continue;
-        }
-        let sign = ahead.signum();
-        base += sign * TAU;
+        };
         // The last such turn, so that a straight way in is no part of it.
         let first = (0..j).rev().find(|&i| (turned - path.turned[i]) * sign >= FULL);
         let round = first.map_or(0.0, |i| path.roundness(i, j, path.points[i]));
@@ -138,7 +144,7 @@ pub fn straightness(points: &[Vec2], rho: f32) -> Straightness {
 }
 
 /// A circle is full here, radians.
-const FULL: f32 = TAU * 335.0 / 360.0;
+const FULL: f32 = TAU * 330.0 / 360.0;
 /// How much earlier than a full turn the next loop over the same ground may be closed, radians.
 const NEARLY: f32 = PI / 3.0;
 /// The least way around a loop, in `rho`.
@@ -148,7 +154,11 @@ const ROUND: f32 = 0.45;
 /// The most area that two swings of a scribble enclose, by the squares of their chords: that of an ellipse of 3 to 8.
 const FLAT: f32 = 0.15;
 /// Swings shorter than this are tremor, in `rho`.
-const LEAST_SWING: f32 = 0.2;
+const LEAST_SWING: f32 = 0.15;
+/// A stroke turns back where it comes back by this share of the way there.
+const BACK: f32 = 0.125;
+/// Coming back by less than this is tremor, in `rho`.
+const LEAST_RETURN: f32 = 0.12;
 
 /// A stroke in even steps without its tremor.
 struct Path {
@@ -282,16 +292,19 @@ fn stepped(points: &[Vec2], step: f32, most: usize) -> (Vec<Vec2>, bool) {
     (even, true)
 }
 
-/// The points at which a stroke turns back: the farthest from the one before, where it then comes back by a quarter.
+/// The points at which a stroke turns back: the farthest from the one before, where it then comes back by an eighth.
 fn reversals(points: &[Vec2], rho: f32) -> Vec<usize> {
     let (mut turns, mut start, mut far) = (vec![], 0, 0);
     for (i, &p) in points.iter().enumerate() {
         let swing = points[far] - points[start];
         let reach = swing.length();
-        if p.distance(points[start]) >= reach {
+        let gone = p - points[start];
+        let sure = reach >= rho * LEAST_SWING;
+        // On along its own line, not away from its start: a sharp zigzag that leads on gets away all the time.
+        if if sure { gone.dot(swing) >= reach * reach } else { gone.length() >= reach } {
             far = i;
-        } else if reach >= rho * LEAST_SWING
-            && (points[far] - p).dot(swing) >= reach * (reach * 0.25).max(rho * LEAST_SWING)
+        } else if sure
+            && (points[far] - p).dot(swing) >= reach * (reach * BACK).max(rho * LEAST_RETURN)
         {
             turns.push(far);
             (start, far) = (far, i);

@@ -24,9 +24,22 @@ impl Case {
 
 /// The kinds of strokes in the table.
 const KINDS: &[&str] = &[
-    "coil", "circles on the spot", "scribble", "arc", "spiral", "density", "cut", "removal", "taps",
-    "lengthen", "implant", "unsure",
+    "coil",
+    "circles on the spot",
+    "scribble",
+    "arc",
+    "spiral",
+    "density",
+    "cut",
+    "removal",
+    "taps",
+    "lengthen",
+    "implant",
+    "unsure",
 ];
+
+/// The strokes of the table that are guessed wrong.
+const WRONG: &[&str] = &[];
 
 const TIP: Around = Around {
     eraser: false,
@@ -42,7 +55,8 @@ fn case(seed: u64, kind: &str, i: u64) -> Case {
     let dice = Dice::new(seed, 0, kind);
     let pick = |k: u64, lo: f32, hi: f32| dice.range(i, k, lo, hi);
     // Small and large ones are as frequent.
-    let size = |lo: f32, hi: f32| lo * crate::maths::transcendental::pow(hi / lo, pick(0, 0.0, 1.0));
+    let size =
+        |lo: f32, hi: f32| lo * crate::maths::transcendental::pow(hi / lo, pick(0, 0.0, 1.0));
     let way = if dice.below(i, 1, 2) == 0 { 1.0 } else { -1.0 };
     let angle = pick(2, 0.0, 1.0);
     let light = if dice.below(i, 3, 2) == 0 { Layer::Nearest } else { Layer::Through };
@@ -64,8 +78,7 @@ fn case(seed: u64, kind: &str, i: u64) -> Case {
     };
     let stroke = |line: &[Vec2], hand: Hand, around: Around, right: Option<Tool>| Case {
         name: format!("{kind} {i}"),
-        how: format!("{line:.0?} {hand:.1?}").replace(' ', "").chars().take(0).collect::<String>()
-            + &format!("{hand:.1?} {:?} size {:.0}", around.layer, size(0.001, 1.0) * 1000.0),
+        how: format!("{hand:.1?} {around:?}"),
         samples: hand.draw(line),
         before: None,
         around,
@@ -86,7 +99,11 @@ fn case(seed: u64, kind: &str, i: u64) -> Case {
         let (first, second) = (pick(20, 0.01, 0.24), pick(21, 0.01, 0.24));
         let samples = tap(100, turn(angle) * apart, 0.0, second);
         let before = tap(300, Vec2::ZERO, -pause - first, first);
-        Case { samples, before: Some(before), ..stroke(&[Vec2::ZERO], Hand::still(1.0), around, right) }
+        Case {
+            samples,
+            before: Some(before),
+            ..stroke(&[Vec2::ZERO], Hand::still(1.0), around, right)
+        }
     };
     match kind {
         "coil" => {
@@ -146,12 +163,14 @@ fn case(seed: u64, kind: &str, i: u64) -> Case {
         }
         "removal" => {
             let line = bow(size(30.0, 300.0), angle, way * pick(12, 0.0, 0.06), 0.0, 0.0);
-            let around = Around { layer: Layer::Scalp, crosses: dice.below(i, 13, 2) == 0, ..ERASER };
+            let around =
+                Around { layer: Layer::Scalp, crosses: dice.below(i, 13, 2) == 0, ..ERASER };
             stroke(&line, hand(40.0), around, Some(Tool::Cut))
         }
-        "taps" => taps(pick(12, 0.05, 0.4), pick(13, 0.0, 8.0), tip, Some(Tool::Pin)),
+        "taps" => taps(pick(12, 0.05, 0.38), pick(13, 0.0, 8.0), tip, Some(Tool::Pin)),
         "lengthen" => {
-            let line = arc(size(20.0, 500.0), angle, [pick(10, -0.35, 0.35), pick(11, -0.35, 0.35)]);
+            let line =
+                arc(size(20.0, 500.0), angle, [pick(10, -0.35, 0.35), pick(11, -0.35, 0.35)]);
             let around = Around { layer: Layer::Nearest, near_end: true, ..TIP };
             stroke(&line, hand(40.0), around, Some(Tool::Lengthen))
         }
@@ -192,33 +211,132 @@ fn case(seed: u64, kind: &str, i: u64) -> Case {
     }
 }
 
-/// Names of the strokes of the table that are guessed wrong, and how many there are.
-fn wrong(seed: u64, each: u64) -> (Vec<String>, usize) {
+/// Names of the strokes that are guessed wrong, of so many of each kind. None of them may cut.
+fn wrong(seed: u64, each: u64) -> Vec<String> {
     let mut wrong = vec![];
-    for kind in KINDS {
-        for i in 0..each {
-            let case = case(seed, kind, i);
-            let guess = case.guess();
-            let right = match (guess, case.right) {
-                (Guess::Is(tool), Some(right)) => tool == right,
-                (Guess::Unsure(why), None) => why.contains(':'),
-                _ => false,
-            };
-            if !right {
-                println!("{}: {guess:?}, {}", case.name, case.how);
-                assert_ne!(guess, Guess::Is(Tool::Cut), "{}: hair is cut by mistake", case.name);
-                wrong.push(case.name);
-            }
+    for case in KINDS.iter().flat_map(|kind| (0..each).map(move |i| case(seed, kind, i))) {
+        let guess = case.guess();
+        let right = match (guess, case.right) {
+            (Guess::Is(tool), Some(right)) => tool == right,
+            // Why, and after the colon what to do.
+            (Guess::Unsure(why), None) => why.contains(':'),
+            _ => false,
+        };
+        if !right {
+            println!("{}: {guess:?}, {}", case.name, case.how);
+            assert_ne!(guess, Guess::Is(Tool::Cut), "{}: cuts by mistake", case.name);
+            wrong.push(case.name);
         }
     }
-    (wrong, KINDS.len() * each as usize)
+    wrong
 }
 
 #[test]
-fn the_table() {
-    let (wrong, all) = wrong(1, 400);
-    println!("{} of {all}", wrong.len());
-    for kind in KINDS {
-        println!("{kind}: {}", wrong.iter().filter(|w| w.starts_with(kind)).count());
+fn a_table_of_480_strokes_is_guessed_right_but_for_these() {
+    assert_eq!(wrong(1, 40), WRONG);
+    assert!(WRONG.len() * 100 <= KINDS.len() * 40 * 3);
+}
+
+#[test]
+#[ignore = "long"]
+fn at_most_three_in_a_hundred_of_each_kind_are_guessed_wrong() {
+    for seed in 2..12 {
+        let wrong = wrong(seed, 400);
+        for kind in KINDS {
+            let of_kind = wrong.iter().filter(|name| name.starts_with(kind)).count();
+            println!("seed {seed}, {kind}: {of_kind} of 400 wrong");
+            assert!(of_kind <= 12, "seed {seed}, {kind}: {of_kind} of 400");
+        }
     }
+}
+
+#[test]
+fn the_eraser_and_the_tip_have_tools_of_their_own_whatever_is_drawn() {
+    for mut case in KINDS.iter().flat_map(|kind| (0..40).map(move |i| case(3, kind, i))) {
+        for layer in [Layer::Nearest, Layer::Through, Layer::Scalp] {
+            for eraser in [false, true] {
+                case.around = Around { eraser, layer, ..case.around };
+                if let Guess::Is(tool) = case.guess() {
+                    let erases = matches!(tool, Tool::Cut | Tool::Density);
+                    assert_eq!(erases, eraser, "{}: {tool:?}", case.name);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_stroke_means_the_same_larger_and_mirrored() {
+    for case in KINDS.iter().flat_map(|kind| (0..40).map(move |i| case(4, kind, i))) {
+        for (scale, mirror) in [(0.25, 1.0), (3.0, 1.0), (1.0, -1.0)] {
+            let changed = |samples: &[PenSample]| -> Vec<PenSample> {
+                let place = |p: Vec2| Vec2::new(p.x, p.y * mirror) * scale;
+                samples.iter().map(|s| PenSample { at: place(s.at), ..*s }).collect()
+            };
+            let before = case.before.as_deref().map(changed);
+            let guess =
+                classify(&changed(&case.samples), before.as_deref(), &case.around, RHO * scale);
+            assert_eq!(guess, case.guess(), "{}: {scale} {mirror}", case.name);
+        }
+    }
+}
+
+#[test]
+fn nothing_but_a_straight_stroke_of_the_eraser_through_hair_or_on_the_scalp_cuts() {
+    let mut cuts = 0;
+    for i in 0..10_000 {
+        let dice = Dice::new(5, i, "garbage");
+        // Walks that turn and stride as they like, some nearly straight.
+        let (wild, stride) = (dice.unit(0, 0).powi(3), dice.range(0, 1, 0.1, 40.0));
+        let (mut at, mut way) = (Vec2::ZERO, dice.unit(0, 2));
+        let samples: Vec<PenSample> = (0..u64::from(dice.below(0, 3, 60)))
+            .map(|k| {
+                way += dice.signed(1, k) * wild;
+                at += turn(way) * stride * dice.unit(2, k);
+                PenSample { at, time: k as f32 * TICK, ..Default::default() }
+            })
+            .collect();
+        let yes = |k: u64| dice.below(3, k, 2) == 0;
+        let around = Around {
+            eraser: yes(0),
+            layer: Layer::ALL[dice.below(3, 1, 3) as usize].0,
+            near_end: yes(2),
+            starts_on_scalp: yes(3),
+            crosses: yes(4),
+        };
+        if classify(&samples, None, &around, RHO) == Guess::Is(Tool::Cut) {
+            cuts += 1;
+            assert!(around.eraser && (around.crosses || around.layer == Layer::Scalp));
+            let (first, last) = (samples[0].at, samples[samples.len() - 1].at);
+            let chord = first.distance(last);
+            let off = |s: &PenSample| (last - first).perp_dot(s.at - first).abs() / chord;
+            // Ends clean of tremor apart, what is allowed: a twelfth, and 0.08 of 30.
+            assert!(samples.iter().all(|s| off(s) <= chord / 12.0 + 4.0), "garbage {i} cuts");
+        }
+    }
+    assert!(cuts > 100, "{cuts} cuts: too few to tell");
+}
+
+#[test]
+fn what_was_not_done_is_said_with_what_to_do() {
+    #[track_caller]
+    fn check(line: &[Vec2], around: Around, expected: &str) {
+        match classify(&Hand::still(5.0).draw(line), None, &around, RHO) {
+            Guess::Unsure(why) => assert!(why.contains(expected), "{why:?}: expected {expected:?}"),
+            guess => panic!("{guess:?}"),
+        }
+    }
+    let straight = bow(200.0, 0.1, 0.0, 0.0, 0.0);
+    let missed = Around { crosses: false, ..ERASER };
+    check(&straight, missed, "crosses no hair: begin on one side of a cluster");
+    let off = Around { starts_on_scalp: false, layer: Layer::Scalp, ..missed };
+    check(&straight, off, "neither scalp nor hair: draw it across the roots");
+    check(&straight, Around { eraser: false, ..off }, "begins off the scalp: begin on it to plant");
+    check(&bow(200.0, 0.1, 0.2, 0.0, 0.0), ERASER, "not straight enough to cut: draw it straight");
+    check(&arc(200.0, 0.1, [0.25; 2]), ERASER, "Neither a cut nor a circle: draw straight");
+    check(&straight[..1], TIP, "One tap does nothing: tap twice");
+    check(&straight[..1], ERASER, "A tap of the eraser does nothing: draw");
+    check(&bow(8.0, 0.1, 0.0, 0.0, 0.0), TIP, "One tap");
+    let none = classify(&[], None, &TIP, RHO);
+    assert_eq!(none, Guess::Unsure("Nothing was drawn: draw a stroke over the hair"));
 }
