@@ -263,8 +263,8 @@ impl Path {
     }
 }
 
-/// Points a step apart along a stroke, from its first, no more than `most`, and whether these were enough. A stroke longer than a
-/// step that is closed may have no second.
+/// Points a step apart along a stroke, from its first, no more than `most`, and whether these were enough. A stroke that
+/// stays within a step of its first point has no second.
 fn stepped(points: &[Vec2], step: f32, most: usize) -> (Vec<Vec2>, bool) {
     let Some(&first) = points.first() else { return (vec![], true) };
     let mut even = vec![first];

@@ -1,3 +1,5 @@
+//! Shapes of strokes, worked out by hand, and as a shaky hand draws them.
+
 use super::*;
 use crate::maths::hash::Dice;
 use crate::sketch::hand::{Hand, arc, bow, coil, turn, zigzag};
