@@ -175,7 +175,8 @@ impl Sections {
         let disc = [upright.normal * root_radius, upright.binormal() * root_radius];
         let disc = flat.pressed(disc, thin(places[0], 0.0));
         let steps = if steps.iter().all(|s| *s <= 0.0) { vec![] } else { steps };
-        let sinks = matches!(depth, View::Point(all) if all[cvs.clone()].iter().any(|depth| *depth > 0.0));
+        let sinks =
+            matches!(depth, View::Point(all) if all[cvs.clone()].iter().any(|depth| *depth > 0.0));
         let cut = tuft.view(CUT).at(curve, cvs.start).try_normalize();
         let cut = cut.map(|normal| (tuft.curve(curve)[cvs.len() - 1], normal));
         Ok(Self { root, cut, root_radius, length, disc, at, steps, places, coarse, sinks })

@@ -1,8 +1,8 @@
 //! Density: each full circle fills clusters by a twentieth more, clockwise, or less (the paper's 4.4).
 
 use super::hand::{Hand, Sketch, off_line};
+use super::stroke_shape::full_circles;
 use crate::data::gestures::Layer;
-use crate::maths::transcendental::atan2;
 use glam::Vec2;
 
 /// By how much one circle fills a cluster.
@@ -10,7 +10,7 @@ pub(super) const STEP: f32 = 0.05;
 
 pub(super) fn density(hand: &Hand, sketch: &mut Sketch, number: usize) {
     let line = hand.line();
-    let turns = circles(&line);
+    let turns = full_circles(&line, hand.set.rho);
     if turns == 0 {
         return sketch.told.push((number, "it closes no circle: draw all the way round".into()));
     }
@@ -28,18 +28,6 @@ pub(super) fn density(hand: &Hand, sketch: &mut Sketch, number: usize) {
             sketch.locks[i] = lock.done();
         }
     }
-}
-
-/// Full circles about the stroke's middle, clockwise positive.
-pub(super) fn circles(line: &[Vec2]) -> i32 {
-    let middle = line.iter().sum::<Vec2>() / line.len().max(1) as f32;
-    let turn = |pair: &[Vec2]| {
-        let (a, b) = (pair[0] - middle, pair[1] - middle);
-        atan2(a.perp_dot(b), a.dot(b))
-    };
-    // (A hand closes a circle a little short of it.)
-    let all: f32 = line.windows(2).map(turn).sum::<f32>() / std::f32::consts::TAU;
-    (all.abs() + 0.06) as i32 * all.signum() as i32
 }
 
 fn within(hand: &Hand, sketch: &Sketch, line: &[Vec2]) -> Vec<usize> {

@@ -1,11 +1,10 @@
 //! Frizz: how wide a scribble is beside a cluster says how much its strands wander (the paper's 4.5).
 
 use super::hand::{Hand, Sketch};
-use super::seen::steps;
-use glam::Vec2;
+use super::stroke_shape::scribble;
 
 pub(super) fn frizz(hand: &Hand, sketch: &mut Sketch, number: usize) {
-    let Some(amplitude) = amplitude(&hand.line(), hand.set.rho) else {
+    let Some(scribble) = scribble(&hand.line(), hand.set.rho) else {
         return sketch
             .told
             .push((number, "it is no scribble: go to and fro across the hair".into()));
@@ -25,7 +24,7 @@ pub(super) fn frizz(hand: &Hand, sketch: &mut Sketch, number: usize) {
         let near = (0..lock.points.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
         let depth = hand.seen.depth(lock.points[near]);
         let diameter = 2.0 * lock.radius / hand.seen.cm_per_pixel(depth);
-        let frizz = of_amplitude(amplitude * hand.gesture.strength, diameter);
+        let frizz = of_amplitude(scribble.amplitude * hand.gesture.strength, diameter);
         if frizz != lock.frizz {
             lock.frizz = frizz;
             sketch.locks[i] = lock.done();
@@ -36,33 +35,4 @@ pub(super) fn frizz(hand: &Hand, sketch: &mut Sketch, number: usize) {
 /// The frizz of a scribble: 1 for one as wide as the cluster or wider, 0 for a quarter of that or less.
 pub(super) fn of_amplitude(amplitude: f32, diameter: f32) -> f32 {
     ((amplitude / diameter.max(1e-6) - 0.25) / 0.75).clamp(0.0, 1.0)
-}
-
-/// The mean way from one turning point of a scribble to the next, pixels; none where it turns less than three times.
-pub(super) fn amplitude(line: &[Vec2], rho: f32) -> Option<f32> {
-    let line = steps(line, rho / 10.0);
-    let mut turns: Vec<Vec2> = vec![];
-    let (mut from, mut way) = (*line.first()?, Vec2::ZERO);
-    let mut farthest = from;
-    for p in &line {
-        if way == Vec2::ZERO {
-            way = if p.distance(from) > rho / 6.0 { *p - from } else { way };
-            farthest = *p;
-            continue;
-        }
-        if (*p - from).dot(way) > (farthest - from).dot(way) {
-            farthest = *p;
-            way = farthest - from;
-        } else if (farthest - *p).dot(way) > 0.3 * way.length_squared().max(rho * rho / 36.0) {
-            // It has come back by more than a hand trembles.
-            turns.push(farthest);
-            (from, way) = (farthest, *p - farthest);
-            farthest = *p;
-        }
-    }
-    if turns.len() < 3 {
-        return None;
-    }
-    let ways = turns.windows(2).map(|pair| pair[0].distance(pair[1]));
-    Some(ways.sum::<f32>() / (turns.len() - 1) as f32)
 }

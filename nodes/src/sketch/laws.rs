@@ -295,8 +295,8 @@ fn each_loop_turns_the_cluster_by_fifteen_degrees_from_there_on() {
     };
     for (turns, loops, wanted) in [(3.3, 3, 3), (-3.3, 3, -3), (1.3, 2, 1), (0.4, 2, 0)] {
         let twist = drawn(Tool::Twist, Layer::Nearest, &twirl(turns, loops));
-        let found = twist::overlaps(&twist.samples.iter().map(|s| s.at).collect::<Vec<_>>(), 30.0);
-        let sum: f32 = found.iter().map(|(_, sign)| sign).sum();
+        let found = super::stroke_shape::loops(&twirl(turns, loops), 30.0);
+        let sum: f32 = found.iter().map(|one| one.sign).sum();
         assert_eq!(sum as i32, wanted, "{turns}: {found:?}");
         let (curves, _) = sketch(None, &[one_lock(), twist]);
         let tuft = &curves.tufts()[0];

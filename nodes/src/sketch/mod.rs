@@ -6,9 +6,12 @@
 use crate::define::NodeDef;
 
 mod brush;
+pub mod classify;
 mod comb;
 mod cut;
 mod density;
+#[cfg(test)]
+mod drawing;
 mod frizz;
 mod grow;
 pub mod hair_sketch;
@@ -19,6 +22,7 @@ mod lock;
 mod pin;
 mod relax;
 pub mod seen;
+pub mod stroke_shape;
 mod twist;
 
 /// The nodes of this folder.

@@ -3,6 +3,7 @@
 //! Guarantees: the same for every machine and window, for all of it is in the gesture; on another head the eye stands where it
 //! stood to the first one, in head units.
 
+use super::stroke_shape::resampled;
 use crate::data::gestures::View;
 use crate::data::scalp::{HeadFrame, Scalp};
 use crate::maths::closest::Hit;
@@ -114,27 +115,18 @@ impl Seen {
     }
 }
 
-/// A stroke as a line of equal steps, its first point first; what is left at its end, less than half a step, is no step of its own. A
-/// stroke shorter than that is one step from end to end; one without any length none.
+/// A stroke as a line of equal steps, its first point first; what is left at its end is a shorter one where it is half a step or more. A
+/// stroke shorter than a step is one from end to end; one without any length none.
 pub fn steps(points: &[Vec2], step: f32) -> Vec<Vec2> {
-    let Some(first) = points.first() else { return vec![] };
-    let (mut line, mut at) = (vec![*first], *first);
-    for next in points {
-        while at.distance(*next) >= step && line.len() < MOST_STEPS {
-            at += (*next - at) * (step / at.distance(*next));
-            line.push(at);
+    let mut line = resampled(points, step);
+    if let (Some(at), Some(last)) = (line.last(), points.last()) {
+        let left = at.distance(*last);
+        if left >= 0.5 * step || line.len() == 1 && left > 0.0 {
+            line.push(*last);
         }
-    }
-    let last = points[points.len() - 1];
-    let left = at.distance(last);
-    if left >= 0.5 * step || line.len() == 1 && left > 0.0 {
-        line.push(last);
     }
     line
 }
-
-/// The most steps of a stroke: more than a hand draws, and as much as takes no time.
-const MOST_STEPS: usize = 20_000;
 
 #[cfg(test)]
 mod tests {
