@@ -1,6 +1,6 @@
 //! The groom nodes: pure functions from geometry to geometry, one file each.
 //!
-//! Folders follow the order in which hair is made (scalp, guides, braid, partition, curl, puff, cluster, shape,
+//! Folders follow the order in which hair is made (scalp, guides, braid, partition, curl, puff, sketch, cluster, shape,
 //! output), so the list below is also the order of the menu and of the manual.
 //!
 //! **Invariant:** this crate opens no files, owns no threads, reads no clock and knows nothing of documents,

@@ -431,6 +431,31 @@ fn a_wrong_stroke_is_found_on_its_own_line() {
 }
 
 #[test]
+fn a_wrong_gesture_is_found_on_its_own_line() {
+    let gesture = |id: u32, tool: &str, y: &str| {
+        format!(
+            "\n(id: {id}, tool: \"{tool}\", layer: \"through\", eye: (0.0, 0.0, 60.0), target: (0.0, 0.0, 0.0), up: (0.0, 1.0, 0.0), \
+             half_height: 0.25, pixels: 1000.0, x: [1,2], y: [{y}], pressure: [1,1], time: [0,9]),"
+        )
+    };
+    let check = |gestures: &[String], expected: (usize, &str)| {
+        let list =
+            format!("kind: \"hair_sketch\", inputs: {{\"gestures\": [{}]}}", gestures.concat());
+        let loaded = ok(&node(&list));
+        let [warning] = &loaded.warnings[..] else { panic!("{:?}", loaded.warnings) };
+        assert_eq!(warning.line, expected.0, "{warning}");
+        assert!(warning.message.contains(expected.1), "{warning}");
+    };
+    let good = gesture(1, "comb", "1,1");
+    check(
+        &[good.clone(), gesture(2, "comb", "1")],
+        (6, "gesture 1 (comb): y has 1 samples, x has 2"),
+    );
+    check(&[good.clone(), gesture(2, "pluck", "1,1")], (6, "implant, lengthen"));
+    check(&[good.clone(), gesture(1, "cut", "1,1")], (6, "its id 1 is 0 or used before"));
+}
+
+#[test]
 fn two_branches_merge_line_by_line() {
     // Two people change different values of one node; taking both changed lines gives both changes.
     let set = |input: &str, value: Value| {

@@ -12,7 +12,7 @@ use super::bias::end_on_plane;
 use super::sections::{Section, Sections, open_radius, reads_attribute, widest_radius};
 use super::shape::Shape;
 use crate::data::attributes::{
-    ALLOW_DEPTH, Attribute, COLOUR, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY,
+    ALLOW_DEPTH, Attribute, COLOUR, CUT, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY,
     ROOT_TRIANGLE, ROOT_UV, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -462,7 +462,7 @@ fn inherit(
     inputs: &Inputs,
 ) {
     let count = strands.len();
-    let own = [ID.name, RADIUS.name, DENSITY.name, FRIZZ.name, WIDTH.name, COLOUR.name];
+    let own = [ID.name, RADIUS.name, DENSITY.name, FRIZZ.name, WIDTH.name, COLOUR.name, CUT.name];
     let root = [ROOT_TRIANGLE.name, ROOT_BARY.name, ROOT_UV.name];
     for attribute in tuft.attributes() {
         let name = attribute.name.as_ref();

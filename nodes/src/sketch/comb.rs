@@ -68,8 +68,8 @@ fn combed(hand: &Hand, line: &[Vec2], lock: &mut Lock, around: Option<&[Arc<Lock
 /// Turns the segments that were combed towards the depth in which curves about them run.
 fn turn_with(hand: &Hand, lock: &mut Lock, around: &[Arc<Lock>], weights: &[f32]) {
     let ahead = hand.seen.ahead();
-    for k in lock.held() + 1..lock.points.len() {
-        let (from, share) = (lock.points[k - 1], weights[k].min(1.0) * hand.set.follow);
+    for (k, weight) in weights.iter().enumerate().skip(lock.held() + 1) {
+        let (from, share) = (lock.points[k - 1], weight.min(1.0) * hand.set.follow);
         let way = lock.points[k] - from;
         let Some(slope) = slope_about(hand, lock.id, around, from, way) else { continue };
         // Its part on the picture stays; how far it leads into it becomes that of the others.

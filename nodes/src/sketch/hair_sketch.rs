@@ -168,7 +168,7 @@ fn by_id(curves: &Curves) -> BTreeMap<u64, (Key, Vec<Vec3>)> {
 fn say(cx: &EvalCx, sketch: &Sketch, gestures: &Gestures) {
     for (number, text) in sketch.told.iter().take(SAID) {
         let word = gestures.0.get(*number).map_or("", |one| one.tool.word());
-        cx.warn(format!("gesture {} ({word}): {text}", number + 1));
+        cx.warn(format!("gesture {number} ({word}): {text}"));
     }
     if sketch.told.len() > SAID {
         cx.warn(format!(

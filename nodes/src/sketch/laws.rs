@@ -134,7 +134,7 @@ fn an_implant_grows_from_the_head_along_the_stroke_in_segments_of_two_cm() {
     let (none, said) = sketch(None, &[beside]);
     assert!(
         none.curve_count() == 0
-            && said[0].contains("gesture 1 (implant): it begins beside the head"),
+            && said[0].contains("gesture 0 (implant): it begins beside the head"),
         "{said:?}"
     );
 }
@@ -175,7 +175,7 @@ fn a_stroke_beside_a_cluster_of_known_depth_leads_as_deep_and_elsewhere_keeps_it
     let upstream = Curves::new(vec![Arc::new(b.build())]);
     // Straight down, 2 cm beside it.
     let stroke = drawn(Tool::Implant, Layer::Scalp, &line([70.0, -220.0], [70.0, 120.0]));
-    let (curves, _) = sketch_on(&scalp, Some(&upstream), &[stroke.clone()]);
+    let (curves, _) = sketch_on(&scalp, Some(&upstream), &[stroke]);
     let new = curves.tufts().last().unwrap().points().to_vec();
     let slope = |cvs: &[Vec3]| {
         let (a, b) = (cvs[0], cvs[cvs.len() - 1]);
@@ -310,7 +310,9 @@ fn each_loop_turns_the_cluster_by_fifteen_degrees_from_there_on() {
 fn a_scribble_as_wide_as_the_cluster_frizzes_it_whole() {
     // The cluster of 2 cm is about 78 pixels wide where the scribble is.
     for (wide, wanted) in [(80.0, 1.0), (48.0, 0.5), (15.0, 0.0)] {
-        let to = |k: usize| Vec2::new(if k % 2 == 0 { -0.5 } else { 0.5 } * wide, 4.0 * k as f32);
+        let to = |k: usize| {
+            Vec2::new(if k.is_multiple_of(2) { -0.5 } else { 0.5 } * wide, 4.0 * k as f32)
+        };
         let corners: Vec<Vec2> = (0..10).map(to).collect();
         let line: Vec<Vec2> = corners
             .windows(2)
@@ -382,7 +384,7 @@ fn a_gesture_acts_on_the_curves_it_names_alone_and_tells_those_that_are_gone() {
     let (after, said) = sketch(None, &[&start[..], &[comb.clone()]].concat());
     let is = points(&after);
     assert!(is[&ids[0]] == both[&ids[0]] && is[&ids[1]] == was[&ids[1]]);
-    let text = "gesture 3 (comb): 1 of its 2 curves are not there any more: 000000000000dead";
+    let text = "gesture 2 (comb): 1 of its 2 curves are not there any more: 000000000000dead";
     assert!(said.len() == 1 && said[0].contains(text), "{said:?}");
     comb.curves = vec![0xdead];
     let (after, said) = sketch(None, &[&start[..], &[comb]].concat());

@@ -45,8 +45,8 @@ impl Rest {
             self.blunt(points);
             self.lengthen(points, skin);
         }
-        for k in self.held + 1..points.len() {
-            points[k] = skin.lift(points[k], self.heights[k]).0;
+        for (p, height) in points.iter_mut().zip(&self.heights).skip(self.held + 1) {
+            *p = skin.lift(*p, *height).0;
         }
     }
 
