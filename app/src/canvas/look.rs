@@ -19,13 +19,14 @@ pub(super) const EDGE: Color32 = Color32::from_gray(68);
 pub(super) const SOCKET: f32 = 4.6;
 
 /// Colours of stages, in the order in which hair is made; the last is for unknown kinds.
-const STAGES: [Color32; 10] = [
+const STAGES: [Color32; 11] = [
     Color32::from_rgb(205, 160, 125),
     Color32::from_rgb(130, 190, 145),
     Color32::from_rgb(220, 165, 95),
     Color32::from_rgb(205, 130, 140),
     Color32::from_rgb(160, 150, 220),
     Color32::from_rgb(195, 145, 200),
+    Color32::from_rgb(222, 150, 178),
     Color32::from_rgb(120, 180, 195),
     Color32::from_rgb(125, 165, 215),
     Color32::from_rgb(170, 175, 180),
@@ -261,22 +262,29 @@ pub(super) fn stage(p: &Painter, at: Pos2, stage: usize) {
             p.circle_stroke(at - vec2(0.0, 1.5), 4.8, line);
             p.line_segment([at + vec2(-2.0, 5.5), at + vec2(2.0, 5.5)], line);
         }
-        // A filled lock.
+        // A pen that draws.
         6 => {
+            p.line_segment([at + vec2(5.5, -6.0), at + vec2(-1.0, 2.5)], line);
+            p.line(vec![at + vec2(-3.4, 1.4), at + vec2(-4.4, 5.4), at + vec2(-0.6, 4.2)], line);
+            p.line_segment([at + vec2(-3.4, 1.4), at + vec2(-0.6, 4.2)], line);
+            p.line_segment([at + vec2(0.5, 6.0), at + vec2(6.0, 6.0)], line);
+        }
+        // A filled lock.
+        7 => {
             p.line(arc(0.0, 1.0, vec2(5.5, 2.2), at - vec2(0.0, 4.0)), line);
             for x in [-5.5, 0.0, 5.5] {
                 p.line_segment([at + vec2(x, -3.5), at + vec2(x * 0.25, 6.5)], line);
             }
         }
         // Sliders.
-        7 => {
+        8 => {
             for (y, x) in [(-4.0, 2.0), (0.5, -2.5), (5.0, 1.0)] {
                 p.line_segment([at + vec2(-6.0, y), at + vec2(6.0, y)], line);
                 p.circle_filled(at + vec2(x, y), 2.0, line.color);
             }
         }
         // Out.
-        8 => {
+        9 => {
             p.line(
                 vec![
                     at + vec2(0.0, -5.0),

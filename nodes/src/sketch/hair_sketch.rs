@@ -28,7 +28,7 @@ node! {
     /// Draw in the viewport. Without curves it begins on a bare head; behind other nodes a gesture is kept by the ids of the curves
     /// it acts on, so that more guides, another parting or another head keep it. Give the result to Cluster to strands.
     "hair_sketch", version 1, label "Hair sketch",
-        words "sketch pen tablet comb brush cut trim lengthen implant plant draw pin hairpin twist frizz density puff smooth grab straighten hand edit groom manual tweak sculpt";
+        words "sketch pen tablet comb brush implant plant hairpin grab hand edit manual tweak sculpt";
     inputs {
         /// What the pen did, in drawing order. Drawn in the viewport; stored in the head's own frame.
         gestures: Arc<Gestures> = Gestures::default(), words("pen strokes drawn edits");
