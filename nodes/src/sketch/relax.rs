@@ -4,6 +4,7 @@
 //! no moved CV ends under the skin, or deeper than it was. Not promised: that no angle is sharp where the head makes it so.
 
 use crate::data::scalp::Skin;
+use crate::maths::frame::{across, any_normal};
 use glam::Vec3;
 
 /// Over the skin by so much (cm) CVs are kept.
@@ -13,7 +14,9 @@ const SHARP: f32 = 0.5;
 /// Rounds in which angles and lengths are evened.
 const ROUNDS: usize = 3;
 /// Tries to put a CV on the skin as far from the last as it was.
-const TRIES: usize = 6;
+const TRIES: usize = 10;
+/// A segment that leads along the skin by less than this part of itself is stuck in it.
+const STUCK: f32 = 0.7;
 
 /// What a curve keeps while it is pushed about.
 pub(super) struct Rest {
@@ -54,7 +57,7 @@ impl Rest {
     pub(super) fn lengthen(&self, points: &mut [Vec3], skin: &Skin) {
         let mut way = Vec3::ZERO;
         for k in self.held + 1..points.len() {
-            let (from, length) = (points[k - 1], self.lengths[k - 1]);
+            let (from, length, before) = (points[k - 1], self.lengths[k - 1], way);
             way = (points[k] - from).normalize_or(way);
             points[k] = from + way * length;
             for _ in 0..TRIES {
@@ -62,7 +65,14 @@ impl Rest {
                 if !moved {
                     break;
                 }
-                way = (lifted - from).normalize_or(way);
+                let out = (lifted - points[k]).normalize_or(Vec3::Y);
+                let mut to = lifted - from;
+                // Straight into the head lifting leads back: it goes on as the curve did, over the skin.
+                if to.reject_from_normalized(out).length() < STUCK * length {
+                    let on = across(before, out).unwrap_or_else(|| any_normal(out));
+                    to += on * (0.5 * length);
+                }
+                way = to.normalize_or(way);
                 points[k] = from + way * length;
             }
         }
