@@ -211,7 +211,22 @@ fn hostile(input: &InputDef) -> Vec<Value> {
         }
         Type::Curves => curves(),
         Type::Scalp => scalps(),
-        Type::File | Type::Strokes | Type::Gestures => vec![],
+        Type::Gestures => {
+            use crate::data::gestures::{Gestures, Layer, Tool, tests::gesture};
+            // Every tool on every layer, under the pen, and of the curves that are there.
+            let all = |curves: &[u64]| {
+                let each =
+                    Tool::ALL.iter().flat_map(|tool| Layer::ALL.iter().map(move |l| (tool.0, l.0)));
+                let of = |(i, (tool, layer)): (u64, (Tool, Layer))| {
+                    let mut one = gesture(i, tool);
+                    (one.layer, one.curves) = (layer, curves.to_vec());
+                    one
+                };
+                Gestures((1..).zip(each).map(of).collect())
+            };
+            vec![all(&[]).into(), all(&[0, 1, 2, 3, 4, 0xdead]).into()]
+        }
+        Type::File | Type::Strokes => vec![],
     }
     .into_iter()
     .filter(|value| value.fault().is_none())

@@ -211,40 +211,6 @@ pub(crate) fn highest(region: &[f32], corners: [u32; 3]) -> f32 {
     f32::from_bits((((highest.to_bits() - 1) >> OFF) + 1) << OFF).min(1.0)
 }
 
-/// How far along a Hilbert curve through 1024^3 cells a cell lies (Skilling 2004, "Programming the
-/// Hilbert curve").
-pub(crate) fn hilbert(mut cell: [u32; 3]) -> u32 {
-    const BITS: u32 = 10;
-    let mut q = 1 << (BITS - 1);
-    while q > 1 {
-        let low = q - 1;
-        for axis in 0..3 {
-            if cell[axis] & q != 0 {
-                cell[0] ^= low;
-            } else {
-                let t = (cell[0] ^ cell[axis]) & low;
-                cell[0] ^= t;
-                cell[axis] ^= t;
-            }
-        }
-        q >>= 1;
-    }
-    cell[1] ^= cell[0];
-    cell[2] ^= cell[1];
-    let mut t = 0;
-    let mut q = 1 << (BITS - 1);
-    while q > 1 {
-        if cell[2] & q != 0 {
-            t ^= q - 1;
-        }
-        q >>= 1;
-    }
-    let [x, y, z] = cell.map(|c| c ^ t);
-    (0..BITS)
-        .rev()
-        .fold(0, |key, bit| key << 3 | (x >> bit & 1) << 2 | (y >> bit & 1) << 1 | z >> bit & 1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

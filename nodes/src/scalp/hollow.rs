@@ -6,7 +6,6 @@
 //! Guarantees: a head that is solid about the middle of its cranium has no inner wall. Not promised: nooks of the hollow that
 //! are seen neither from its middle nor across it, such as in a chin, stay what they are.
 
-use crate::data::spread::hilbert;
 use crate::define::NodeError;
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::frame::round_about;
@@ -138,6 +137,40 @@ fn places(
         k += 1;
     }
     Ok(found.into_iter().map(at).collect())
+}
+
+/// How far along a Hilbert curve through 1024^3 cells a cell lies (Skilling 2004, "Programming the
+/// Hilbert curve").
+fn hilbert(mut cell: [u32; 3]) -> u32 {
+    const BITS: u32 = 10;
+    let mut q = 1 << (BITS - 1);
+    while q > 1 {
+        let low = q - 1;
+        for axis in 0..3 {
+            if cell[axis] & q != 0 {
+                cell[0] ^= low;
+            } else {
+                let t = (cell[0] ^ cell[axis]) & low;
+                cell[0] ^= t;
+                cell[axis] ^= t;
+            }
+        }
+        q >>= 1;
+    }
+    cell[1] ^= cell[0];
+    cell[2] ^= cell[1];
+    let mut t = 0;
+    let mut q = 1 << (BITS - 1);
+    while q > 1 {
+        if cell[2] & q != 0 {
+            t ^= q - 1;
+        }
+        q >>= 1;
+    }
+    let [x, y, z] = cell.map(|c| c ^ t);
+    (0..BITS)
+        .rev()
+        .fold(0, |key, bit| key << 3 | (x >> bit & 1) << 2 | (y >> bit & 1) << 1 | z >> bit & 1)
 }
 
 #[cfg(test)]

@@ -43,7 +43,6 @@ pub(super) fn implant(hand: &Hand, sketch: &mut Sketch, number: usize) {
             }
         },
     };
-    // A hair's breadth off the skin after all: a root lies on it.
     let points = match hand.gesture.path.is_empty() {
         true => {
             let drawn = stroke(hand, sketch, root.point, u64::MAX);
@@ -63,13 +62,8 @@ pub(super) fn implant(hand: &Hand, sketch: &mut Sketch, number: usize) {
         return sketch.told.push((number, "it has no length: draw on from the root".into()));
     }
     let held = |lock: &Lock| lock.is_curve() && lock.root().distance(root.point) <= lock.radius;
-    let before = sketch.locks.len();
     let density = density_about(hand, sketch, &root);
     sketch.locks.retain(|lock| !held(lock));
-    if sketch.locks.len() < before {
-        let gone = before - sketch.locks.len();
-        sketch.replaced += gone;
-    }
     let id = curve_id(hand.gesture.id, hand.set.seed, 0);
     let asked =
         Implanted { root, radius: hand.set.radius, density, colour: hand.gesture.colour, drift };

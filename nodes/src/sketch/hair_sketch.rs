@@ -16,7 +16,7 @@ use crate::data::gestures::{Gesture, Gestures, Tool};
 use crate::data::scalp::Scalp;
 use crate::define::{NodeError, node};
 use crate::eval::{EvalCx, Size};
-use crate::maths::hash::{Key, KeyBuilder};
+use crate::maths::hash::Key;
 use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -81,18 +81,6 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         unit: scalp.frame().unit(),
         seed: inputs.seed as u64,
     };
-    let start = KeyBuilder::new("sketch")
-        .key(scalp.key())
-        .key(curves.key())
-        .float(set.radius)
-        .float(set.segment)
-        .float(set.tau)
-        .float(set.rho)
-        .float(set.alike)
-        .float(set.density)
-        .float(set.follow)
-        .int(set.seed)
-        .finish();
     let skin = cx.skin(scalp);
     let items: Vec<(Key, (usize, &Gesture))> =
         (0..).zip(&inputs.gestures.0).map(|(i, one)| (one.key(), (i, one))).collect();
@@ -106,7 +94,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let hand = Hand { gesture, seen, scalp, skin, set };
         Ok(after(&hand, sketch, *number))
     };
-    let sketch = cx.fold((start, first), &items, step, |sketch| sketch.bytes)?;
+    // (What else the node was set to is in its own key.)
+    let sketch = cx.fold((curves.key(), first), &items, step, |sketch| sketch.bytes)?;
     say(cx, &sketch, &inputs.gestures);
     Ok(Outputs {
         curves: Curves::new(sketch.locks.iter().map(|lock| lock.tuft().clone()).collect()),

@@ -48,8 +48,6 @@ pub(super) struct Sketch {
     pub told: Vec<(usize, Arc<str>)>,
     /// Bytes of it that the state before does not hold.
     pub bytes: usize,
-    /// How many curves gave way to implants.
-    pub replaced: usize,
     /// How far roots of implants lie from where they were drawn, cm.
     pub drifts: Vec<f32>,
 }
