@@ -22,6 +22,8 @@ pub enum Event {
     Nudge(Edit),
     /// The gesture ends.
     End,
+    /// The gesture ends, and its step is called so.
+    EndAs(String),
     /// The gesture is taken back.
     Abort,
     /// The last step is taken back.

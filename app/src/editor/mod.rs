@@ -235,6 +235,10 @@ impl Editor {
                 self.nudged = self.now;
                 self.edit(&edit, soon);
             }
+            Event::EndAs(words) => {
+                state.history.call(&words);
+                self.apply(Event::End);
+            }
             Event::End => {
                 state.history.end(&state.document);
                 state.gesture = false;
@@ -372,6 +376,7 @@ impl Editor {
             also: also
                 .filter_map(|id| first_output(&state.document, id))
                 .chain(self.viewport.wants(state))
+                .chain(self.pen.wants(state))
                 .collect(),
             folder: state.file.folder.clone(),
         }

@@ -9,7 +9,7 @@ use super::sample::{PenSample, Phase, Tool};
 use super::settings::Along;
 use super::shapes::{Place, Shapes};
 use super::target::{self, Fresh};
-use super::{Pen, Picked, Scene, StrokeTool};
+use super::{Pen, PenTool, Picked, Scene};
 use crate::editor::event::Event;
 use crate::editor::notes::Note;
 use crate::editor::state::Select;
@@ -72,7 +72,7 @@ impl Pen {
         scene: &mut Scene,
     ) -> Option<Gesture> {
         let sample = &input.sample;
-        let tool = if sample.tool == Tool::Eraser { StrokeTool::Erase } else { self.tool };
+        let tool = if sample.tool == Tool::Eraser { PenTool::Erase } else { self.tool };
         let (node, document) = (scene.node.cloned(), &scene.state.document);
         let gesture = |words: &str, work: Work| {
             let node = node?;
@@ -83,9 +83,9 @@ impl Pen {
             Some(Gesture { node, input, words, make, begun: false, wanted, told, work })
         };
         match tool {
-            StrokeTool::Select => None,
-            StrokeTool::Draw => self.begin_stroke(sample, scene),
-            StrokeTool::Points => {
+            PenTool::Select | PenTool::Hair(_) => None,
+            PenTool::Draw => self.begin_stroke(sample, scene),
+            PenTool::Points => {
                 let place = self.shapes.pick(sample.pos, scene.reach);
                 match place {
                     Some(Place::Point(id, i)) => {
@@ -110,7 +110,7 @@ impl Pen {
                     }
                 }
             }
-            StrokeTool::Redraw => {
+            PenTool::Redraw => {
                 let reach = scene.reach * 3.0;
                 let picked = self.picked.touched();
                 let near = self.shapes.pick(sample.pos, reach).map(Place::stroke);
@@ -127,13 +127,13 @@ impl Pen {
                 self.picked = Picked { strokes: [id].into(), ..Picked::default() };
                 gesture("a stroke re-drawn", Work::Redraw { line, of })
             }
-            StrokeTool::Erase => {
+            PenTool::Erase => {
                 let mut erasing = gesture("strokes erased", Work::Erase)?;
                 erasing.go_on(sample, scene, &self.shapes, &mut self.picked);
                 Some(erasing)
             }
-            StrokeTool::Comb | StrokeTool::Smooth => {
-                let smooth = tool == StrokeTool::Smooth || scene.modifiers.shift;
+            PenTool::Comb | PenTool::Smooth => {
+                let smooth = tool == PenTool::Smooth || scene.modifiers.shift;
                 let last =
                     on_scalp(scene.scalp, scene.view, sample.pos, scene.scalp.frame().origin)?;
                 let words = if smooth { "strokes smoothed" } else { "strokes combed" };

@@ -14,6 +14,7 @@ pub mod devices;
 mod drawing;
 mod edits;
 mod gestures;
+pub(crate) mod hair;
 mod overlay;
 mod panel;
 mod recipes;
@@ -28,7 +29,8 @@ mod x11;
 use crate::editor::event::Event;
 use crate::editor::state::State;
 use crate::viewport::projection::Projection;
-use coif_graphs::document::NodeId;
+use coif_graphs::document::{NodeId, Socket};
+use coif_nodes::data::gestures::Tool;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::data::strokes::Strokes;
 use devices::{Devices, Frame, Input};
@@ -43,7 +45,7 @@ pub(crate) use x11::has_pens;
 
 /// What the pen does in the viewport.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum StrokeTool {
+pub enum PenTool {
     /// Nothing: the viewport selects and turns.
     #[default]
     Select,
@@ -59,10 +61,29 @@ pub enum StrokeTool {
     Comb,
     /// Takes wiggles out.
     Smooth,
+    /// Works on hair: one gesture of the shelf, or what the stroke itself says.
+    Hair(Option<Tool>),
 }
 
-impl StrokeTool {
-    /// All tools, as they stand in the bar.
+/// Tools on hair, as they stand in the bar: what they are called, and their actions.
+pub(crate) const HAIR_TOOLS: &[(Option<Tool>, &str, &str)] = &[
+    (None, "Sketch", "hair.sketch"),
+    (Some(Tool::Implant), "Implant", "hair.implant"),
+    (Some(Tool::Lengthen), "Lengthen", "hair.lengthen"),
+    (Some(Tool::Comb), "Comb", "hair.comb"),
+    (Some(Tool::Cut), "Cut", "hair.cut"),
+    (Some(Tool::Density), "Density", "hair.density"),
+    (Some(Tool::Twist), "Twist", "hair.twist"),
+    (Some(Tool::Frizz), "Frizz", "hair.frizz"),
+    (Some(Tool::Pin), "Pin", "hair.pin"),
+    (Some(Tool::Smooth), "Smooth", "hair.smooth"),
+    (Some(Tool::Puff), "Puff", "hair.puff"),
+    (Some(Tool::Grab), "Grab", "hair.grab"),
+    (Some(Tool::Straighten), "Straighten", "hair.straighten"),
+];
+
+impl PenTool {
+    /// Tools on strokes, as they stand in the bar.
     pub const ALL: [Self; 7] = [
         Self::Select,
         Self::Draw,
@@ -83,6 +104,7 @@ impl StrokeTool {
             Self::Erase => "Erase",
             Self::Comb => "Comb",
             Self::Smooth => "Smooth",
+            Self::Hair(tool) => hair_tool(tool).1,
         }
     }
 
@@ -96,6 +118,7 @@ impl StrokeTool {
             Self::Erase => "pen.erase",
             Self::Comb => "pen.comb",
             Self::Smooth => "pen.smooth_brush",
+            Self::Hair(tool) => hair_tool(tool).2,
         }
     }
 
@@ -103,6 +126,10 @@ impl StrokeTool {
     fn has_brush(self) -> bool {
         matches!(self, Self::Erase | Self::Comb | Self::Smooth)
     }
+}
+
+fn hair_tool(tool: Option<Tool>) -> (Option<Tool>, &'static str, &'static str) {
+    HAIR_TOOLS.iter().find(|(own, ..)| *own == tool).copied().unwrap_or(HAIR_TOOLS[0])
 }
 
 /// What is picked of the strokes of the node that the pen works on.
@@ -137,13 +164,15 @@ pub struct Pen {
     /// All that can be pointed with.
     pub devices: Devices,
     /// What it does.
-    pub tool: StrokeTool,
+    pub tool: PenTool,
     /// What it has hold of.
     pub picked: Picked,
     /// Whether the settings of devices are open.
     pub settings_open: bool,
     /// Whether new nodes hold strokes in space.
     pub free: bool,
+    /// What it does to hair.
+    pub(crate) hair: hair::Hair,
     gesture: Option<Gesture>,
     /// What ended in this frame: it is painted until the document, in the next one, has it.
     ended: Option<Work>,
@@ -182,20 +211,42 @@ struct Scene<'a> {
     out: &'a mut Vec<Event>,
 }
 
+impl<'a> Scene<'a> {
+    /// What the pen on hair reads: it has strokes of its own.
+    fn of_hair(
+        state: &'a State,
+        view: &'a Projection,
+        scalp: &'a Arc<Scalp>,
+        ctx: &egui::Context,
+        out: &'a mut Vec<Event>,
+    ) -> Self {
+        static NONE: std::sync::LazyLock<Arc<Strokes>> = std::sync::LazyLock::new(Arc::default);
+        let modifiers = ctx.input(|input| input.modifiers);
+        Self { state, view, scalp, node: None, strokes: &NONE, modifiers, reach: 0.0, out }
+    }
+}
+
 impl Pen {
     /// What the pen has hold of at this moment, and the viewport leaves alone.
     pub fn holds(&self, ctx: &egui::Context) -> Holds {
         Holds {
-            pointer: self.gesture.is_some()
-                || (self.tool != StrokeTool::Select && !turns_view(ctx)),
-            wheel: self.gesture.is_some(),
+            pointer: self.is_drawing() || (self.tool != PenTool::Select && !turns_view(ctx)),
+            wheel: self.is_drawing(),
             near: self.devices.is_near(),
         }
     }
 
     /// Whether a touch is under way.
     pub fn is_drawing(&self) -> bool {
-        self.gesture.is_some()
+        self.gesture.is_some() || self.hair.is_drawing()
+    }
+
+    /// Outputs that it must see besides what is displayed.
+    pub fn wants(&self, state: &State) -> Vec<Socket> {
+        match self.tool {
+            PenTool::Hair(_) => hair::target::wanted(state),
+            _ => vec![],
+        }
     }
 
     /// One frame in the viewport: takes what the devices said, says what happened, and paints strokes, brush and cursor
@@ -234,8 +285,14 @@ impl Pen {
         let Some(scalp) = shown.and_then(|shown| shown.scalp()) else {
             self.gesture = None;
             self.shapes.clear();
+            self.hair.stop(out);
             return;
         };
+        if let PenTool::Hair(tool) = self.tool {
+            let scene = Scene::of_hair(state, view, scalp, ctx, out);
+            return self.on_hair(tool, inputs, ui, scene, &free);
+        }
+        self.hair.stop(out);
         let node = target::of(state);
         let strokes =
             node.as_ref().map_or_else(Arc::default, |id| target::strokes(&state.document, id));
@@ -243,7 +300,7 @@ impl Pen {
             (self.node, self.picked) = (node.clone(), Picked::default());
         }
         self.picked.keep(&strokes);
-        if self.tool == StrokeTool::Select {
+        if self.tool == PenTool::Select {
             self.shapes.clear();
             self.follow_selection(state, node.as_ref(), &strokes);
         } else {
@@ -280,6 +337,40 @@ impl Pen {
         }
         self.paint(ui, &scene);
         if self.ended.is_some() {
+            ctx.request_repaint();
+        }
+    }
+
+    /// One frame with a tool for hair in hand.
+    fn on_hair(
+        &mut self,
+        tool: Option<Tool>,
+        inputs: Vec<Input>,
+        ui: &egui::Ui,
+        mut scene: Scene,
+        free: &dyn Fn(Pos2) -> bool,
+    ) {
+        let ctx = ui.ctx();
+        self.shapes.clear();
+        if let Some(gesture) = self.gesture.take() {
+            gesture.abort(&mut scene);
+        }
+        if ctx.input(|input| input.key_down(Key::Escape)) && self.hair.is_drawing() {
+            self.hair.stop(scene.out);
+        }
+        let turns = turns_view(ctx);
+        let mut told = vec![];
+        for input in inputs {
+            let sample = input.sample;
+            let here = free(sample.pos);
+            self.hover = (sample.phase != Phase::Out && here).then_some(input);
+            let views = turns || sample.buttons.barrel || sample.buttons.second;
+            told.push((input, here && !views));
+        }
+        let now = ctx.input(|input| input.time);
+        self.hair.ui(tool, told, &mut scene, now);
+        self.paint_hair(ui, &scene, now);
+        if self.hair.is_busy() {
             ctx.request_repaint();
         }
     }

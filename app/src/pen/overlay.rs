@@ -5,7 +5,7 @@
 
 use super::gestures::Work;
 use super::shapes::{Place, Shape};
-use super::{Pen, Scene, StrokeTool};
+use super::{Pen, PenTool, Scene};
 use crate::editor::theme;
 use crate::viewport::projection::Projection;
 use coif_nodes::data::scalp::Scalp;
@@ -19,13 +19,13 @@ const CORNERS: usize = 40;
 /// Lines of strokes.
 const LINE: Color32 = Color32::from_rgb(150, 190, 230);
 /// Outlines around marks, so that they are seen on hair of any colour.
-const EDGE: Color32 = Color32::from_black_alpha(160);
+pub(super) const EDGE: Color32 = Color32::from_black_alpha(160);
 
 impl Pen {
     /// Paints over the picture.
     pub(super) fn paint(&self, ui: &egui::Ui, scene: &Scene) {
         let painter = ui.painter_at(scene.view.rect);
-        if self.tool != StrokeTool::Select {
+        if self.tool != PenTool::Select {
             let hovered = self.hovered(scene);
             for shape in self.shapes.all() {
                 let whose = hovered.map(Place::stroke) == Some(shape.id);
@@ -55,7 +55,7 @@ impl Pen {
             _ => {}
         }
         self.paint_cursor(ui, &painter, scene);
-        if self.tool != StrokeTool::Select {
+        if self.tool != PenTool::Select {
             let name = scene.node.map(|node| scene.state.document.name_of(node));
             let words = format!("{}: {}", self.tool.label(), name.unwrap_or("new stroke input"));
             let at = scene.view.rect.right_top() + Vec2::new(-12.0, 12.0);
@@ -67,8 +67,8 @@ impl Pen {
     fn hovered(&self, scene: &Scene) -> Option<Place> {
         let input = self.hover.filter(|_| self.gesture.is_none())?;
         let reach = match self.tool {
-            StrokeTool::Points => scene.reach,
-            StrokeTool::Redraw => scene.reach * 3.0,
+            PenTool::Points => scene.reach,
+            PenTool::Redraw => scene.reach * 3.0,
             _ => return None,
         };
         self.shapes.pick(input.sample.pos, reach)
@@ -80,7 +80,7 @@ impl Pen {
         // While strokes are drawn the hair matters more than those that are done.
         let width = match (picked, self.tool) {
             (true, _) => 2.5,
-            (false, StrokeTool::Draw) => 1.0,
+            (false, PenTool::Draw) => 1.0,
             (false, _) => 1.5,
         };
         // Runs of what is before the head and of what is behind it, by turns.
@@ -100,7 +100,7 @@ impl Pen {
             run.extend(*p);
         }
         finish(run, before);
-        if self.tool != StrokeTool::Points || shape.locked {
+        if self.tool != PenTool::Points || shape.locked {
             return;
         }
         for (i, p) in shape.screen.iter().enumerate() {
@@ -123,7 +123,7 @@ impl Pen {
 
     /// The disc of the brush, or a dot with the pressure that a mouse would have.
     fn paint_cursor(&self, ui: &egui::Ui, painter: &Painter, scene: &Scene) {
-        let Some(input) = self.hover.filter(|_| self.tool != StrokeTool::Select) else { return };
+        let Some(input) = self.hover.filter(|_| self.tool != PenTool::Select) else { return };
         let at = input.sample.pos;
         let eraser = input.sample.tool == super::sample::Tool::Eraser;
         let ray = scene.view.ray(at);
@@ -137,7 +137,7 @@ impl Pen {
             ring.extend(ring.first().copied());
             line(painter, ring, Stroke::new(1.5, theme::ACCENT));
         }
-        if self.tool == StrokeTool::Draw && self.gesture.is_none() {
+        if self.tool == PenTool::Draw && self.gesture.is_none() {
             painter.circle(at, 2.5, theme::ACCENT, Stroke::new(1.0, EDGE));
             if input.sample.tool == super::sample::Tool::Mouse {
                 let pressure = scene.state.settings.pen.mouse_pressure;
@@ -156,7 +156,13 @@ impl Pen {
 }
 
 /// A circle laid on the scalp.
-fn disc(scalp: &Scalp, at: Vec3, triangle: u32, bary: glam::Vec2, radius: f32) -> Vec<Vec3> {
+pub(super) fn disc(
+    scalp: &Scalp,
+    at: Vec3,
+    triangle: u32,
+    bary: glam::Vec2,
+    radius: f32,
+) -> Vec<Vec3> {
     let normal = scalp.surface().smooth_normal(triangle, bary);
     let across = normal.any_orthonormal_vector();
     let up = normal.cross(across);
@@ -178,7 +184,7 @@ fn ink(painter: &Painter, view: &Projection, world: &[Vec3], widths: &[f32], col
     }
 }
 
-fn line(painter: &Painter, run: Vec<Pos2>, stroke: Stroke) {
+pub(super) fn line(painter: &Painter, run: Vec<Pos2>, stroke: Stroke) {
     if run.len() > 1 {
         painter.add(Drawn::line(run.clone(), Stroke::new(stroke.width + 2.0, EDGE)));
         painter.add(Drawn::line(run, stroke));
@@ -207,7 +213,7 @@ fn outline(painter: &Painter, places: &[Pos2], lasso: bool) {
     }
 }
 
-fn label(painter: &Painter, at: Pos2, align: Align2, words: &str) {
+pub(super) fn label(painter: &Painter, at: Pos2, align: Align2, words: &str) {
     let font = FontId::proportional(12.0);
     let galley = painter.layout_no_wrap(words.to_owned(), font, theme::TEXT);
     let rect = align.anchor_size(at, galley.size());

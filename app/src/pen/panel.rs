@@ -1,23 +1,32 @@
 //! The pen's bar over the picture, and the settings of each device with a strip to try them on.
 
 use super::settings::{Along, Curve, Feel, MOUSE, Settings, TOUCH};
-use super::{Pen, StrokeTool, edits, recipes, target};
+use super::{HAIR_TOOLS, Pen, PenTool, edits, recipes, target};
 use crate::editor::actions;
 use crate::editor::event::Event;
 use crate::editor::state::State;
 use crate::editor::theme;
 use coif_graphs::document::edit::Edit;
+use coif_nodes::data::gestures::{Layer, Tool};
 use egui::{Color32, ComboBox, Pos2, Sense, Shape, Slider, Stroke, Ui, Vec2};
 
 impl Pen {
     /// The bar: tools, what they need, recipes. One row that wraps where it is narrow.
     pub fn bar(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         ui.horizontal_wrapped(|ui| {
-            for tool in StrokeTool::ALL {
+            for tool in PenTool::ALL {
                 let tip = actions::by_id(tool.action()).map_or("", |action| action.tip);
                 let chosen = ui.selectable_label(self.tool == tool, tool.label());
                 if chosen.on_hover_text(tip).clicked() {
                     out.push(Event::Act(tool.action()));
+                }
+            }
+            ui.separator();
+            for (tool, label, action) in HAIR_TOOLS {
+                let tip = actions::by_id(action).map_or("", |action| action.tip);
+                let chosen = ui.selectable_label(self.tool == PenTool::Hair(*tool), *label);
+                if chosen.on_hover_text(tip).clicked() {
+                    out.push(Event::Act(action));
                 }
             }
             ui.separator();
@@ -31,7 +40,7 @@ impl Pen {
                     out.push(Event::Act(id));
                 }
             };
-            if self.tool != StrokeTool::Select {
+            if !matches!(self.tool, PenTool::Select | PenTool::Hair(_)) {
                 let node = target::of(state);
                 let mirrored = node.and_then(|id| target::choice(&state.document, &id, "mirror"));
                 let on = mirrored.map_or(settings.symmetry, |word| word == "both");
@@ -71,15 +80,18 @@ impl Pen {
                 "Radius of the brush on the scalp.",
             );
         }
-        if matches!(self.tool, StrokeTool::Comb | StrokeTool::Smooth) {
+        if matches!(self.tool, PenTool::Comb | PenTool::Smooth) {
             let tip = "What one pass does. Pressure is on top of it.";
             number(ui, &mut settings.strength, 0.01..=1.0, "", "Strength", tip);
         }
-        if self.tool == StrokeTool::Draw {
+        if self.tool == PenTool::Draw {
             let tip = "The pressure of a mouse. Shift is full pressure, the wheel changes it while drawing.";
             number(ui, &mut settings.mouse_pressure, 0.0..=1.0, "", "Mouse pressure", tip);
         }
-        if self.tool == StrokeTool::Points {
+        if let PenTool::Hair(tool) = self.tool {
+            self.hair_settings(tool, settings, ui);
+        }
+        if self.tool == PenTool::Points {
             let name = |along: Along| match along {
                 Along::Scalp => "on the scalp",
                 Along::View => "in the view",
@@ -97,10 +109,51 @@ impl Pen {
         }
     }
 
+    /// What a tool on hair needs: how deep it reaches, its brush, the colour of what it plants.
+    fn hair_settings(&mut self, tool: Option<Tool>, settings: &mut Settings, ui: &mut Ui) {
+        let levels = [
+            (Layer::Nearest, "1", "Level 1: the cluster nearest to the eye."),
+            (Layer::Through, "2", "Level 2: all hair down to the head."),
+            (Layer::Scalp, "3", "Level 3: the skin, and what is rooted there."),
+        ];
+        ui.label("Level").on_hover_text(
+            "How deep a touch reaches. With none chosen a pen's pressure says it, and a mouse by what it touches.",
+        );
+        for (level, label, tip) in levels {
+            let on = self.hair.level == Some(level);
+            if ui.selectable_label(on, label).on_hover_text(tip).clicked() {
+                self.hair.level = Some(level).filter(|_| !on);
+            }
+        }
+        let brush = matches!(tool, Some(Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten));
+        let drag = |value, range, prefix: &str, unit: &str| {
+            let drag = egui::DragValue::new(value).range(range).speed(0.02);
+            drag.prefix(prefix.to_owned()).suffix(unit.to_owned())
+        };
+        if brush {
+            let drag = drag(&mut settings.hair_brush, 0.1..=50.0, "Size ", " cm");
+            ui.add(drag).on_hover_text("Radius of the brush at the head.");
+        }
+        if brush && tool != Some(Tool::Grab) || matches!(tool, None | Some(Tool::Comb)) {
+            let drag = drag(&mut settings.strength, 0.01..=1.0, "Strength ", "");
+            ui.add(drag).on_hover_text("At 0.5 combed hair goes as far as the pen.");
+        }
+        if matches!(tool, None | Some(Tool::Implant)) {
+            let mut own = settings.hair_colour.is_some();
+            let tip = "Implant clusters of a colour of their own; else they have that of the hair.";
+            if ui.checkbox(&mut own, "Colour").on_hover_text(tip).changed() {
+                settings.hair_colour = own.then_some([120, 60, 30]);
+            }
+            if let Some(colour) = &mut settings.hair_colour {
+                ui.color_edit_button_srgb(colour);
+            }
+        }
+    }
+
     /// How high the picked points are over the scalp, as a number. What is typed or dragged holds for all of them.
     fn height(&self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         let scalp = state.shown.as_ref().and_then(|shown| shown.scalp());
-        let (Some(scalp), Some(node), Some((id, at)), StrokeTool::Points) =
+        let (Some(scalp), Some(node), Some((id, at)), PenTool::Points) =
             (scalp, target::of(state), self.picked.points.first(), self.tool)
         else {
             return;

@@ -25,6 +25,10 @@ pub struct Settings {
     pub symmetry: bool,
     /// How dragged points move.
     pub along: Along,
+    /// Radius of the brushes that work on hair, cm at the head.
+    pub hair_brush: f32,
+    /// Colour of clusters that are implanted, sRGB; none: that of the hair downstream.
+    pub hair_colour: Option<[u8; 3]>,
 }
 
 impl Default for Settings {
@@ -38,6 +42,8 @@ impl Default for Settings {
             falloff: 2.0,
             symmetry: false,
             along: Along::Scalp,
+            hair_brush: 3.0,
+            hair_colour: None,
         }
     }
 }
@@ -159,6 +165,16 @@ impl Settings {
     /// The brush's radius, cm.
     pub fn brush(&self) -> f32 {
         if self.brush.is_finite() { self.brush.clamp(0.05, 20.0) } else { 1.0 }
+    }
+    /// The radius of brushes on hair, cm.
+    pub fn hair_brush(&self) -> f32 {
+        if self.hair_brush.is_finite() { self.hair_brush.clamp(0.1, 50.0) } else { 3.0 }
+    }
+    /// The colour of implants, linear.
+    pub fn hair_colour(&self) -> Option<glam::Vec3> {
+        let [r, g, b] = self.hair_colour?;
+        let [r, g, b, _] = egui::Rgba::from(egui::Color32::from_rgb(r, g, b)).to_array();
+        Some(glam::Vec3::new(r, g, b))
     }
     /// The brush's strength.
     pub fn strength(&self) -> f32 {

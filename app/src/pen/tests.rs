@@ -11,7 +11,7 @@ use egui_kittest::Harness;
 use glam::Vec3;
 
 /// A head alone.
-fn head() -> Document {
+pub(super) fn head() -> Document {
     let mut document = Document::default();
     let node = Node { kind: "head".to_owned(), ..Node::default() };
     let id = document.free_id("head");
@@ -34,13 +34,13 @@ fn camera(state: &State) -> Camera {
 }
 
 /// The editor, with the pen on a picture in which places are told as on a sheet of 600 by 600.
-struct Table {
-    harness: Harness<'static, Editor>,
-    time: f64,
+pub(super) struct Table {
+    pub(super) harness: Harness<'static, Editor>,
+    pub(super) time: f64,
 }
 
 impl Table {
-    fn new(document: Document) -> Self {
+    pub(super) fn new(document: Document) -> Self {
         let harness = Harness::builder().with_size(Vec2::new(1400.0, 1170.0)).build_ui_state(
             |ui, editor: &mut Editor| editor.ui(ui),
             Editor::new(&egui::Context::default(), document, OpenFile::default()),
@@ -56,23 +56,23 @@ impl Table {
         table
     }
     /// A place of the sheet in the window.
-    fn on_screen(&mut self, at: Pos2) -> Pos2 {
+    pub(super) fn on_screen(&mut self, at: Pos2) -> Pos2 {
         let rect = self.editor().viewport.projection().rect;
         rect.center() + (at - Pos2::new(300.0, 300.0)) * (rect.height() / 600.0)
     }
     /// A place of the window on the sheet.
-    fn on_sheet(&mut self, at: Pos2) -> Pos2 {
+    pub(super) fn on_sheet(&mut self, at: Pos2) -> Pos2 {
         let rect = self.editor().viewport.projection().rect;
         Pos2::new(300.0, 300.0) + (at - rect.center()) * (600.0 / rect.height())
     }
-    fn editor(&mut self) -> &mut Editor {
+    pub(super) fn editor(&mut self) -> &mut Editor {
         self.harness.state_mut()
     }
-    fn step(&mut self) {
+    pub(super) fn step(&mut self) {
         self.harness.step();
     }
     /// Until all is evaluated.
-    fn rest(&mut self) {
+    pub(super) fn rest(&mut self) {
         for _ in 0..2000 {
             self.step();
             if self.editor().is_idle() && !self.editor().state.stale() {
@@ -83,7 +83,7 @@ impl Table {
         }
         panic!("the evaluation never ends: {:?}", self.editor().state.notes.all());
     }
-    fn pen(&mut self, phase: Phase, at: Pos2, pressure: f32) {
+    pub(super) fn pen(&mut self, phase: Phase, at: Pos2, pressure: f32) {
         self.time += 0.005;
         let at = self.on_screen(at);
         let sample = PenSample::mouse(self.time, phase, at, pressure);
@@ -91,7 +91,7 @@ impl Table {
         self.editor().pen.devices.push(sample);
     }
     /// A stroke with a pressure for each of its places.
-    fn draw(&mut self, places: &[(Pos2, f32)]) {
+    pub(super) fn draw(&mut self, places: &[(Pos2, f32)]) {
         let (first, last) = (places[0], places[places.len() - 1]);
         self.pen(Phase::Hover, first.0, 0.0);
         self.pen(Phase::Down, first.0, first.1);
@@ -112,7 +112,7 @@ fn row(y: f32) -> Vec<(Pos2, f32)> {
     (0..30).map(|k| (Pos2::new(240.0 + 4.0 * k as f32, y), pressure(k))).collect()
 }
 
-fn draw_on(document: Document) -> Table {
+pub(super) fn draw_on(document: Document) -> Table {
     let mut table = Table::new(document);
     table.editor().act("pen.draw");
     // Without lag, so that pressures and places can be told.
@@ -196,7 +196,7 @@ impl Table {
         self.draw(&[(at, 0.5), (at, 0.5)]);
         self.step();
     }
-    fn done(&mut self) -> usize {
+    pub(super) fn done(&mut self) -> usize {
         self.editor().state.history.done()
     }
 }

@@ -123,6 +123,13 @@ impl History {
         self.open = Some(Step { words: words.to_owned(), back: vec![] });
     }
 
+    /// Calls the open gesture something else: what it did is often known at its end alone.
+    pub fn call(&mut self, words: &str) {
+        if let Some(step) = &mut self.open {
+            words.clone_into(&mut step.words);
+        }
+    }
+
     /// Ends the open gesture. One that changed nothing is no step.
     pub fn end(&mut self, document: &Document) {
         if let Some(step) = self.open.take().filter(|step| !step.back.is_empty()) {

@@ -5,6 +5,7 @@
 
 use crate::define::NodeDef;
 
+pub mod around;
 mod brush;
 pub mod classify;
 mod comb;
