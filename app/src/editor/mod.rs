@@ -55,6 +55,8 @@ use tour::Tour;
 
 /// Nudges of one value within so many seconds are one undo step.
 const NUDGE_SECONDS: f64 = 0.7;
+/// Where all hair was made within this time, milliseconds, what is dragged is shown whole.
+const QUICK_MS: f64 = 20.0;
 /// A final evaluation that took longer (milliseconds) is led by a preview when something changes.
 const SLOW_MS: f64 = 250.0;
 
@@ -367,7 +369,8 @@ impl Editor {
         let state = &self.state;
         let answered = state.run.reports.revision == state.revision;
         let slow = self.last_final_ms > SLOW_MS && !answered;
-        let preview = (state.drags_hair() || slow) && !state.settings.final_while_dragging;
+        let drags = state.drags_hair() && self.last_final_ms > QUICK_MS;
+        let preview = (drags || slow) && !state.settings.final_while_dragging;
         let nodes = [state.active(), state.pinned.as_ref()];
         let also = nodes.into_iter().flatten();
         Wanted {

@@ -171,7 +171,7 @@ pub(crate) const ACTIONS: &[Action] = &[
     hair!(
         "hair.sketch",
         None,
-        "Sketch hair",
+        "Sketch with the pen",
         "Draw on the head, and the stroke says what it is: from the skin it implants a cluster, from a tip it lengthens one, over hair it combs; loops twist, a scribble frizzes, two taps pin. The pen's eraser cuts across hair, and circles change its density.",
         "gesture pen paper hairstyle groom implant"
     ),
@@ -488,11 +488,12 @@ pub(crate) const ACTIONS: &[Action] = &[
         when: anything_picked,
         run: mirror_once,
     },
-    recipe!(0, "recipe braid canerow plait"),
-    recipe!(1, "recipe rope two strand row"),
-    recipe!(2, "recipe braid plait hanging three strand"),
-    recipe!(3, "recipe rope hanging"),
-    recipe!(4, "recipe clump cluster fringe wisp"),
+    recipe!(0, "recipe gesture hairstyle pen implant cluster"),
+    recipe!(1, "recipe braid canerow plait"),
+    recipe!(2, "recipe rope two strand row"),
+    recipe!(3, "recipe braid plait hanging three strand"),
+    recipe!(4, "recipe rope hanging"),
+    recipe!(5, "recipe clump cluster fringe wisp"),
 ];
 
 fn anything_picked(editor: &Editor) -> Result<(), &'static str> {
@@ -738,5 +739,8 @@ fn cook(editor: &mut Editor, recipe: usize) {
     editor.apply(Event::Select(Select::Nodes(vec![rows.clone()])));
     editor.apply(Event::Pin(Some(rows)));
     editor.apply(Event::Show(Room::Viewport));
-    editor.pen.tool = PenTool::Draw;
+    editor.pen.tool = match recipe.draws {
+        recipes::Draws::Hair => PenTool::Hair(None),
+        recipes::Draws::Rows | recipes::Draws::Free => PenTool::Draw,
+    };
 }

@@ -11,43 +11,32 @@ use coif_nodes::data::gestures::{Layer, Tool};
 use egui::{Color32, ComboBox, Pos2, Sense, Shape, Slider, Stroke, Ui, Vec2};
 
 impl Pen {
-    /// The bar: tools, what they need, recipes. One row that wraps where it is narrow.
+    /// The bar: tools on strokes, and under them those on hair, each with what they need behind them.
     pub fn bar(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
+        let mut settings = state.settings.pen.clone();
+        let on_hair = matches!(self.tool, PenTool::Hair(_));
         ui.horizontal_wrapped(|ui| {
-            for tool in PenTool::ALL {
-                let tip = actions::by_id(tool.action()).map_or("", |action| action.tip);
-                let chosen = ui.selectable_label(self.tool == tool, tool.label());
-                if chosen.on_hover_text(tip).clicked() {
-                    out.push(Event::Act(tool.action()));
-                }
-            }
+            let tools = PenTool::ALL.map(|tool| (tool, tool.label(), tool.action()));
+            self.tools(&tools[..1], ui, out);
+            name(
+                ui,
+                "Strokes",
+                "Tools that draw and change strokes, which become rows and guides.",
+            );
+            self.tools(&tools[1..], ui, out);
             ui.separator();
-            for (tool, label, action) in HAIR_TOOLS {
-                let tip = actions::by_id(action).map_or("", |action| action.tip);
-                let chosen = ui.selectable_label(self.tool == PenTool::Hair(*tool), *label);
-                if chosen.on_hover_text(tip).clicked() {
-                    out.push(Event::Act(action));
-                }
+            if !on_hair {
+                self.tool_settings(&mut settings, ui);
+                self.height(state, ui, out);
             }
-            ui.separator();
-            let mut settings = state.settings.pen.clone();
-            self.tool_settings(&mut settings, ui);
-            self.height(state, ui, out);
-            let act = |ui: &mut Ui, on: bool, id: &'static str, out: &mut Vec<Event>| {
-                if let Some(action) = actions::by_id(id)
-                    && ui.selectable_label(on, action.label).on_hover_text(action.tip).clicked()
-                {
-                    out.push(Event::Act(id));
-                }
-            };
-            if !matches!(self.tool, PenTool::Select | PenTool::Hair(_)) {
+            if self.tool != PenTool::Select && !on_hair {
                 let node = target::of(state);
                 let mirrored = node.and_then(|id| target::choice(&state.document, &id, "mirror"));
                 let on = mirrored.map_or(settings.symmetry, |word| word == "both");
                 act(ui, on, "pen.symmetry", out);
             }
             let menu = ui.menu_button("Recipes", |ui| {
-                for recipe in recipes::ALL {
+                for recipe in &recipes::ALL {
                     if ui.button(recipe.label).on_hover_text(recipe.tip).clicked() {
                         out.push(Event::Act(recipe.action));
                         ui.close();
@@ -56,12 +45,44 @@ impl Pen {
             });
             menu.response.on_hover_text("Whole pieces of a graph, ready to be drawn into.");
             act(ui, self.settings_open, "pen.settings", out);
-            if settings != state.settings.pen {
-                let settings =
-                    crate::editor::settings::Settings { pen: settings, ..state.settings.clone() };
-                out.push(Event::Settings(settings.into()));
+        });
+        ui.horizontal_wrapped(|ui| {
+            name(
+                ui,
+                "Hair",
+                "Tools that plant and style hair on the head, or hair that a graph made.",
+            );
+            let tools: Vec<_> = HAIR_TOOLS
+                .iter()
+                .map(|(tool, label, action)| (PenTool::Hair(*tool), *label, *action))
+                .collect();
+            self.tools(&tools, ui, out);
+            if let PenTool::Hair(tool) = self.tool {
+                ui.separator();
+                self.hair_settings(tool, &mut settings, ui);
             }
         });
+        if settings != state.settings.pen {
+            let settings =
+                crate::editor::settings::Settings { pen: settings, ..state.settings.clone() };
+            out.push(Event::Settings(settings.into()));
+        }
+    }
+
+    /// Tools to take up: which, what they are called, and their actions.
+    fn tools(
+        &self,
+        tools: &[(PenTool, &'static str, &'static str)],
+        ui: &mut Ui,
+        out: &mut Vec<Event>,
+    ) {
+        for (tool, label, action) in tools {
+            let tip = actions::by_id(action).map_or("", |action| action.tip);
+            let chosen = ui.selectable_label(self.tool == *tool, *label);
+            if chosen.on_hover_text(tip).clicked() {
+                out.push(Event::Act(action));
+            }
+        }
     }
 
     /// What the tool in hand needs.
@@ -87,9 +108,6 @@ impl Pen {
         if self.tool == PenTool::Draw {
             let tip = "The pressure of a mouse. Shift is full pressure, the wheel changes it while drawing.";
             number(ui, &mut settings.mouse_pressure, 0.0..=1.0, "", "Mouse pressure", tip);
-        }
-        if let PenTool::Hair(tool) = self.tool {
-            self.hair_settings(tool, settings, ui);
         }
         if self.tool == PenTool::Points {
             let name = |along: Along| match along {
@@ -253,6 +271,20 @@ impl Pen {
             .on_hover_text("How far apart two taps may be that count as a double tap.");
         ui.checkbox(&mut feel.left_handed, "Left-handed")
             .on_hover_text("Labels go to the left of the pen, where the hand does not cover them.");
+    }
+}
+
+/// What a group of tools works on.
+fn name(ui: &mut Ui, name: &str, tip: &str) {
+    ui.label(egui::RichText::new(name).color(theme::QUIET)).on_hover_text(tip);
+}
+
+/// An action to press, lit while it is on.
+fn act(ui: &mut Ui, on: bool, id: &'static str, out: &mut Vec<Event>) {
+    if let Some(action) = actions::by_id(id)
+        && ui.selectable_label(on, action.label).on_hover_text(action.tip).clicked()
+    {
+        out.push(Event::Act(id));
     }
 }
 

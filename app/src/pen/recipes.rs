@@ -4,6 +4,7 @@ use super::target::{self, Fresh};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Node, NodeId, Setting, Socket};
 use coif_nodes::data::field::Field;
+use coif_nodes::data::ramp::{Blend, Ramp};
 use coif_nodes::define::Value;
 use std::sync::Arc;
 
@@ -15,47 +16,83 @@ pub(crate) struct Recipe {
     pub(crate) tip: &'static str,
     /// The action that makes it.
     pub(crate) action: &'static str,
-    /// Whether its strokes hang in space.
-    pub(crate) free: bool,
-    /// Nodes between the strokes and the output.
+    /// What the pen draws.
+    pub(crate) draws: Draws,
+    /// Nodes between what is drawn and the output.
     steps: fn(&mut Graph) -> Option<()>,
 }
 
+/// What the pen draws into a recipe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Draws {
+    /// Strokes that lie on the scalp.
+    Rows,
+    /// Strokes that hang in space.
+    Free,
+    /// Hair, by gestures.
+    Hair,
+}
+
 /// All recipes.
-pub(crate) const ALL: [Recipe; 5] = [
+pub(crate) const ALL: [Recipe; 6] = [
+    Recipe {
+        label: "Sketch hair",
+        tip: "Draw hair on the head: press and draw to plant a cluster, lightly on from its tip, over hair to comb it.",
+        action: "recipe.sketch_hair",
+        draws: Draws::Hair,
+        steps: |graph| {
+            // A lock is widest a little above its root and runs out at its tip.
+            let lock = vec![(0.0, 0.85), (0.3, 1.0), (0.75, 0.7), (1.0, 0.2)];
+            let lock = Ramp::new(Blend::Smooth, lock).ok()?;
+            let fill = [
+                ("profile", Value::Ramp(Arc::new(lock))),
+                ("strands", Value::Int(1000)),
+                ("points", Value::Int(24)),
+                ("length_variation", Value::Float(0.15)),
+                ("jitter", Value::Float(0.06)),
+                ("wisps", Value::Int(7)),
+                ("tip_clump", Value::Float(0.35)),
+                ("stray", Value::Float(0.03)),
+                ("width_root", Value::Float(0.009)),
+                ("width_tip", Value::Float(0.004)),
+            ];
+            graph.add("cluster_to_strands", "strands", &fill)?;
+            graph.add("hair_colour", "colour", &[("from", Value::Text("own".into()))])
+        },
+    },
     Recipe {
         label: "Cornrows",
         tip: "Draw rows on the head; each becomes a three-strand braid that lies on it.",
         action: "recipe.cornrows",
-        free: false,
+        draws: Draws::Rows,
         steps: |graph| row(graph, "cornrows", 3, 1.2),
     },
     Recipe {
         label: "Flat twists",
         tip: "Draw rows on the head; each becomes two strands turned about each other.",
         action: "recipe.flat_twists",
-        free: false,
+        draws: Draws::Rows,
         steps: |graph| row(graph, "flat twists", 2, 1.0),
     },
     Recipe {
         label: "Box braids",
         tip: "Draw braids in space, from the root on the scalp to the tip; each hangs as three strands.",
         action: "recipe.box_braids",
-        free: true,
+        draws: Draws::Free,
         steps: |graph| hanging(graph, "braids", 3),
     },
     Recipe {
         label: "Two-strand twists",
         tip: "Draw twists in space, from the root on the scalp to the tip; each is a rope of two.",
         action: "recipe.two_strand_twists",
-        free: true,
+        draws: Draws::Free,
         steps: |graph| hanging(graph, "twists", 2),
     },
     Recipe {
         label: "Locks",
         tip: "Draw locks in space, from the root on the scalp to the tip; each is filled with hair.",
         action: "recipe.locks",
-        free: true,
+        draws: Draws::Free,
         steps: |graph| {
             let radius = Value::Field(Arc::new(Field::Attribute("radius".to_owned())));
             graph.add("cluster_to_strands", "locks", &[("radius", radius)])
@@ -167,11 +204,13 @@ impl Recipe {
         let head = target::head(document)?;
         let idle = |id: &&NodeId| {
             let takes = document.links.values().flatten().any(|from| from.node == **id);
-            !takes && !self.free && target::draws_curves(document, id)
+            !takes && self.draws == Draws::Rows && target::draws_curves(document, id)
         };
+        let free = self.draws == Draws::Free;
         let (rows, edits) = match strokes.filter(idle) {
             Some(rows) => (rows.clone(), vec![]),
-            None => target::make(document, Fresh { free: self.free, mirror })?,
+            None if self.draws == Draws::Hair => super::hair::target::make(document, None)?,
+            None => target::make(document, Fresh { free, mirror })?,
         };
         let mut graph =
             Graph { document: document.clone(), head, last: rows.clone(), edits: vec![] };

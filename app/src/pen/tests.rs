@@ -458,8 +458,15 @@ fn recipes_are_one_step_of_plain_nodes_and_a_row_drawn_is_a_braid() {
         assert_eq!(table.done(), 1, "{}", recipe.label);
         let problems = coif_graphs::document::graph::check(&table.editor().state.document);
         assert!(problems.is_empty(), "{}: {problems:?}", recipe.label);
-        table.draw(&row(300.0));
+        // Hair is planted with a heavy hand.
+        let hair = recipe.draws == recipes::Draws::Hair;
+        let row: Vec<(Pos2, f32)> =
+            row(300.0).into_iter().map(|(at, p)| (at, if hair { 0.9 } else { p })).collect();
+        table.draw(&row);
         table.rest();
+        while table.editor().pen.hair.is_busy() {
+            table.rest();
+        }
         assert_eq!(table.done(), 2, "{}", recipe.label);
         let shown = table.editor().state.shown.clone().expect("a result");
         assert!(

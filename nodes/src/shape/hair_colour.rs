@@ -10,7 +10,7 @@ use crate::data::attributes::COLOUR;
 use crate::data::curves::{Curves, View};
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
-use crate::define::{Colour, FieldInput, NodeError, node};
+use crate::define::{Colour, FieldInput, NodeError, choice, node};
 use crate::eval::EvalCx;
 use crate::maths::hair_colour::{GREY, absorption_of, absorption_of_melanin, colour_of};
 use crate::maths::transcendental::{exp, pow};
@@ -29,6 +29,8 @@ node! {
         curves: Curves;
         /// The head; needed by masks only.
         scalp: Option<Arc<Scalp>>;
+        /// Where the colour comes from that single hairs, grey and dye then change.
+        from: Base = Base::Melanin, words("own keep inherit base cluster painted");
         /// Pigment at the root, 0 (white) to 1 (black).
         melanin_root: f32 = 0.9, hard(0.0, 1.0), unit(Ratio), words("eumelanin pigment darkness");
         /// Pigment at the tip: sun and washing leave a little less.
@@ -58,6 +60,16 @@ node! {
     }
 }
 
+choice! {
+    /// Where a colour comes from.
+    Base {
+        /// The pigment below, from root to tip.
+        Melanin = "melanin",
+        /// The hair's own: that of its cluster, of the pen that implanted it, or of a node before.
+        Own = "own",
+    }
+}
+
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     if inputs.amount.constant() == Some(0.0) {
         return Ok(Outputs { curves: inputs.curves });
@@ -72,6 +84,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let level = root == tip || stops.iter().all(|stop| stop.1 == stops[0].1);
     let grown = |u: f32| root.lerp(tip, inputs.profile.at(u).clamp(0.0, 1.0));
     let covers = inputs.amount.constant() == Some(1.0);
+    let keeps = inputs.from == Base::Own;
     let [curves] = cx.each_tuft(&inputs.curves, |tuft, piece| {
         let amount = inputs.amount.on(tuft, scalp)?;
         let laid = inputs.dye_amount.on(tuft, scalp)?;
@@ -88,7 +101,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             vary * if greyness == 0.0 { 1.0 } else { pow(GREY, greyness) }
         };
         let colour = |i: usize, point: usize, u: f32, own: f32| {
-            let mut sigma = grown(u) * own;
+            let base = if keeps { absorption_of(old.at(i, point)) } else { grown(u) };
+            let mut sigma = base * own;
             if dyed {
                 sigma += dye * laid.at(i, point, u);
             }
@@ -97,13 +111,15 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             }
             colour_of(sigma)
         };
-        let level = level
+        let even = !matches!(old, View::Point(_));
+        let level = (if keeps { even } else { level })
             && (!dyed || laid.is_of_curves())
-            && (covers || amount.is_of_curves() && !matches!(old, View::Point(_)));
+            && (covers || amount.is_of_curves() && even);
         let alike = inputs.variation == 0.0
             && inputs.grey.constant() == Some(0.0)
             && (!dyed || inputs.dye_amount.constant().is_some())
-            && covers;
+            && covers
+            && !keeps;
         let value = |own: &f32, i: usize, point: usize, u: f32| colour(i, point, u, *own);
         Ok([lay(piece, tuft, COLOUR, Held::fewest(level, alike), own, value)?])
     })?;
@@ -180,6 +196,11 @@ mod tests {
         check(&dye, 1, 1, colour_of(blond + absorption_of(red)));
         let weak = ("dye_amount", Field::Attribute("half".into()).into());
         check(&[dye, vec![weak]].concat(), 2, 1, colour_of(blond + absorption_of(red) * 0.5));
+        // What the hair has itself is kept, and varied and dyed all the same.
+        let own = ("from", Value::Text("own".into()));
+        check(&with(own.clone()), 2, 4, COLOUR.default);
+        let dye = [plain(0.3, 0.3), vec![own, ("dye", Value::Vec3(red))]].concat();
+        check(&dye, 2, 1, colour_of(absorption_of(COLOUR.default) + absorption_of(red)));
         // Nothing laid on changes nothing.
         let tuft = coloured(1, &with(("amount", Value::Float(0.0))));
         assert!(tuft.attribute(COLOUR.name).is_none());

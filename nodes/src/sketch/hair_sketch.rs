@@ -148,9 +148,10 @@ pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scal
     out
 }
 
-/// Curves by their ids, with the keys of their tufts.
+/// Curves by their ids, each with its key as a tuft of its own.
 fn by_id(curves: &Curves) -> BTreeMap<u64, (Key, Vec<Vec3>)> {
-    curves.each().map(|(tuft, i)| (tuft.id(i), (tuft.key(), tuft.curve(i).to_vec()))).collect()
+    let locks = Lock::all(curves).into_iter();
+    locks.map(|lock| (lock.id, (lock.tuft().key(), lock.points.clone()))).collect()
 }
 
 /// Tells what gestures could not do, and how far roots drifted.

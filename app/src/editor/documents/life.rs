@@ -40,6 +40,7 @@ impl Editor {
     pub(crate) fn apply_to_file(&mut self, event: Event) {
         match event {
             Event::New(groom) => self.after_question(Next::New(groom)),
+            Event::Begin(action) => self.after_question(Next::Begin(action)),
             Event::Open(path) => self.after_question(Next::Open(path)),
             Event::Close => self.after_question(Next::Close),
             Event::Save => self.save(),
@@ -106,6 +107,10 @@ impl Editor {
     fn go_on(&mut self, next: Next) {
         match next {
             Next::New(groom) => self.begin(groom),
+            Next::Begin(action) => {
+                self.begin(None);
+                self.act(action);
+            }
             Next::Open(path) => {
                 self.open(&path);
             }

@@ -52,6 +52,8 @@ pub(crate) use frame::{after, before, panels};
 pub enum Event {
     /// A new document: a shipped groom by its name, or the empty head.
     New(Option<&'static str>),
+    /// A new document on which an action, a recipe's, is done at once.
+    Begin(&'static str),
     /// A file is opened.
     Open(PathBuf),
     /// Saves to its file; asks for one where there is none.
@@ -134,6 +136,7 @@ pub enum HeadChoice {
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Next {
     New(Option<&'static str>),
+    Begin(&'static str),
     Open(PathBuf),
     Restore(usize),
     Close,

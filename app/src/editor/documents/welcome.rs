@@ -74,6 +74,10 @@ pub(super) fn window(
                     if button.clicked() {
                         say(FileEvent::New(None));
                     }
+                    let tip = "A head and the pen in hand: draw hair on it";
+                    if ui.button("Sketch hair").on_hover_text(tip).clicked() {
+                        say(FileEvent::Begin("recipe.sketch_hair"));
+                    }
                     let tip = "A mesh (.obj, .glb, .gltf) instead of the built-in head";
                     if ui.button("Your own head…").on_hover_text(tip).clicked() {
                         say(FileEvent::Ask(Purpose::Mesh));

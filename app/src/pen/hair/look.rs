@@ -9,11 +9,12 @@ use super::{Hair, target};
 use crate::editor::state::State;
 use crate::editor::theme;
 use coif_nodes::data::attributes::PINNED;
-use coif_nodes::data::curves::Curves;
+use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::gestures::{Layer, Tool};
 use coif_nodes::sketch::around::Ground;
 use coif_nodes::sketch::classify::Guess;
 use egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, Vec2};
+use std::collections::BTreeMap;
 
 /// Plants and lengthens.
 const GROW: Color32 = Color32::from_rgb(150, 230, 150);
@@ -23,6 +24,8 @@ const TAKE: Color32 = theme::ERROR;
 const STYLE: Color32 = theme::ACCENT;
 /// Holds.
 const HOLD: Color32 = Color32::from_rgb(130, 200, 255);
+/// The most changed curves that are drawn as lines.
+const MOST_LINES: usize = 400;
 /// The ring of levels, points.
 const RING: f32 = 13.0;
 
@@ -76,6 +79,7 @@ impl Pen {
         let painter = ui.painter_at(scene.view.rect);
         let curves = curves(scene.state).unwrap_or_default();
         paint_pins(&painter, scene, &curves);
+        self.hair.paint_changed(&painter, scene, &curves);
         self.hair.paint_touch(&painter);
         if let Some(input) = self.hover.filter(|_| !self.hair.is_drawing()) {
             let view = super::seen_from(scene.view, scene.scalp.frame());
@@ -172,6 +176,26 @@ impl Hair {
             (Some(Tool::Lengthen | Tool::Pin), _) => Some(Layer::Nearest),
             (None, None) if mouse => Some(super::level_of_mouse(ground, at, eraser)),
             (_, level) => level,
+        }
+    }
+
+    /// The curves that the touch has changed so far: the picture of their hair comes a little later.
+    fn paint_changed(&self, painter: &Painter, scene: &Scene, curves: &Curves) {
+        let Some(touch) = self.touch.as_ref().filter(|touch| touch.told.is_some()) else { return };
+        let was: BTreeMap<u64, (&Tuft, usize)> =
+            touch.before.each().map(|(tuft, i)| (tuft.id(i), (tuft, i))).collect();
+        let changed = curves.each().filter(|(tuft, i)| {
+            was.get(&tuft.id(*i)).is_none_or(|(old, k)| {
+                old.curve(*k) != tuft.curve(*i)
+                    || old.len() == 1 && tuft.len() == 1 && old.key() != tuft.key()
+            })
+        });
+        let colour =
+            if let Guess::Is(tool) = touch.guess { Coming::of(tool).colour() } else { GROW };
+        for (tuft, i) in changed.take(MOST_LINES) {
+            let places: Vec<Pos2> =
+                tuft.curve(i).iter().filter_map(|p| scene.view.screen(*p)).collect();
+            line(painter, places, Stroke::new(1.0, colour.gamma_multiply(0.5)));
         }
     }
 
