@@ -21,6 +21,9 @@ pub const ALL: &[(&str, &str)] = &[
     ("puffs", include_str!("../grooms/puffs.ron")),
     ("ponytail", include_str!("../grooms/ponytail.ron")),
     ("clusters", include_str!("../grooms/clusters.ron")),
+    ("sketch_bob", include_str!("../grooms/sketch_bob.ron")),
+    ("sketch_ponytail", include_str!("../grooms/sketch_ponytail.ron")),
+    ("sketch_mohawk", include_str!("../grooms/sketch_mohawk.ron")),
 ];
 
 /// The grooms that are as full as a film's hero: 60,000 strands and more, a few seconds to evaluate.

@@ -32,6 +32,9 @@ const PICTURES: &[(&str, &[u8])] = &[
     ("puffs", include_bytes!("thumbnails/puffs.png")),
     ("ponytail", include_bytes!("thumbnails/ponytail.png")),
     ("clusters", include_bytes!("thumbnails/clusters.png")),
+    ("sketch_bob", include_bytes!("thumbnails/sketch_bob.png")),
+    ("sketch_ponytail", include_bytes!("thumbnails/sketch_ponytail.png")),
+    ("sketch_mohawk", include_bytes!("thumbnails/sketch_mohawk.png")),
 ];
 
 const SIZE: Vec2 = Vec2::new(160.0, 120.0);

@@ -517,3 +517,5 @@ fn level(samples: &[PenSample]) -> Layer {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod styles;
