@@ -10,6 +10,7 @@ use std::os::unix::fs::MetadataExt;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The server itself: what lies in `/usr/bin` is a wrapper that wants a console.
@@ -23,9 +24,16 @@ pub const SIZE: (f64, f64) = (1440.0, 900.0);
 pub struct Tablet {
     /// What stands on it, and hands for its keys.
     pub screen: Screen,
-    pen: UnixStream,
+    /// Both ends of the pen: its tip and its eraser, each a device of its own.
+    ends: [UnixStream; 2],
+    /// Which is turned to the tablet.
+    end: usize,
     _folder: Folder,
+    /// One at a time: a hand that draws wants the machine.
+    _one: MutexGuard<'static, ()>,
 }
+
+static ONE: Mutex<()> = Mutex::new(());
 
 /// Kinds of messages.
 const VERSION: u32 = 0;
@@ -52,6 +60,7 @@ impl Tablet {
             );
             return None;
         }
+        let one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
         let folder = Folder::new(&format!("{test}-xorg"));
         let text = include_str!("../pen/xorg.conf");
         let text = text.replace("@FOLDER@", &folder.path("").display().to_string());
@@ -71,9 +80,9 @@ impl Tablet {
             .expect("Xorg starts");
         let screen = Screen::of(server, display);
         let began = Instant::now();
-        let pen = loop {
+        let connect = |name: &str| loop {
             let up = Path::new(&format!("/tmp/.X11-unix/X{number}")).exists();
-            match UnixStream::connect(folder.path("pen")) {
+            match UnixStream::connect(folder.path(name)) {
                 Ok(pen) if up => break pen,
                 _ => assert!(
                     began.elapsed() < Duration::from_secs(20),
@@ -83,14 +92,25 @@ impl Tablet {
             }
             std::thread::sleep(Duration::from_millis(100));
         };
-        for limit in [UnixStream::set_read_timeout, UnixStream::set_write_timeout] {
-            limit(&pen, Some(Duration::from_secs(10))).expect("a time limit");
+        let ends = ["pen", "eraser"].map(connect);
+        for end in &ends {
+            for limit in [UnixStream::set_read_timeout, UnixStream::set_write_timeout] {
+                limit(end, Some(Duration::from_secs(10))).expect("a time limit");
+            }
         }
-        let mut tablet = Self { screen, pen, _folder: folder };
-        tablet.send(VERSION, &[1u16.to_le_bytes(), 1u16.to_le_bytes()].concat());
-        let mut answer = [0; 12];
-        tablet.pen.read_exact(&mut answer).expect("the driver answers");
+        let mut tablet = Self { screen, ends, end: 0, _folder: folder, _one: one };
+        for eraser in [true, false] {
+            tablet.turn(eraser);
+            tablet.send(VERSION, &[1u16.to_le_bytes(), 1u16.to_le_bytes()].concat());
+            let mut answer = [0; 12];
+            tablet.ends[tablet.end].read_exact(&mut answer).expect("the driver answers");
+        }
         Some(tablet)
+    }
+
+    /// Turns the eraser to the tablet, or the tip.
+    pub fn turn(&mut self, eraser: bool) {
+        self.end = usize::from(eraser);
     }
 
     fn send(&mut self, kind: u32, body: &[u8]) {
@@ -98,14 +118,14 @@ impl Tablet {
         message.extend((8 + body.len() as u32).to_le_bytes());
         message.extend(kind.to_le_bytes());
         message.extend(body);
-        self.pen.write_all(&message).expect("the driver listens");
+        self.ends[self.end].write_all(&message).expect("the driver listens");
     }
 
     /// Waits until the server has taken everything.
     fn sync(&mut self) {
         self.send(SYNC, &[]);
         let mut answer = [0; 8];
-        self.pen.read_exact(&mut answer).expect("the driver answers");
+        self.ends[self.end].read_exact(&mut answer).expect("the driver answers");
     }
 
     /// Comes near at a place (pixels), without touching.

@@ -4,6 +4,7 @@
 
 use coif_graphs::document::{Document, Node, NodeId, Point, Setting, Socket};
 use coif_graphs::file;
+use coif_nodes::data::gestures::{Gestures, Layer, Tool};
 use coif_nodes::data::strokes::Strokes;
 use coif_nodes::define::Value;
 use coif_tests::tablet::Tablet;
@@ -119,4 +120,121 @@ fn a_pen_at_an_x_server_draws_with_three_pressures() {
         let level = (level * 100.0) as i32;
         assert!(told.iter().any(|p| (p - level).abs() <= 2), "{level} of {told:?}");
     }
+}
+
+/// A head, and a hair sketch on it that is displayed.
+fn bare() -> Document {
+    let mut document = document();
+    document.layout.clear();
+    let id = |text: &str| NodeId::new(text).expect("an id");
+    let node = Node { kind: "hair_sketch".to_owned(), ..Node::default() };
+    document.nodes.remove("rows");
+    document.nodes.insert(id("sketch"), Arc::new(node));
+    let (from, to) = (Socket::new(id("head"), "scalp"), Socket::new(id("sketch"), "scalp"));
+    document.links = [(to, vec![from])].into();
+    document.display = Some(id("sketch"));
+    document
+}
+
+fn gestures(path: &Path) -> Arc<Gestures> {
+    let text = std::fs::read_to_string(path).expect("the file is there");
+    let document = file::read(&text).expect("it reads").document;
+    let input = document.node("sketch").and_then(|node| node.inputs.get("gestures").cloned());
+    match input {
+        Some(Setting::Known(Value::Gestures(gestures))) => gestures,
+        _ => Arc::default(),
+    }
+}
+
+#[test]
+fn a_pen_at_an_x_server_sketches_hair_with_both_its_ends() {
+    const NAME: &str = "a_pen_at_an_x_server_sketches_hair_with_both_its_ends";
+    if !adapter(NAME) {
+        return;
+    }
+    let Some(mut tablet) = Tablet::start(NAME) else { return };
+    let folder = Folder::new(NAME);
+    let path = folder.path("sketch.ron");
+    std::fs::write(&path, file::write(&bare())).expect("a document is written");
+    std::fs::create_dir_all(folder.path("home")).expect("a folder");
+    std::fs::write(folder.path("home/settings.ron"), "(samples: 1)").expect("settings are written");
+    let mut editor = program()
+        .args(["edit", &path.display().to_string()])
+        .env("DISPLAY", tablet.screen.display())
+        .env_remove("WAYLAND_DISPLAY")
+        .env("COIF_HOME", folder.path("home"))
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("the editor starts");
+    tablet.screen.focus("coif");
+    settled(&tablet, &folder);
+    tablet.tap(1000.0, 888.0);
+    tablet.screen.key("h");
+    // Down the side of the head that is seen; everything else happens near its root.
+    let (x, y) = (560.0, 195.0);
+    let (light, middle, heavy) = (0.2, 0.5, 0.9);
+    let line = |from: (f64, f64), to: (f64, f64), pressure: f64| -> Vec<(f64, f64, f64)> {
+        let at = |k: i32| {
+            let t = f64::from(k) / 40.0;
+            (from.0 + (to.0 - from.0) * t, from.1 + (to.1 - from.1) * t, pressure)
+        };
+        (0..=40).map(at).collect()
+    };
+    // Whole turns about a place that moves down; the circle of the eraser stays.
+    let turns = |middle: (f64, f64), radius: f64, count: i32, down: f64| {
+        let at = |k: i32| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 40.0).sin_cos();
+            (middle.0 + radius * cos, middle.1 + radius * sin + down * f64::from(k), light)
+        };
+        (0..=40 * count).map(at).collect::<Vec<_>>()
+    };
+    let saw = |k: i32| {
+        let swing = f64::from(((k % 24) - 12).abs()) / 6.0 - 1.0;
+        (x + 14.0 + 45.0 * swing, y + 18.0 + 0.15 * f64::from(k), light)
+    };
+    let tap = [(x + 3.0, y + 6.0, middle), (x + 3.0, y + 6.0, middle)];
+    tablet.draw(&line((x, y), (x + 45.0, y + 150.0), heavy));
+    settled(&tablet, &folder);
+    tablet.draw(&line((x + 10.0, y + 50.0), (x + 60.0, y + 60.0), middle));
+    std::thread::sleep(Duration::from_secs(1));
+    for _ in 0..2 {
+        tablet.draw(&tap);
+    }
+    std::thread::sleep(Duration::from_secs(1));
+    tablet.draw(&(0..=140).map(saw).collect::<Vec<_>>());
+    if let Some(shot) = std::env::var_os("COIF_SHOTS") {
+        std::thread::sleep(Duration::from_secs(1));
+        tablet.screen.shot(&Path::new(&shot).join("frizz.png"));
+    }
+    tablet.draw(&turns((x - 12.0, y + 12.0), 16.0, 3, 0.15));
+    tablet.turn(true);
+    tablet.draw(&turns((x + 8.0, y + 25.0), 50.0, 2, 0.0));
+    tablet.draw(&line((x - 60.0, y + 70.0), (x + 90.0, y + 78.0), middle));
+    settled(&tablet, &folder);
+    if let Some(shot) = std::env::var_os("COIF_SHOTS") {
+        tablet.screen.shot(&Path::new(&shot).join("sketch.png"));
+    }
+    tablet.screen.key("ctrl+s");
+    let began = Instant::now();
+    while gestures(&path).0.is_empty() && began.elapsed() < Duration::from_secs(10) {
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    let _ = editor.kill();
+    let _ = editor.wait();
+    let gestures = gestures(&path);
+    let told: Vec<(Tool, Layer)> = gestures.0.iter().map(|one| (one.tool, one.layer)).collect();
+    assert_eq!(
+        told,
+        [
+            (Tool::Implant, Layer::Scalp),
+            (Tool::Comb, Layer::Through),
+            (Tool::Pin, Layer::Through),
+            (Tool::Frizz, Layer::Nearest),
+            (Tool::Twist, Layer::Nearest),
+            (Tool::Density, Layer::Nearest),
+            (Tool::Cut, Layer::Through),
+        ]
+    );
+    // Each knows whom it changed, so a farm makes the same of it.
+    assert!(gestures.0[1..].iter().all(|one| one.curves.len() == 1));
 }

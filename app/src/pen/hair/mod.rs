@@ -214,7 +214,17 @@ impl Hair {
                     curves.is_some_and(hair)
                 };
                 let after = sources.iter().find(under).or(sources.first());
-                let Some((node, make)) = target::make(document, after) else {
+                if after.is_none() && shown.is_some_and(|shown| shown.curves.curve_count() > 0) {
+                    let text = "This hair grows from no guides that the pen could edit: display guides or clusters";
+                    self.said = Some((report.pos, now + TELLS, text.to_owned()));
+                    return;
+                }
+                // On a bare head what is sketched is filled with hair, or it would hardly be seen.
+                let made = match after {
+                    Some(after) => target::make(document, Some(after)),
+                    None => super::recipes::ALL[0].edits(document, None, false),
+                };
+                let Some((node, make)) = made else {
                     let note = "there is no head to sketch on: add a head to the graph";
                     return out.push(Event::Say(Note::warning(note)));
                 };
@@ -516,6 +526,6 @@ fn level(samples: &[PenSample]) -> Layer {
 }
 
 #[cfg(test)]
-mod tests;
-#[cfg(test)]
 mod styles;
+#[cfg(test)]
+mod tests;

@@ -68,7 +68,8 @@ impl Hand {
             ("points", Value::Int(16)),
             ("seed", Value::Int(3)),
         ];
-        let add = |name: &str, node, x, y| Edit::AddNode { id: id(name), node, at: Some(Point(x, y)) };
+        let add =
+            |name: &str, node, x, y| Edit::AddNode { id: id(name), node, at: Some(Point(x, y)) };
         let wire = |from: (&str, &str), to: (&str, &str), at| Edit::Connect {
             from: Socket::new(id(from.0), from.1),
             to: Socket::new(id(to.0), to.1),
@@ -136,7 +137,9 @@ impl Hand {
         let mut line = vec![places[0]];
         for pair in places.windows(2) {
             let count = (pair[0].distance(pair[1]) / step).ceil().max(1.0) as i32;
-            line.extend((1..=count).map(|k| pair[0] + (pair[1] - pair[0]) * (k as f32 / count as f32)));
+            line.extend(
+                (1..=count).map(|k| pair[0] + (pair[1] - pair[0]) * (k as f32 / count as f32)),
+            );
         }
         self.report(Phase::Hover, line[0], 0.0, end);
         self.report(Phase::Down, line[0], pressure, end);
@@ -349,7 +352,10 @@ fn ponytail() -> (Document, f64) {
         hand.through(&way, 0.2, End::Tip);
     }
     hand.between(50_000);
-    hand.document("Sketched pony tail", "Clusters drawn to a tie, pinned there, and lengthened to a tail.")
+    hand.document(
+        "Sketched pony tail",
+        "Clusters drawn to a tie, pinned there, and lengthened to a tail.",
+    )
 }
 
 /// A Mohawk: a row along the middle that stands, frizzed, in two reds.
@@ -367,7 +373,10 @@ fn mohawk() -> (Document, f64) {
         };
         let tall = 17.5 - 0.025 * (turn - 95.0).abs();
         hand.colour(if k % 2 == 0 { [120, 14, 26] } else { [176, 38, 30] });
-        hand.plant_at(way(turn, 1.0) + Vec3::X * 0.09, &[way(turn + 1.0, 12.0), way(turn + 3.0, 15.0), way(turn + 7.0, tall)]);
+        hand.plant_at(
+            way(turn, 1.0) + Vec3::X * 0.09,
+            &[way(turn + 1.0, 12.0), way(turn + 3.0, 15.0), way(turn + 7.0, tall)],
+        );
         tips.push(way(turn + 4.0, 14.5));
     }
     // To and fro across each tip.

@@ -2,7 +2,7 @@
 //!
 //! The pinned or active *Hair sketch*, else the one nearest upstream of what is displayed. Where there is none, the first touch
 //! makes one: behind the guides or clusters that the displayed hair grows from, wired into all that took them, or on the bare
-//! head. It is part of the touch's undo step.
+//! head, with nodes that fill it with hair. It is part of the touch's undo step.
 
 use super::super::target;
 use crate::editor::evaluation::first_output;
