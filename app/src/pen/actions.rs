@@ -334,7 +334,7 @@ pub(crate) const ACTIONS: &[Action] = &[
     Action {
         id: "pen.symmetry",
         label: "Symmetry",
-        tip: "Draws every stroke of the node on the other side of the head too; near the middle strokes snap to it.",
+        tip: "Draws on the other side of the head too: strokes, which snap to its middle near it, and gestures on hair.",
         words: "mirror both sides live x",
         menu: "Pen",
         when: always,
@@ -551,7 +551,8 @@ fn step(editor: &mut Editor, node: &NodeId, words: &str, edits: Vec<Edit>) {
 /// Toggles the mirror of the node that the pen works on; with none, of the one that drawing will make.
 fn symmetry(editor: &mut Editor) {
     let document = &editor.state.document;
-    let node = target::of(&editor.state);
+    let strokes = !matches!(editor.pen.tool, PenTool::Hair(_));
+    let node = target::of(&editor.state).filter(|_| strokes);
     let mirror = node.as_ref().and_then(|id| target::choice(document, id, "mirror"));
     let (Some(node), Some(mirror)) = (node, mirror) else {
         set(editor, |pen| pen.symmetry = !pen.symmetry);

@@ -60,6 +60,7 @@ impl Pen {
             if let PenTool::Hair(tool) = self.tool {
                 ui.separator();
                 self.hair_settings(tool, &mut settings, ui);
+                act(ui, settings.symmetry, "pen.symmetry", out);
             }
         });
         if settings != state.settings.pen {

@@ -213,6 +213,27 @@ impl Gesture {
             .finish()
     }
 
+    /// The same on the other side of the head, which knows nothing yet of the curves there. Circles go round as they did, for they
+    /// mean more or less; loops turn the other way, as hair in a mirror does.
+    pub fn mirrored(&self) -> Self {
+        let flip = |v: Vec3| v * Vec3::new(-1.0, 1.0, 1.0);
+        let other = |s: &PenSample| PenSample {
+            at: s.at * Vec2::new(-1.0, 1.0),
+            tilt: s.tilt * Vec2::new(-1.0, 1.0),
+            ..*s
+        };
+        let mut samples: Vec<PenSample> = self.samples.iter().map(other).collect();
+        if self.tool == Tool::Density {
+            let end = samples.last().map_or(0.0, |s| s.time);
+            samples.reverse();
+            samples.iter_mut().for_each(|s| s.time = end - s.time);
+        }
+        let view = &self.view;
+        let view =
+            View { eye: flip(view.eye), target: flip(view.target), up: flip(view.up), ..*view };
+        Self { view, samples, curves: vec![], root: None, path: vec![], ..self.clone() }
+    }
+
     /// Why it cannot be used; none when it can.
     pub fn fault(&self) -> Option<String> {
         let finite = |s: &PenSample| {

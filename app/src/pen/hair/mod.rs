@@ -38,6 +38,8 @@ const STILL: f32 = 3.0;
 const TELLS: f64 = 4.0;
 /// So many frames after the evaluator has answered, what it has not shown will not come.
 const PATIENCE: usize = 3;
+/// An implant nearer to the middle of the head than this (head units) has no twin on the other side.
+const MIDDLE: f32 = 0.5;
 /// The most samples of one gesture: four minutes at 1,000 a second. What comes after is not drawn.
 const MOST: usize = 240_000;
 
@@ -82,6 +84,8 @@ struct Touch {
     id: u64,
     told: Option<Gesture>,
     lifted: bool,
+    /// How many curves its twin has changed, where it is the one on the other side of the head.
+    twin: Option<usize>,
 }
 
 /// The view of a projection, as gestures keep it: in the head's frame, with points of the screen for pixels.
@@ -261,6 +265,7 @@ impl Hair {
             id: 0,
             told: None,
             lifted: false,
+            twin: None,
             begun: false,
             tool,
             eraser: report.tool == End::Eraser,
@@ -289,33 +294,60 @@ impl Hair {
         self.tap = tap.then_some((touch.began, touch.samples));
     }
 
-    /// What was lifted learns what it did, and its step is done.
-    fn settle(&mut self, touch: Touch, scene: &mut Scene, now: f64) {
-        let Some(told) = &touch.told else { return };
+    /// What was lifted learns what it did, and its step is done; with symmetry once more on the other side.
+    fn settle(&mut self, mut touch: Touch, scene: &mut Scene, now: f64) {
+        let Some(told) = touch.told.take() else { return };
+        let document = &scene.state.document;
         let shown =
             scene.state.shown.as_ref().filter(|shown| shown.revision == scene.state.revision);
         let value = |socket| shown.and_then(|shown| shown.curves_of(&socket));
-        let came_in = target::came_in(&scene.state.document, &touch.node);
-        let same = came_in.and_then(value).map(Curves::key) == touch.came_in;
-        let mut words = told.tool.word().to_owned();
-        if let Some(after) = value(target::output(&touch.node)).filter(|_| same) {
-            let known = resolved(told, &touch.before, after, scene.scalp);
-            let made = after.curve_count() > touch.before.curve_count();
-            let replaced = told.tool == Tool::Implant && after.key() != touch.before.key();
-            if known.curves.is_empty() && !made && !replaced {
-                scene.out.push(Event::Abort);
-                let why = nothing_done(scene.state, &touch.node, told.id);
-                self.said = Some((touch.end(), now + TELLS, why));
-                return;
+        let came_in = target::came_in(document, &touch.node).and_then(value).map(Curves::key);
+        let after = value(target::output(&touch.node)).filter(|_| came_in == touch.came_in);
+        let Some(after) = after else {
+            scene.out.push(Event::EndAs(told.tool.word().to_owned()));
+            return;
+        };
+        let (node, input) = (touch.node.clone(), target::GESTURES.to_owned());
+        let known = resolved(&told, &touch.before, after, scene.scalp);
+        let planted = told.tool == Tool::Implant && after.key() != touch.before.key();
+        let changed = if planted { 1 } else { known.curves.len() };
+        if changed == 0 {
+            scene.out.push(match touch.twin {
+                Some(_) => Event::Edit(Edit::RemoveGesture { node, input, id: told.id }),
+                None => Event::Abort,
+            });
+            match touch.twin {
+                Some(first) => scene.out.push(Event::EndAs(done(told.tool, first))),
+                None => {
+                    let why = nothing_done(scene.state, &touch.node, told.id);
+                    self.said = Some((touch.end(), now + TELLS, why));
+                }
             }
-            words = done(told.tool, known.curves.len());
-            let known = on_the_grid(Gestures(vec![known]).into());
-            if let Some(gesture) = known.0.first().filter(|known| *known != told).cloned() {
-                let (node, input) = (touch.node.clone(), target::GESTURES.to_owned());
-                scene.out.push(Event::Edit(Edit::ReplaceGesture { node, input, gesture }));
+            return;
+        }
+        let known = on_the_grid(Gestures(vec![known]).into());
+        let Some(gesture) = known.0.first() else { return };
+        if *gesture != told {
+            let (node, input) = (node.clone(), input.clone());
+            let gesture = gesture.clone();
+            scene.out.push(Event::Edit(Edit::ReplaceGesture { node, input, gesture }));
+        }
+        let middle = gesture.root.is_some_and(|root| root.x.abs() < MIDDLE);
+        let both = scene.state.settings.pen.symmetry && touch.twin.is_none() && !middle;
+        let twin = both.then(|| finish(told.mirrored(), &target::gestures(document, &node)));
+        match twin.flatten() {
+            Some(twin) => {
+                let at = usize::MAX;
+                let gesture = twin.clone();
+                scene.out.push(Event::Edit(Edit::AddGesture { node, input, at, gesture }));
+                let (before, told) = (after.clone(), Some(twin));
+                self.touch = Some(Touch { before, told, twin: Some(changed), ..touch });
+            }
+            None => {
+                let all = touch.twin.unwrap_or_default() + changed;
+                scene.out.push(Event::EndAs(done(told.tool, all)));
             }
         }
-        scene.out.push(Event::EndAs(words));
     }
 }
 
@@ -327,7 +359,7 @@ fn may_begin((input, free): (Input, bool)) -> Option<Input> {
 /// What a step is called.
 fn done(tool: Tool, curves: usize) -> String {
     let verb = match tool {
-        Tool::Implant => return "implanted a cluster".to_owned(),
+        Tool::Implant => "implanted",
         Tool::Lengthen => "lengthened",
         Tool::Cut => "cut",
         Tool::Density => "changed the density of",
@@ -340,7 +372,10 @@ fn done(tool: Tool, curves: usize) -> String {
         Tool::Grab => "moved",
         Tool::Straighten => "straightened",
     };
-    format!("{verb} {curves} cluster{}", if curves == 1 { "" } else { "s" })
+    match curves {
+        1 => format!("{verb} a cluster"),
+        _ => format!("{verb} {curves} clusters"),
+    }
 }
 
 /// Why the last gesture of a node has done nothing, as the node says it.

@@ -235,13 +235,13 @@ fn the_paper_grammar_combs_lengthens_cuts_twists_frizzes_and_pins() {
         words,
         [
             "implanted a cluster",
-            "lengthened 1 cluster",
-            "combed 1 cluster",
-            "pinned 1 cluster",
-            "cut 1 cluster",
-            "changed the density of 1 cluster",
-            "twisted 1 cluster",
-            "frizzed 1 cluster"
+            "lengthened a cluster",
+            "combed a cluster",
+            "pinned a cluster",
+            "cut a cluster",
+            "changed the density of a cluster",
+            "twisted a cluster",
+            "frizzed a cluster"
         ]
     );
     // Each knows whom it changed.
@@ -363,4 +363,36 @@ fn a_mouse_reaches_all_three_levels_by_what_it_touches_and_by_keys() {
     );
     salon.0.editor().act("hair.level_1");
     assert_eq!(salon.0.editor().pen.hair.level, None);
+}
+
+#[test]
+fn with_symmetry_both_sides_of_the_head_are_one_step() {
+    let mut salon = Salon::open(head(), "hair.sketch");
+    salon.0.editor().act("pen.symmetry");
+    salon.draw(&Salon::line([340.0, 130.0], [380.0, 400.0]), HEAVY);
+    assert_eq!((salon.tools().len(), salon.0.done()), (2, 1));
+    assert_eq!(salon.words(), "implanted 2 clusters");
+    let middle = salon.place(0, 4);
+    salon.draw(&Salon::line([middle.x, middle.y], [middle.x + 60.0, middle.y]), MIDDLE);
+    assert_eq!((salon.tools().len(), salon.0.done()), (4, 2));
+    assert_eq!(salon.words(), "combed 2 clusters");
+    let curves = salon.curves();
+    let scalp = salon.0.editor().state.shown.as_ref().and_then(|s| s.scalp().cloned()).unwrap();
+    let both: Vec<Vec<Vec3>> = curves
+        .each()
+        .map(|(tuft, i)| {
+            tuft.curve(i).iter().map(|p| scalp.frame().head_from_point(*p)).collect()
+        })
+        .collect();
+    for (a, b) in both[0].iter().zip(&both[1]) {
+        // As far as the built-in head is the same on both sides.
+        assert!((*a * Vec3::new(-1.0, 1.0, 1.0)).distance(*b) < 0.25, "{a} {b}");
+    }
+    // In the middle there is one, and what finds nothing on the other side is alone.
+    salon.draw(&Salon::line([300.0, 120.0], [300.0, 180.0]), HEAVY);
+    assert_eq!(salon.words(), "implanted a cluster");
+    salon.0.editor().apply(crate::editor::event::Event::Undo);
+    salon.0.editor().apply(crate::editor::event::Event::Undo);
+    salon.0.editor().apply(crate::editor::event::Event::Undo);
+    assert_eq!(salon.tools(), []);
 }
