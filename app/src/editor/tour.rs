@@ -48,6 +48,11 @@ const STEPS: &[Step] = &[
         },
     },
     Step {
+        title: "Sketch hair",
+        text: "Press H and draw over the braids or on bare skin: from the skin a cluster grows along the stroke, from a tip it goes on, over hair it is combed. 1, 2 and 3 say how deep a mouse reaches.",
+        done: |before, editor| gestures(&editor.state.document) > before.gestures,
+    },
+    Step {
         title: "Keep it",
         text: "Ctrl+S saves the groom: plain text, the same hair on every machine.",
         done: |_, editor| editor.state.file.path.is_some() && !editor.state.history.is_changed(),
@@ -58,6 +63,7 @@ const STEPS: &[Step] = &[
 struct Before {
     eye: Vec3,
     strokes: usize,
+    gestures: usize,
     strands: Vec<String>,
     partings: Vec<String>,
 }
@@ -69,6 +75,7 @@ impl Before {
         Self {
             eye: camera.eye - camera.target,
             strokes: strokes(document),
+            gestures: gestures(document),
             strands: numbers(document, "lissajous_braid", "strands"),
             partings: numbers(document, "edge_partition", "parting_width"),
         }
@@ -85,6 +92,16 @@ fn strokes(document: &Document) -> usize {
     let settings = document.nodes.values().flat_map(|node| node.inputs.values());
     let count = settings.map(|setting| match setting {
         Setting::Known(Value::Strokes(strokes)) => strokes.0.len(),
+        _ => 0,
+    });
+    count.sum()
+}
+
+/// Gestures on hair of the whole document.
+fn gestures(document: &Document) -> usize {
+    let settings = document.nodes.values().flat_map(|node| node.inputs.values());
+    let count = settings.map(|setting| match setting {
+        Setting::Known(Value::Gestures(gestures)) => gestures.0.len(),
         _ => 0,
     });
     count.sum()

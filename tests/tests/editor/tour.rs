@@ -47,4 +47,17 @@ fn each_step_of_the_tour_is_noticed_when_it_is_done() {
     ui.state_mut().apply(set("partings", "parting_width", Value::Float(0.4)));
     ui.run_steps(2);
     assert_eq!(at(&ui), Some(4));
+    // By the pen it is tried in its own tests; a gesture in the document is noticed.
+    let node = ui.state().state.document.fresh_node("hair_sketch", &id("sketch"));
+    let add = Edit::AddNode { id: id("sketch"), node: node.into(), at: None };
+    ui.state_mut().apply(Event::Edit(add));
+    ui.run_steps(2);
+    assert_eq!(at(&ui), Some(4));
+    let text = coif_graphs::grooms::by_name("sketch_mohawk").expect("a groom");
+    let drawn = coif_graphs::file::read(text).expect("it reads").document;
+    let held = drawn.node("hair_sketch").and_then(|node| node.inputs.get("gestures").cloned());
+    let Some(Setting::Known(gestures)) = held else { panic!("gestures") };
+    ui.state_mut().apply(set("sketch", "gestures", gestures));
+    ui.run_steps(2);
+    assert_eq!(at(&ui), Some(5));
 }

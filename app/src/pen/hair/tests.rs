@@ -380,9 +380,7 @@ fn with_symmetry_both_sides_of_the_head_are_one_step() {
     let scalp = salon.0.editor().state.shown.as_ref().and_then(|s| s.scalp().cloned()).unwrap();
     let both: Vec<Vec<Vec3>> = curves
         .each()
-        .map(|(tuft, i)| {
-            tuft.curve(i).iter().map(|p| scalp.frame().head_from_point(*p)).collect()
-        })
+        .map(|(tuft, i)| tuft.curve(i).iter().map(|p| scalp.frame().head_from_point(*p)).collect())
         .collect();
     for (a, b) in both[0].iter().zip(&both[1]) {
         // As far as the built-in head is the same on both sides.
