@@ -2,13 +2,15 @@
 //! that an editor keeps. Prints for each slider the median and the worst time to new hair, and what ran.
 
 use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{Document, Setting, Socket};
+use coif_graphs::document::{Document, NodeId, Setting, Socket};
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
 use coif_graphs::{file, grooms};
+use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool};
 use coif_nodes::define::Value;
 use coif_nodes::eval::Quality;
+use glam::Vec2;
 use std::time::Instant;
 
 /// A slider and the ends between which it is dragged.
@@ -21,7 +23,88 @@ const SLIDERS: &[(&str, &str, f32, f32)] = &[
     ("start", "hair.frizz", 0.0, 0.3),
 ];
 
+/// 150 clusters that the pen combs, and the hair in them.
+const SKETCH: &str = r#"(
+    format: 1,
+    nodes: {
+        "head": (kind: "head"),
+        "clusters": (kind: "scatter_guides", inputs: {
+            "count": 150, "length": 14.0, "radius": 1.0, "lie": 40.0, "bend": 30.0, "points": 8,
+        }),
+        "sketch": (kind: "hair_sketch"),
+        "hair": (kind: "cluster_to_strands", inputs: {"density": 0.5}),
+    },
+    links: {
+        "clusters.scalp": "head.scalp",
+        "sketch.scalp": "head.scalp",
+        "sketch.curves": "clusters.curves",
+        "hair.curves": "sketch.curves",
+        "hair.scalp": "head.scalp",
+    },
+)"#;
+
+/// A comb of all layers down the side of the head, sample by sample; then it is taken back.
+fn sketch() {
+    let mut document = file::read(SKETCH).expect("it reads").document;
+    let bob = grooms::by_name("sketch_bob").expect("a shipped groom");
+    let bob = file::read(bob).expect("it reads").document;
+    let held = bob.node("hair_sketch").and_then(|node| node.inputs.get("gestures").cloned());
+    let Some(Setting::Known(Value::Gestures(drawn))) = held else { panic!("no gestures") };
+    let comb = drawn.0.iter().find(|one| one.tool == Tool::Comb).expect("a comb");
+    let gesture = |samples: usize| {
+        let at = |k: usize| PenSample {
+            at: Vec2::new(-40.0 + 6.0 * k as f32, -120.0 + 9.0 * k as f32),
+            pressure: 0.5,
+            time: 0.008 * k as f32,
+            tilt: Vec2::ZERO,
+        };
+        let samples = (0..samples).map(at).collect();
+        Gesture { samples, curves: vec![], layer: Layer::Through, ..comb.clone() }
+    };
+    let evaluator = Evaluator::new(0, 1 << 30).expect("threads");
+    let files = DiskFiles::default();
+    let run = |document: &Document, socket: &str, quality: Quality| {
+        let began = Instant::now();
+        let target = [socket.parse().expect("a socket")];
+        let plan = plan(document, &target, quality, &files).expect("a plan");
+        let outcome = evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet);
+        let ms = began.elapsed().as_secs_f64() * 1e3;
+        let made = outcome.nodes.iter().find(|node| node.name == "hair");
+        (ms, made.map_or((0, 0), |node| (node.tufts_run, node.tufts_reused)))
+    };
+    let set = |document: &mut Document, gestures: Vec<Gesture>| {
+        let node = NodeId::new("sketch").expect("an id");
+        let setting = Setting::Known(Gestures(gestures).into());
+        Edit::SetInput { node, input: "gestures".into(), setting }.apply(document).expect("an edit");
+    };
+    run(&document, "hair.curves", Quality::Final);
+    run(&document, "hair.curves", Quality::Preview);
+    let (mut clusters, mut strands, mut most) = (vec![], vec![], (0, 0));
+    for k in 2..42 {
+        set(&mut document, vec![gesture(k)]);
+        clusters.push(run(&document, "sketch.curves", Quality::Preview).0);
+        let (ms, made) = run(&document, "hair.curves", Quality::Preview);
+        strands.push(ms);
+        most = most.max(made);
+    }
+    set(&mut document, vec![]);
+    let (undo, _) = run(&document, "hair.curves", Quality::Preview);
+    let (whole, _) = run(&document, "hair.curves", Quality::Final);
+    for times in [&mut clusters, &mut strands] {
+        times.sort_by(f64::total_cmp);
+    }
+    let told = |times: &[f64]| format!("{:.2} ms median, {:.2} worst", times[20], times[39]);
+    println!(
+        "150 clusters, a comb's sample: clusters {}; strands after them {} ({} tufts made at most, {} known); undo {undo:.2} ms, all hair again {whole:.2} ms",
+        told(&clusters),
+        told(&strands),
+        most.0,
+        most.1,
+    );
+}
+
 fn main() {
+    sketch();
     for (groom, socket, from, to) in SLIDERS {
         let text = grooms::by_name(groom).expect("a shipped groom");
         let mut document: Document = file::read(text).expect("it reads").document;

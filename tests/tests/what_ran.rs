@@ -6,11 +6,12 @@ use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::result::Outcome;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
+use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use coif_nodes::define::Value;
 use coif_nodes::eval::Quality;
 use coif_nodes::maths::transcendental::{sin_cos, sin_cos_turns};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 const CLUSTERS: usize = 150;
@@ -369,4 +370,69 @@ fn whatever_becomes_of_partings_the_hair_is_that_of_a_fresh_run() {
         let kept = session.run_parted(drawn.clone());
         assert_same(&kept, &Session::parted().run_parted(drawn), what);
     }
+}
+
+/// Clusters that gestures change, and the hair in them.
+const SKETCHED: &str = r#"(
+    format: 1,
+    nodes: {
+        "head": (kind: "head"),
+        "clusters": (kind: "scatter_guides", inputs: {"count": 30, "length": 12.0, "radius": 1.0}),
+        "sketch": (kind: "hair_sketch"),
+        "hair": (kind: "cluster_to_strands", inputs: {"strands": 20}),
+    },
+    links: {
+        "clusters.scalp": "head.scalp",
+        "sketch.scalp": "head.scalp",
+        "sketch.curves": "clusters.curves",
+        "hair.curves": "sketch.curves",
+        "hair.scalp": "head.scalp",
+    },
+)"#;
+
+#[test]
+fn a_gesture_on_one_cluster_makes_one_tuft_anew_and_taking_it_back_none() {
+    let mut session = Session::of(SKETCHED, ["sketch.curves", "hair.curves"]);
+    assert_eq!(tufts(&session.ran(), "hair"), Some(30));
+    let id = match session.run().targets.first() {
+        Some(Some(Value::Curves(curves))) => curves.each().map(|(tuft, i)| tuft.id(i)).min(),
+        _ => None,
+    };
+    let view = View {
+        eye: Vec3::new(0.0, 0.0, 80.0),
+        target: Vec3::ZERO,
+        up: Vec3::Y,
+        half_height: 0.2,
+        parallel: false,
+        pixels: 900.0,
+    };
+    let frizz = |one: u64, wide: f32| Gesture {
+        id: one,
+        tool: Tool::Frizz,
+        layer: Layer::Nearest,
+        view,
+        samples: (0..97)
+            .map(|k: i32| PenSample {
+                at: Vec2::new(wide * (((k % 16) - 8).abs() as f32 / 4.0 - 1.0), 0.7 * k as f32),
+                pressure: 0.5,
+                time: 0.01 * k as f32,
+                tilt: Vec2::ZERO,
+            })
+            .collect(),
+        curves: id.into_iter().collect(),
+        root: None,
+        path: vec![],
+        colour: None,
+        size: 0.0,
+        strength: 1.0,
+    };
+    let mut draw = |gestures: Vec<Gesture>| {
+        set(&mut session.document, "sketch", "gestures", Gestures(gestures).into());
+        tufts(&session.ran(), "hair")
+    };
+    assert_eq!(draw(vec![frizz(1, 60.0)]), Some(1));
+    assert_eq!(draw(vec![frizz(1, 60.0), frizz(2, 30.0)]), Some(1));
+    // What was made before is kept.
+    assert_eq!(draw(vec![frizz(1, 60.0)]).unwrap_or(0), 0);
+    assert_eq!(draw(vec![]).unwrap_or(0), 0);
 }
