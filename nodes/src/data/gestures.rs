@@ -159,6 +159,38 @@ pub struct Gesture {
     pub strength: f32,
 }
 
+/// What became of a gesture where it was replayed, for reports.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Replayed {
+    /// The gesture's id.
+    pub id: u64,
+    /// Its tool's word.
+    pub tool: &'static str,
+    /// How far the root of an implant lies from where the head's frame puts it, cm; none where it is not known where it was.
+    pub drift: Option<f32>,
+    /// How far what was made runs from the kept path, in the frame of its root or old end: the mean over its length,
+    /// degrees; none without a kept path.
+    pub turned: Option<f32>,
+    /// How many curves it names for its tool to act on.
+    pub named: usize,
+    /// How many curves it took: of those it names the ones that are there, or else those that lay under the pen.
+    pub picked: usize,
+    /// How many curves it made, changed or removed.
+    pub changed: usize,
+    /// Ids of curves that it names and that are not there any more.
+    pub orphaned: Vec<u64>,
+    /// What it could not do.
+    pub said: Vec<String>,
+}
+
+impl Replayed {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let said: usize = self.said.iter().map(|text| text.len() + size_of::<String>()).sum();
+        size_of::<Self>() + size_of_val(&self.orphaned[..]) + said
+    }
+}
+
 /// The gestures of one node, in the order in which they were drawn.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gestures(pub Vec<Gesture>);

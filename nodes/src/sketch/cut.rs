@@ -14,14 +14,14 @@ const BIAS: f32 = 0.26;
 /// A curve that would be shorter than this (cm) after a cut is removed whole.
 const SHORTEST: f32 = 0.1;
 
-pub(super) fn cut(hand: &Hand, sketch: &mut Sketch, number: usize) {
+pub(super) fn cut(hand: &Hand, sketch: &mut Sketch) {
     let line = hand.line();
     let stroke = [line[0], line[line.len() - 1]];
     let nothing = match hand.gesture.layer {
         Layer::Scalp => "it crosses no roots on the head",
         _ => "it crosses no curve from side to side: begin and end beside the hair",
     };
-    let taken = hand.takes(sketch, number, |hand, sketch| crossed(hand, sketch, stroke), nothing);
+    let taken = hand.takes(sketch, |hand, sketch| crossed(hand, sketch, stroke), nothing);
     if hand.gesture.layer == Layer::Scalp {
         let mut gone = vec![false; sketch.locks.len()];
         taken.into_iter().for_each(|i| gone[i] = true);
