@@ -189,7 +189,7 @@ fn clear(hand: &Hand, points: &mut [Vec3], held: usize) {
         let lengths = points.windows(2).map(|pair| pair[0].distance(pair[1])).collect();
         Rest::new(lengths, held).lengthen(points, &hand.skin);
         for p in &mut points[held + 1..] {
-            *p = hand.skin.lift(*p, CLEARANCE).0;
+            *p = hand.skin.lift_exactly(*p, CLEARANCE).0;
         }
     }
 }

@@ -20,6 +20,8 @@ mod hand;
 mod laws;
 mod lock;
 mod pin;
+#[cfg(test)]
+mod random_laws;
 mod relax;
 pub mod seen;
 pub mod stroke_shape;
