@@ -18,6 +18,7 @@ pub mod hair_sketch;
 mod hand;
 #[cfg(test)]
 mod laws;
+pub mod level;
 mod lock;
 mod pin;
 #[cfg(test)]
