@@ -24,6 +24,8 @@ mod pin;
 #[cfg(test)]
 mod random_laws;
 mod relax;
+#[cfg(test)]
+mod replay_laws;
 pub mod seen;
 pub mod stroke_shape;
 mod twist;
