@@ -2,7 +2,9 @@
 
 use super::hair_sketch::{self, resolved};
 use super::laws::{drawn, line, points};
+use super::random_laws::out_of;
 use super::seen::Seen;
+use crate::data::attributes::DRIFT;
 use crate::data::curves::{Curves, TuftBuilder};
 use crate::data::gestures::{Gesture, Gestures, Layer, Replayed, Tool, View};
 use crate::data::scalp::Scalp;
@@ -10,7 +12,7 @@ use crate::data::scalp::tests::shared_ball;
 use crate::define::Value;
 use crate::eval::{Host, Log, Quality};
 use crate::maths::hash::Dice;
-use crate::maths::transcendental::sin_cos;
+use crate::maths::transcendental::{atan2, sin_cos};
 use crate::testing::{Memory, curves_of, head, run, run_on, shared_head};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
@@ -164,6 +166,11 @@ fn silhouette(a: &[Vec3], b: &[Vec3]) -> f32 {
     off(a, b).max(off(b, a))
 }
 
+fn median(mut all: Vec<f32>) -> f32 {
+    all.sort_by(f32::total_cmp);
+    all[all.len() / 2]
+}
+
 /// What is told of gestures on other curves: each has its line, what is gone is in it, and nothing is left undone in silence.
 #[track_caller]
 fn told_whole(gestures: &[Gesture], told: &[Arc<Replayed>], there: &BTreeSet<u64>) {
@@ -258,5 +265,97 @@ fn on_another_head_each_gesture_does_its_work_or_says_what_it_leaves() {
         let gone = told.iter().map(|one| one.orphaned.len()).sum::<usize>();
         let whole = format!("of {asked} curves that gestures name {gone} are not there any more");
         assert!(gone > 0 && said.contains(&whole), "{said:?}");
+    }
+}
+
+/// Implants all over the scalp of the built-in head, each other one combed.
+fn implants() -> Pen {
+    let scalp = built_in();
+    let mut pen = Pen::new(scalp.clone(), None);
+    let roots = guides(&scalp, 27);
+    let dice = Dice::new(3, 0, "implants");
+    for (n, (tuft, i)) in roots.each().enumerate() {
+        let root = scalp.closest_root(tuft.curve(i)[0]).unwrap();
+        let n = n as u64;
+        let aside = Vec3::from([0, 1, 2].map(|k| dice.signed(n, k))) * 0.35;
+        let view = looking_at(&scalp, root.point, root.normal, aside);
+        // 0.025 cm a pixel: 5 to 10 cm, more or less down.
+        let (sin, cos) = sin_cos(dice.signed(n, 3));
+        let to = Vec2::new(sin, cos) * dice.range(n, 4, 200.0, 400.0);
+        assert!(pen.draw(Tool::Implant, Layer::Scalp, view, &line([0.0, 0.0], to.into())));
+        if n.is_multiple_of(2) {
+            let from = to * 0.5;
+            let comb = line(from.into(), (from + to.perp() * dice.signed(n, 5)).into());
+            pen.draw(Tool::Comb, Layer::Nearest, view, &comb);
+        }
+    }
+    pen
+}
+
+const HEADS: &[&str] =
+    &["lps_head/LeePerrySmith.glb", "ict_head/generic_neutral_mesh.obj", "sintel/sintel.obj"];
+
+/// Degrees between the ways from root to tip of curves of the built-in head and of another.
+fn turned(was: &Curves, is: &Curves, other: &Scalp) -> Vec<f32> {
+    let way = |cvs: &[Vec3]| cvs[cvs.len() - 1] - cvs[0];
+    let (from, is) = (built_in(), points(is));
+    let each = |(id, cvs): (u64, Vec<Vec3>)| {
+        let a = from.frame().head_from_vector(way(&cvs));
+        let b = other.frame().head_from_vector(way(&is[&id]));
+        atan2(a.cross(b).length(), a.dot(b)).to_degrees()
+    };
+    points(was).into_iter().map(each).collect()
+}
+
+#[test]
+fn what_was_implanted_and_combed_on_the_built_in_head_stands_on_others_as_it_was() {
+    let test = "what_was_implanted_and_combed_on_the_built_in_head_stands_on_others_as_it_was";
+    let pen = implants();
+    for name in HEADS {
+        let Some(other) = shared_head(test, name, &[]) else { continue };
+        let (after, told, said) = replay(&pen.host, &other, None, &pen.kept);
+        let is = points(&after);
+        // Not one is lost, nor is one more than a comb's whose hair is led elsewhere.
+        assert!(is.keys().eq(points(&pen.now).keys()), "{name}");
+        assert!(told.iter().filter(|one| !one.said.is_empty()).count() <= 1, "{name}: {said:?}");
+        let drifts: Vec<f32> = told.iter().filter_map(|one| one.drift).collect();
+        let stands: Vec<f32> = after.tufts().iter().map(|t| t.view(DRIFT).at(0, 0)).collect();
+        assert_eq!(drifts, stands, "{name}");
+        let most = drifts.iter().fold(0.0f32, |most, drift| most.max(*drift));
+        let text = format!("in the median, {most:.2} cm at most");
+        assert!(said.iter().any(|said| said.contains(&text)), "{name}: {said:?}");
+        let turned = median(turned(&pen.now, &after, &other));
+        let deepest = is.values().flatten().map(|p| out_of(&other, *p)).fold(f32::MAX, f32::min);
+        assert!(turned < 5.0, "{name}: {turned}");
+        assert!(deepest > -2e-3, "{name}: {deepest}");
+    }
+}
+
+#[test]
+fn roots_all_over_the_scalp_stand_within_two_millimetres_on_other_heads() {
+    let test = "roots_all_over_the_scalp_stand_within_two_millimetres_on_other_heads";
+    let scalp = built_in();
+    let grown = guides(&scalp, 300);
+    let kept = |(i, (tuft, curve)): (u64, (&crate::data::curves::Tuft, usize))| {
+        let (root, path) = super::grow::kept(&scalp, &[], tuft.curve(curve)).unwrap();
+        Gesture {
+            id: i,
+            root: Some(root),
+            path,
+            ..drawn(Tool::Implant, Layer::Scalp, &[Vec2::ZERO])
+        }
+    };
+    let all: Vec<Gesture> = (1..).zip(grown.each()).map(kept).collect();
+    let host = Memory::default();
+    let (was, ..) = replay(&host, &scalp, None, &all);
+    for name in HEADS {
+        let Some(other) = shared_head(test, name, &[]) else { continue };
+        let (is, told, _) = replay(&host, &other, None, &all);
+        assert_eq!(is.curve_count(), 300, "{name}");
+        // In head units: Sintel's head is 1.09 times as large.
+        let unit = other.frame().unit();
+        let drift = median(told.iter().filter_map(|one| one.drift).collect()) / unit;
+        let turned = median(turned(&was, &is, &other));
+        assert!(drift < 0.2 && turned < 5.0, "{name}: {drift}, {turned}");
     }
 }
