@@ -191,6 +191,59 @@ fn a_stroke_beside_a_cluster_of_known_depth_leads_as_deep_and_elsewhere_keeps_it
 }
 
 #[test]
+fn curves_that_run_more_than_thirty_degrees_elsewhere_tell_no_depth() {
+    // From the top of the ball up and towards the eye: 0.7 cm for each on the picture.
+    let known: Vec<Vec3> =
+        (0..8).map(|k| Vec3::new(0.0, 8.9 + 1.6 * k as f32, 1.12 * k as f32)).collect();
+    let mut b = crate::data::curves::TuftBuilder::new();
+    b.push_curve(&known);
+    let upstream = Curves::new(vec![Arc::new(b.build())]);
+    for (degrees, wanted) in [(0.0, 0.7), (25.0, 0.7), (35.0, 0.0), (-25.0, 0.7), (-35.0, 0.0)] {
+        let (sin, cos) = sin_cos(f32::to_radians(degrees));
+        let to = [40.0 + 120.0 * sin, -290.0 - 120.0 * cos];
+        let stroke = drawn(Tool::Implant, Layer::Scalp, &line([40.0, -290.0], to));
+        let (curves, said) = sketch_on(&shared_ball(), Some(&upstream), &[stroke]);
+        let cvs = curves.tufts().last().unwrap().points().to_vec();
+        let way = cvs[cvs.len() - 1] - cvs[0];
+        let found = way.z / way.truncate().length();
+        assert!((found - wanted).abs() < 0.15 * 0.7, "{degrees}: {found} {cvs:?} {said:?}");
+    }
+}
+
+#[test]
+fn a_comb_reaches_thirty_pixels_and_no_farther() {
+    let (before, _) = sketch(None, &[one_lock()]);
+    let was = only(&before);
+    let seen = super::seen::Seen::new(&one_lock().view, shared_ball().frame());
+    let at = seen.pixel(was[3]).unwrap();
+    let comb = |off: f32| {
+        let way = line([at.x + off, at.y], [at.x + off + 200.0, at.y]);
+        sketch(None, &[one_lock(), drawn(Tool::Comb, Layer::Through, &way)])
+    };
+    let (after, said) = comb(29.0);
+    assert!(said.is_empty() && only(&after)[3].x > was[3].x, "{said:?}");
+    let (same, said) = comb(31.0);
+    assert!(only(&same) == was && said[0].contains("passes no curve"), "{said:?}");
+}
+
+#[test]
+fn a_full_cluster_has_512_strands_within_a_radius_of_one_cm() {
+    let fuller = drawn(Tool::Density, Layer::Scalp, &circle([0.0, -150.0], 60.0, 10.0));
+    for (gestures, wanted) in [(vec![one_lock()], 256), (vec![one_lock(), fuller], 512)] {
+        let (curves, said) = sketch(None, &gestures);
+        assert!(said.is_empty(), "{said:?}");
+        let root = only(&curves)[0];
+        let set = [("curves", curves.into()), ("scalp", shared_ball().into())];
+        let hair = run(crate::by_id("cluster_to_strands").unwrap(), &set).0;
+        let hair = curves_of(&hair[0]);
+        assert_eq!(hair.curve_count(), wanted);
+        let off = hair.each().map(|(tuft, i)| tuft.curve(i)[0].distance(root));
+        let off = off.fold(0.0, f32::max);
+        assert!((0.9..1.01).contains(&off), "{off}");
+    }
+}
+
+#[test]
 fn a_lengthened_cluster_goes_on_from_its_tip_and_keeps_what_was() {
     let (before, _) = sketch(None, &[one_lock()]);
     let was = only(&before);
