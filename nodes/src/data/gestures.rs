@@ -313,6 +313,9 @@ impl Gestures {
     }
 }
 
+/// How far about a root the skin tells which way is out, head units: over the whorls of an ear and the folds of a scan.
+const ABOUT: f32 = 2.0;
+
 /// The frame in which what grows from a place of a head is kept: out of the skin, down over it, and across. Where the skin
 /// looks straight up or down, forward stands for down.
 #[derive(Clone, Copy, Debug)]
@@ -324,9 +327,21 @@ pub struct RootFrame {
 }
 
 impl RootFrame {
-    /// The frame at a root of a head.
-    pub fn at(frame: &super::scalp::HeadFrame, root: &Root) -> Self {
-        Self::of(frame, root.point, root.normal)
+    /// The frame at a root of a head. Out is how the skin lies about the root, the mean of its normals there and round about, so that
+    /// folds, ears and what is rough in a scan turn nothing.
+    pub fn at(scalp: &super::scalp::Scalp, root: &Root) -> Self {
+        let (frame, skin) = (scalp.frame(), scalp.skin());
+        let aside = any_normal(root.normal);
+        let reach = ABOUT * frame.unit();
+        let (a, b) = (aside * reach, root.normal.cross(aside) * reach);
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        let round = [a, b, (a + b) * half, (a - b) * half].into_iter().flat_map(|v| [v, -v]);
+        let normal = |off: Vec3| {
+            let hit = skin.closest(root.point + off)?;
+            Some(scalp.surface().smooth_normal(hit.triangle, hit.bary))
+        };
+        let out = round.filter_map(normal).fold(root.normal, |sum, normal| sum + normal);
+        Self::of(frame, root.point, out)
     }
     /// The frame at any place where something that grows looks this way.
     pub fn of(frame: &super::scalp::HeadFrame, origin: Vec3, out: Vec3) -> Self {

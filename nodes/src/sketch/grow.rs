@@ -53,7 +53,7 @@ pub(super) fn implant(hand: &Hand, sketch: &mut Sketch) {
             points
         }
         false => {
-            let own = RootFrame::at(frame, &root);
+            let own = RootFrame::at(hand.scalp, &root);
             let path = hand.gesture.path.iter().map(|p| own.world(*p));
             let drawn: Vec<Vec3> = std::iter::once(root.point).chain(path).collect();
             let mut points = drawn.clone();
@@ -205,7 +205,7 @@ fn at_tip(frame: &HeadFrame, points: &[Vec3]) -> RootFrame {
 pub(super) fn kept(scalp: &Scalp, before: &[Vec3], after: &[Vec3]) -> Option<(Vec3, Vec<Vec3>)> {
     let frame = scalp.frame();
     let own = match before {
-        [] => RootFrame::at(frame, &scalp.closest_root(*after.first()?)?),
+        [] => RootFrame::at(scalp, &scalp.closest_root(*after.first()?)?),
         [_] => return None,
         _ => at_tip(frame, before),
     };

@@ -258,8 +258,8 @@ fn heads() -> Vec<(&'static str, Vec<(&'static str, Value)>)> {
 
 #[test]
 fn random_gestures_keep_roots_lengths_pins_and_hair_out_of_the_head() {
-    hold("ball", &shared_ball(), 120);
-    hold("built-in", &head(&[]), 90);
+    hold("ball", &shared_ball(), 300);
+    hold("built-in", &head(&[]), 150);
 }
 
 #[test]
@@ -267,7 +267,7 @@ fn random_gestures_keep_their_laws_on_real_heads_and_animals() {
     for (name, set) in heads().into_iter().step_by(2) {
         let test = "random_gestures_keep_their_laws_on_real_heads_and_animals";
         let Some(scalp) = shared_head(test, name, &set) else { continue };
-        hold(name, &scalp, 30);
+        hold(name, &scalp, 60);
     }
 }
 

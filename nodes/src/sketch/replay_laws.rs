@@ -228,22 +228,14 @@ fn a_moved_parting_keeps_what_was_combed_and_names_the_guides_that_it_took() {
     assert_eq!(named, gone, "{said:?}");
     // Gone are those that the parting took: of 350 on 600 cm2 two or three.
     assert!(gone.iter().all(|id| !there.free(up_was[id][0])) && gone.len() <= 5, "{gone:x?}");
-    let (mut same, mut led) = (0, 0);
-    for id in edited.difference(&gone) {
-        let Some(cvs) = was.get(id) else {
-            assert!(!is.contains_key(id), "{id:x} was cut off and is not");
-            continue;
-        };
-        // What lies along a parting is led otherwise where that moves, and combed from there.
-        let by = silhouette(cvs, &is[id]);
-        let upstream = silhouette(&up_was[id], &up_is[id]);
-        assert!(by < 0.05 || upstream > 0.0, "{id:x}: {by}");
-        match upstream > 0.0 {
-            true => led += 1,
-            false => same += 1,
-        }
+    let kept: Vec<&u64> = edited.difference(&gone).collect();
+    assert!(kept.len() > 100, "{}", kept.len());
+    for id in kept {
+        // (What was cut off whole is so again.)
+        assert_eq!(was.contains_key(id), is.contains_key(id), "{id:x}");
+        let by = was.get(id).map_or(0.0, |cvs| silhouette(cvs, &is[id]));
+        assert!(by < 0.05, "{id:x}: {by}");
     }
-    assert!(same >= 10 * led.max(1), "{same}, {led}");
 }
 
 #[test]
@@ -311,11 +303,11 @@ fn turned(was: &Curves, is: &Curves, other: &Scalp) -> Vec<f32> {
 fn what_was_implanted_and_combed_on_the_built_in_head_stands_on_others_as_it_was() {
     let test = "what_was_implanted_and_combed_on_the_built_in_head_stands_on_others_as_it_was";
     let pen = implants();
-    for name in HEADS {
+    for name in HEADS.iter().chain(&["snowden_scan/snowden.obj"]) {
         let Some(other) = shared_head(test, name, &[]) else { continue };
         let (after, told, said) = replay(&pen.host, &other, None, &pen.kept);
         let is = points(&after);
-        // Not one is lost, nor is one more than a comb's whose hair is led elsewhere.
+        // Not one is lost, and one comb at most does not meet its hair.
         assert!(is.keys().eq(points(&pen.now).keys()), "{name}");
         assert!(told.iter().filter(|one| !one.said.is_empty()).count() <= 1, "{name}: {said:?}");
         let drifts: Vec<f32> = told.iter().filter_map(|one| one.drift).collect();
@@ -335,7 +327,7 @@ fn what_was_implanted_and_combed_on_the_built_in_head_stands_on_others_as_it_was
 fn roots_all_over_the_scalp_stand_within_two_millimetres_on_other_heads() {
     let test = "roots_all_over_the_scalp_stand_within_two_millimetres_on_other_heads";
     let scalp = built_in();
-    let grown = guides(&scalp, 300);
+    let grown = guides(&scalp, 1000);
     let kept = |(i, (tuft, curve)): (u64, (&crate::data::curves::Tuft, usize))| {
         let (root, path) = super::grow::kept(&scalp, &[], tuft.curve(curve)).unwrap();
         Gesture {
@@ -351,8 +343,8 @@ fn roots_all_over_the_scalp_stand_within_two_millimetres_on_other_heads() {
     for name in HEADS {
         let Some(other) = shared_head(test, name, &[]) else { continue };
         let (is, told, _) = replay(&host, &other, None, &all);
-        assert_eq!(is.curve_count(), 300, "{name}");
-        // In head units: Sintel's head is 1.09 times as large.
+        assert_eq!(is.curve_count(), 1000, "{name}");
+        // In head units: Sintel's head is 1.09 times as large. There these are 2.1 mm, and 1.9 on a head of average size.
         let unit = other.frame().unit();
         let drift = median(told.iter().filter_map(|one| one.drift).collect()) / unit;
         let turned = median(turned(&was, &is, &other));
