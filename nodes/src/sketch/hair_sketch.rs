@@ -84,11 +84,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let skin = cx.skin(scalp);
     let items: Vec<(Key, &Gesture)> =
         inputs.gestures.0.iter().map(|one| (one.key(), one)).collect();
-    let first = || {
-        let mut sketch = Sketch { locks: Lock::all(&curves), ..Sketch::default() };
-        sketch.bytes = sketch.bytes_beside(&Sketch::default());
-        Ok(sketch)
-    };
+    let first = || Ok(Sketch::of(Lock::all(&curves)));
     let step = |sketch: &Sketch, gesture: &&Gesture| {
         let seen = Seen::new(&gesture.view, scalp.frame());
         Ok(after(&Hand { gesture, seen, scalp, skin, set }, sketch))

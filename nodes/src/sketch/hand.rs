@@ -53,13 +53,10 @@ pub(super) struct Sketch {
 }
 
 impl Sketch {
-    /// Bytes of what this state holds and the one before it does not.
-    pub(super) fn bytes_beside(&self, before: &Self) -> usize {
-        let known: BTreeSet<*const Lock> = before.locks.iter().map(Arc::as_ptr).collect();
-        let new = self.locks.iter().filter(|lock| !known.contains(&Arc::as_ptr(lock)));
-        let told = self.replayed.last().map_or(0, |one| one.bytes());
-        let lists = (self.locks.len() + self.replayed.len()) * 8;
-        lists + new.map(|lock| lock.bytes()).sum::<usize>() + told + size_of::<Self>()
+    /// Before any gesture.
+    pub(super) fn of(locks: Vec<Arc<Lock>>) -> Self {
+        let bytes = locks.iter().map(|lock| lock.bytes() + 8).sum::<usize>() + size_of::<Self>();
+        Self { locks, bytes, ..Self::default() }
     }
 
     /// Notes what the gesture at work could not do.
@@ -67,16 +64,17 @@ impl Sketch {
         self.now.said.push(text.into());
     }
 
-    /// How many of the curves that were there `before` are no longer what they were.
-    fn changed_since(&self, before: &Self) -> usize {
-        let known: BTreeSet<*const Lock> = before.locks.iter().map(Arc::as_ptr).collect();
-        let same = self.locks.iter().filter(|lock| known.contains(&Arc::as_ptr(lock))).count();
-        before.locks.len() - same
-    }
-
     /// Ends the gesture at work: what it left undone is told, and what became of it joins the others.
     pub(super) fn ended(mut self, before: &Self) -> Self {
-        self.now.changed += self.changed_since(before);
+        let known: BTreeSet<*const Lock> = before.locks.iter().map(Arc::as_ptr).collect();
+        let is_new = |lock: &&Arc<Lock>| !known.contains(&Arc::as_ptr(lock));
+        let (new, bytes) = self
+            .locks
+            .iter()
+            .filter(is_new)
+            .fold((0, 0), |(new, bytes), lock| (new + 1, bytes + lock.bytes()));
+        // Of those that were there.
+        self.now.changed += before.locks.len() + new - self.locks.len();
         let (picked, changed) = (self.now.picked, self.now.changed);
         match () {
             () if changed >= picked || !self.now.said.is_empty() && changed == 0 => {}
@@ -90,8 +88,10 @@ impl Sketch {
             }
             () => {}
         }
-        self.replayed.push(Arc::new(std::mem::take(&mut self.now)));
-        self.bytes = self.bytes_beside(before);
+        let now = std::mem::take(&mut self.now);
+        let lists = (self.locks.len() + self.replayed.len() + 1) * 8;
+        self.bytes = bytes + lists + now.bytes() + size_of::<Self>();
+        self.replayed.push(Arc::new(now));
         self
     }
 }
