@@ -16,6 +16,7 @@
 
 use crate::data::curves::{Curves, Tuft};
 use crate::data::footprint::{Footprint, traced};
+use crate::data::gestures::Replayed;
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::define::NodeError;
@@ -132,9 +133,14 @@ pub struct Log {
     /// Pieces that the cache had.
     pub tufts_reused: AtomicU32,
     messages: Mutex<Vec<Message>>,
+    gestures: Mutex<Vec<Arc<Replayed>>>,
 }
 
 impl Log {
+    /// What became of the node's gestures, one for each in their order.
+    pub fn gestures(&self) -> Vec<Arc<Replayed>> {
+        self.gestures.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
     /// Everything said, repeats joined.
     pub fn messages(&self) -> Vec<Message> {
         self.messages.lock().unwrap_or_else(PoisonError::into_inner).clone()
@@ -266,6 +272,10 @@ impl<'a> EvalCx<'a> {
     /// Remarks on something that is as it should be.
     pub fn remark(&self, text: impl Into<String>) {
         self.log.say(Message { warning: false, text: text.into(), count: 0, curves: vec![] });
+    }
+    /// Notes what became of the node's gestures.
+    pub fn replayed(&self, gestures: Vec<Arc<Replayed>>) {
+        *self.log.gestures.lock().unwrap_or_else(PoisonError::into_inner) = gestures;
     }
     /// Notes trouble with one curve outside a piece of work.
     pub fn trouble(&self, curve: u64, text: impl std::fmt::Display) {

@@ -1,11 +1,12 @@
 //! How tests of single nodes call them: the only place that knows.
 
 use crate::data::curves::Curves;
-use crate::define::{NodeDef, NodeError, Value};
+use crate::data::scalp::Scalp;
+use crate::define::{FileData, NodeDef, NodeError, Value};
 use crate::eval::{EvalCx, Host, Kept, Log, PlainHost, Quality, Room};
 use crate::maths::hash::{Key, KeyBuilder};
 use std::collections::BTreeMap;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 /// A host without threads that forgets nothing, for tests of what ran.
 #[derive(Default)]
@@ -107,6 +108,41 @@ pub(crate) fn run_on(
     }
     let cx = EvalCx::new(0, quality, key.finish(), host, log);
     (node.run)(&cx, &values)
+}
+
+/// A file of the shared data with those beside it that it names; none when it is not on this machine.
+pub(crate) fn shared_file(name: &str) -> Option<Arc<FileData>> {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/");
+    let bytes: Arc<[u8]> = std::fs::read(format!("{root}{name}")).ok()?.into();
+    let (folder, _) = name.split_once('/')?;
+    let extension = name.rsplit('.').next()?.to_owned();
+    let sides = crate::formats::mesh_in::side_files(&extension, &bytes)
+        .into_iter()
+        .filter_map(|side| {
+            let bytes = std::fs::read(format!("{root}{folder}/{side}")).ok()?;
+            Some((side, bytes.into()))
+        })
+        .collect();
+    Some(Arc::new(FileData { path: name.to_owned(), extension, bytes, sides }))
+}
+
+/// The head of a file of the shared data; none, and said so, when it is not on this machine.
+#[track_caller]
+pub(crate) fn shared_head(test: &str, name: &str, set: &[(&str, Value)]) -> Option<Arc<Scalp>> {
+    let Some(file) = shared_file(name) else {
+        println!("skipped: {test} needs ../shared/data/{name}");
+        return None;
+    };
+    Some(head(&[&[("mesh", Value::File(file))], set].concat()))
+}
+
+/// What the head node gives; the built-in head where nothing is set.
+#[track_caller]
+pub(crate) fn head(set: &[(&str, Value)]) -> Arc<Scalp> {
+    match &run(crate::by_id("head").expect("a head"), set).0[0] {
+        Value::Scalp(scalp) => scalp.clone(),
+        other => panic!("a {}", other.type_name()),
+    }
 }
 
 /// The curves of a value.

@@ -1,5 +1,6 @@
 //! The command line's contract: exit codes, one clear line, and nothing touched when something is wrong.
 
+use coif_nodes::maths::hash::curve_id;
 use coif_tests::{Folder, Ran, adapter, eval, repository, run, shared};
 use serde_json::Value as Json;
 use std::time::{Duration, Instant};
@@ -234,6 +235,58 @@ fn the_report_has_the_fields_of_the_contract() {
     ] {
         assert!(report["nodes"][0].get(field).is_some(), "nodes.{field}");
     }
+}
+
+#[test]
+fn the_report_tells_gesture_by_gesture_what_became_of_them() {
+    const TEST: &str = "the_report_tells_gesture_by_gesture_what_became_of_them";
+    // Kept with its root, 2 head units off the skin, and a path that leads down; a comb that names it and a curve that is gone; a
+    // cut that names nothing, beside all hair.
+    let made = curve_id(1, 0, 0);
+    let view = "eye: (0.0, 0.0, 60.0), target: (0.0, 0.0, 0.0), up: (0.0, 1.0, 0.0), half_height: 0.25, pixels: 1000.0";
+    let stroke = |x: &str, y: &str| {
+        format!("x: [{x}], y: [{y}], pressure: [128, 0, 0], time: [0, 100, 100]")
+    };
+    let (down, aside) =
+        (stroke("0, 0, 0", "-1200, 1000, 1000"), stroke("-400, 1600, 1600", "-1600, 0, 0"));
+    let far = stroke("3000, 100, 100", "0, 800, 800");
+    let sketch = format!(
+        "        \"hair\": (kind: \"hair_sketch\", inputs: {{\"gestures\": [
+            (id: 1, tool: \"implant\", layer: \"scalp\", {view}, {down}, root: (0.0, 7.6, 7.6), path_x: [10000, 5000, 2000], path_y: [5000, 15000, 20000], path_z: [0, 0, 0]),
+            (id: 2, tool: \"comb\", layer: \"through\", {view}, {aside}, curves: [{made}, 57005]),
+            (id: 7, tool: \"cut\", layer: \"through\", {view}, {far}),
+        ]}}),\n"
+    );
+    let folder = Folder::new(TEST);
+    let path = folder.path("sketch.ron");
+    std::fs::write(&path, graph(&format!("{HEAD}{sketch}{OUT}"), WIRES)).unwrap();
+    let report = eval(&path.display().to_string(), &[]);
+    let nodes = report["nodes"].as_array().unwrap();
+    let node = |name: &str| nodes.iter().find(|node| node["name"] == name).unwrap();
+    assert!(node("head").get("gestures").is_none());
+    let told = node("hair")["gestures"].as_array().unwrap();
+    let of = |field: &str| -> Vec<Json> { told.iter().map(|one| one[field].clone()).collect() };
+    assert_eq!(of("number"), [0, 1, 2]);
+    assert_eq!(of("id"), [1, 2, 7]);
+    assert_eq!(of("tool"), ["implant", "comb", "cut"]);
+    assert_eq!(
+        (of("named"), of("picked"), of("changed")),
+        (list([0, 2, 0]), list([0, 1, 0]), list([1, 1, 0]))
+    );
+    assert_eq!(told[1]["orphaned"], serde_json::json!(["000000000000dead"]));
+    assert!(told[2]["said"][0].as_str().unwrap().contains("crosses no curve"), "{told:?}");
+    // sqrt(2) x 7.6 = 10.7 head units from the middle of a head of 8.9.
+    let drift = told[0]["drift_cm"].as_f64().unwrap();
+    assert!((1.0..2.5).contains(&drift) && told[1]["drift_cm"].is_null(), "{drift}");
+    assert!(
+        told[0]["turned_degrees"].as_f64().unwrap() >= 0.0 && told[1]["turned_degrees"].is_null()
+    );
+    let said = node("hair")["messages"].to_string();
+    assert!(said.contains(&format!("{drift:.2} cm at most (gesture 0)")), "{said}");
+}
+
+fn list(of: [i32; 3]) -> Vec<Json> {
+    of.map(Json::from).to_vec()
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use coif_graphs::schedule::result::{NodeReport, content_hash_until};
 use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::curves::Curves;
+use coif_nodes::data::gestures::Replayed;
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::sync::{Arc, LazyLock};
@@ -157,6 +158,51 @@ pub(crate) struct Node {
     pub(crate) curves: usize,
     pub(crate) points: usize,
     pub(crate) messages: Vec<String>,
+    /// What became of its gestures, in their order; missing where it has none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) gestures: Vec<Gesture>,
+}
+
+/// One pen gesture, replayed on this head and these curves.
+#[derive(Serialize)]
+pub(crate) struct Gesture {
+    /// Its number, as in messages: from 0 in drawing order.
+    pub(crate) number: usize,
+    pub(crate) id: u64,
+    pub(crate) tool: &'static str,
+    /// How far the root of an implant lies from where the head's frame puts it, cm; null where the gesture keeps no root.
+    pub(crate) drift_cm: Option<f32>,
+    /// How far what was made runs from the kept path, seen from its root: the mean over its length; null without a path.
+    pub(crate) turned_degrees: Option<f32>,
+    /// Curves that it names to act on; 0 where it takes what lies under the pen.
+    pub(crate) named: usize,
+    /// Curves it took: of those it names the ones that are there.
+    pub(crate) picked: usize,
+    /// Curves it made, changed or removed.
+    pub(crate) changed: usize,
+    /// Ids that it names and that are gone.
+    pub(crate) orphaned: Vec<String>,
+    /// What it could not do.
+    pub(crate) said: Vec<String>,
+}
+
+impl Gesture {
+    fn new((number, replayed): (usize, &Replayed)) -> Self {
+        let Replayed { id, tool, drift, turned, named, picked, changed, orphaned, said } =
+            replayed.clone();
+        Self {
+            number,
+            id,
+            tool,
+            drift_cm: drift,
+            turned_degrees: turned,
+            named,
+            picked,
+            changed,
+            orphaned: orphaned.iter().map(|id| format!("{id:016x}")).collect(),
+            said,
+        }
+    }
 }
 
 impl Report {
@@ -200,6 +246,10 @@ impl Report {
                 curves: node.curves,
                 points: node.points,
                 messages: node.messages.iter().map(ToString::to_string).collect(),
+                gestures: (0..)
+                    .zip(node.gestures.iter().map(|one| &**one))
+                    .map(Gesture::new)
+                    .collect(),
             });
         }
     }

@@ -3,6 +3,7 @@
 use crate::document::{Document, Setting};
 use coif_nodes::data::attributes::{Attribute, Column, Domain, Item, default_of};
 use coif_nodes::data::curves::{Curves, Tuft};
+use coif_nodes::data::gestures::Replayed;
 use coif_nodes::define::{NodeError, Value};
 use coif_nodes::eval::Message;
 use coif_nodes::maths::hash::canonical;
@@ -31,6 +32,8 @@ pub struct NodeReport {
     pub points: usize,
     /// What it said.
     pub messages: Vec<Message>,
+    /// What became of its gestures, one for each in their order; empty for nodes that take none.
+    pub gestures: Vec<Arc<Replayed>>,
     /// Why it failed, if it did.
     pub error: Option<NodeError>,
 }

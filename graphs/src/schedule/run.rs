@@ -8,6 +8,7 @@
 use super::cache::Cache;
 use super::plan::{Plan, Source, Step};
 use super::result::{NodeReport, Outcome};
+use coif_nodes::data::gestures::Replayed;
 use coif_nodes::define::{NodeError, Type, Value};
 use coif_nodes::eval::{EvalCx, Host, Kept, Log, MOST_POINTS, Message, Quality, Room};
 use coif_nodes::maths::hash::{Key, KeyBuilder};
@@ -252,6 +253,7 @@ impl Evaluator {
         } else if let Some(known) = known {
             report.cached = true;
             report.messages.clone_from(&known.messages);
+            report.gestures.clone_from(&known.gestures);
             report.tufts_reused = known.tufts;
             Ok(known.values.clone())
         } else if cancel.is_cancelled() {
@@ -274,13 +276,14 @@ impl Evaluator {
             });
             report.tufts_run = log.tufts_run.load(Ordering::Relaxed);
             report.tufts_reused = log.tufts_reused.load(Ordering::Relaxed);
-            report.messages = log.messages();
+            (report.messages, report.gestures) = (log.messages(), log.gestures());
             if let Ok(values) = &result {
                 report.messages.extend(vanished(step, &inputs, values, &report.messages));
                 let bytes = values.iter().map(Value::bytes).sum::<usize>() + 256;
                 let known = Known {
                     values: values.clone(),
                     messages: report.messages.clone(),
+                    gestures: report.gestures.clone(),
                     tufts: report.tufts_run + report.tufts_reused,
                 };
                 self.cache().keep(keys.whole, Arc::new(known), bytes);
@@ -312,7 +315,8 @@ impl Evaluator {
 /// All outputs of a node, as the cache keeps them.
 struct Known {
     values: Vec<Value>,
-    messages: Vec<coif_nodes::eval::Message>,
+    messages: Vec<Message>,
+    gestures: Vec<Arc<Replayed>>,
     tufts: u32,
 }
 

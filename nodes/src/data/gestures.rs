@@ -159,6 +159,38 @@ pub struct Gesture {
     pub strength: f32,
 }
 
+/// What became of a gesture where it was replayed, for reports.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Replayed {
+    /// The gesture's id.
+    pub id: u64,
+    /// Its tool's word.
+    pub tool: &'static str,
+    /// How far the root of an implant lies from where the head's frame puts it, cm; none where it is not known where it was.
+    pub drift: Option<f32>,
+    /// How far what was made runs from the kept path, in the frame of its root or old end: the mean over its length,
+    /// degrees; none without a kept path.
+    pub turned: Option<f32>,
+    /// How many curves it names for its tool to act on.
+    pub named: usize,
+    /// How many curves it took: of those it names the ones that are there, or else those that lay under the pen.
+    pub picked: usize,
+    /// How many curves it made, changed or removed.
+    pub changed: usize,
+    /// Ids of curves that it names and that are not there any more.
+    pub orphaned: Vec<u64>,
+    /// What it could not do.
+    pub said: Vec<String>,
+}
+
+impl Replayed {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let said: usize = self.said.iter().map(|text| text.len() + size_of::<String>()).sum();
+        size_of::<Self>() + size_of_val(&self.orphaned[..]) + said
+    }
+}
+
 /// The gestures of one node, in the order in which they were drawn.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gestures(pub Vec<Gesture>);
@@ -302,6 +334,9 @@ impl Gestures {
     }
 }
 
+/// How far about a root the skin tells which way is out, head units: over the whorls of an ear and the folds of a scan.
+const ABOUT: f32 = 2.0;
+
 /// The frame in which what grows from a place of a head is kept: out of the skin, down over it, and across. Where the skin
 /// looks straight up or down, forward stands for down.
 #[derive(Clone, Copy, Debug)]
@@ -313,9 +348,21 @@ pub struct RootFrame {
 }
 
 impl RootFrame {
-    /// The frame at a root of a head.
-    pub fn at(frame: &super::scalp::HeadFrame, root: &Root) -> Self {
-        Self::of(frame, root.point, root.normal)
+    /// The frame at a root of a head. Out is how the skin lies about the root, the mean of its normals there and round about, so that
+    /// folds, ears and what is rough in a scan turn nothing.
+    pub fn at(scalp: &super::scalp::Scalp, root: &Root) -> Self {
+        let (frame, skin) = (scalp.frame(), scalp.skin());
+        let aside = any_normal(root.normal);
+        let reach = ABOUT * frame.unit();
+        let (a, b) = (aside * reach, root.normal.cross(aside) * reach);
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        let round = [a, b, (a + b) * half, (a - b) * half].into_iter().flat_map(|v| [v, -v]);
+        let normal = |off: Vec3| {
+            let hit = skin.closest(root.point + off)?;
+            Some(scalp.surface().smooth_normal(hit.triangle, hit.bary))
+        };
+        let out = round.filter_map(normal).fold(root.normal, |sum, normal| sum + normal);
+        Self::of(frame, root.point, out)
     }
     /// The frame at any place where something that grows looks this way.
     pub fn of(frame: &super::scalp::HeadFrame, origin: Vec3, out: Vec3) -> Self {

@@ -470,6 +470,24 @@ impl Skin<'_> {
         self.raise(p, height)
     }
 
+    /// [`Self::lift`] of all that [`Self::distance`] tells to be lower: beside ears and among folds the field alone may pass over a
+    /// thin wall, and what is put out of one may end in another. Where the skin is near it costs a search more.
+    pub fn lift_exactly(&self, p: Vec3, height: f32) -> (Vec3, bool) {
+        const AGAIN: usize = 4;
+        let (mut at, mut moved) = self.lift(p, height);
+        for _ in 0..AGAIN {
+            if self.distance(at) >= height {
+                break;
+            }
+            let (next, more) = self.raise_exactly(at, height);
+            if !more {
+                break;
+            }
+            (at, moved) = (next, true);
+        }
+        (at, moved)
+    }
+
     /// [`Self::lift`] as far as the field knows, which is right to half a cell: for rounds that come nearer and nearer.
     #[inline]
     pub fn lift_about(&self, p: Vec3, height: f32) -> Vec3 {

@@ -2,7 +2,8 @@
 //!
 //! Guarantees: roots lie on the scalp and in the region; a higher count only adds guides; no point
 //! lies under the skin; points are evenly spaced; on a parted scalp none is rooted in a parting or leads over one on the skin: it
-//! goes along it, and ends at a corner that leaves no way. Not promised: that guides keep clear of each other.
+//! goes along it, and ends at a corner that leaves no way. A parting takes the guides that would be rooted in it and no others. Not
+//! promised: that guides keep clear of each other.
 
 use super::even_roots::{Apart, EvenRoots};
 use crate::data::attributes::{
@@ -31,7 +32,7 @@ node! {
         scalp: Arc<Scalp>;
         /// Whether the number of guides is given, or how many there are on a square centimetre.
         by: By = By::Count;
-        /// Guides on the whole region, when by count.
+        /// Guides on the whole region, when by count; those that would be rooted in a parting are left out.
         count: i64 = 300, hard(0.0, 100000.0), soft(10.0, 2000.0), unit(Count), words("amount number");
         /// Guides on a square centimetre, when by density.
         density: f32 = 0.5, hard(0.0, 1000.0), soft(0.05, 5.0), unit(PerCm2), words("amount number");
@@ -171,8 +172,8 @@ fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, No
     let (mut start, mut skipped) = (0, 0.0f32);
     while (out.len() as f32 + skipped) < wanted as f32 && start < last && !apart.full() {
         cx.check()?;
-        let batch: Vec<(u32, Root)> =
-            (start..start + BATCH).filter_map(|i| Some((i, even.root(i)?))).collect();
+        let root = |i: u32| even.get(i).map(|(triangle, bary)| (i, scalp.root(triangle, bary)));
+        let batch: Vec<(u32, Root)> = (start..start + BATCH).filter_map(root).collect();
         let tuft = bound(&batch, inputs.seed);
         let mask = inputs.mask.on(&tuft, Some(scalp))?;
         for (slot, (i, root)) in batch.into_iter().enumerate() {
@@ -180,7 +181,8 @@ fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, No
                 break;
             }
             let share = mask.at(slot, slot, 0.0);
-            let chosen = keep.unit(u64::from(i), 0) < share;
+            // What a parting takes keeps its place in the list, so that where that moves all others stay.
+            let chosen = keep.unit(u64::from(i), 0) < share && scalp.free(root.point);
             if apart.take(i, root.point) {
                 match chosen {
                     true => out.push((i, root)),

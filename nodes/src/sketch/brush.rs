@@ -15,12 +15,11 @@ const LIFT: f32 = 0.12;
 /// Share of the way to smooth or straight that one step makes there.
 const SHARE: f32 = 0.35;
 
-pub(super) fn brush(hand: &Hand, sketch: &mut Sketch, number: usize) {
+pub(super) fn brush(hand: &Hand, sketch: &mut Sketch) {
     let size = hand.reach();
     let line = steps(&hand.line(), 0.25 * size);
     let taken = hand.takes(
         sketch,
-        number,
         |hand, sketch| hand.passed(sketch, &line, size),
         "the brush passes no curve: begin on hair",
     );

@@ -14,12 +14,11 @@ use std::sync::Arc;
 /// By how much of rho a CV under the start of a segment is moved by it.
 const PUSH: f32 = 0.5;
 
-pub(super) fn comb(hand: &Hand, sketch: &mut Sketch, number: usize) {
+pub(super) fn comb(hand: &Hand, sketch: &mut Sketch) {
     let rho = hand.set.rho;
     let line = steps(&hand.line(), rho);
     let taken = hand.takes(
         sketch,
-        number,
         |hand, sketch| hand.passed(sketch, &line, rho),
         "the comb passes no curve: begin on hair, or comb all layers",
     );

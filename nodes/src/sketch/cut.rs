@@ -14,14 +14,14 @@ const BIAS: f32 = 0.26;
 /// A curve that would be shorter than this (cm) after a cut is removed whole.
 const SHORTEST: f32 = 0.1;
 
-pub(super) fn cut(hand: &Hand, sketch: &mut Sketch, number: usize) {
+pub(super) fn cut(hand: &Hand, sketch: &mut Sketch) {
     let line = hand.line();
     let stroke = [line[0], line[line.len() - 1]];
     let nothing = match hand.gesture.layer {
         Layer::Scalp => "it crosses no roots on the head",
         _ => "it crosses no curve from side to side: begin and end beside the hair",
     };
-    let taken = hand.takes(sketch, number, |hand, sketch| crossed(hand, sketch, stroke), nothing);
+    let taken = hand.takes(sketch, |hand, sketch| crossed(hand, sketch, stroke), nothing);
     if hand.gesture.layer == Layer::Scalp {
         let mut gone = vec![false; sketch.locks.len()];
         taken.into_iter().for_each(|i| gone[i] = true);
@@ -33,7 +33,7 @@ pub(super) fn cut(hand: &Hand, sketch: &mut Sketch, number: usize) {
     for i in taken {
         let Some((k, t)) = crossing(hand, &sketch.locks[i], stroke) else { continue };
         let mut lock = (*sketch.locks[i]).clone();
-        match shorter(&mut lock, k, t) {
+        match shorter(hand, &mut lock, k, t) {
             true => {
                 let to = way(&lock.points);
                 let normal = hand.seen.plane(stroke[0], stroke[1]);
@@ -102,10 +102,11 @@ fn crossing(hand: &Hand, lock: &Lock, [a, b]: [Vec2; 2]) -> Option<(usize, f32)>
 }
 
 /// Ends a curve in its segment `k`, `t` along it; CVs about as far apart as they were. False where nothing is left.
-fn shorter(lock: &mut Lock, k: usize, t: f32) -> bool {
+fn shorter(hand: &Hand, lock: &mut Lock, k: usize, t: f32) -> bool {
     let mut kept: Vec<Vec3> = lock.points[..=k].to_vec();
     let mut places: Vec<f32> = (0..=k).map(|k| k as f32).collect();
-    let end = lock.points[k].lerp(lock.points[k + 1], t);
+    // Between two CVs out of the head a curve may lead through it.
+    let (end, _) = hand.skin.lift_exactly(lock.points[k].lerp(lock.points[k + 1], t), 0.0);
     let segment = lock.points[k].distance(lock.points[k + 1]);
     // A short last segment is made one with that before, if that is free to give way.
     if t * segment < 0.3 * segment && kept.len() > 1 && !lock.pinned[k] {

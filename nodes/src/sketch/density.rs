@@ -8,15 +8,14 @@ use glam::Vec2;
 /// By how much one circle fills a cluster.
 pub(super) const STEP: f32 = 0.05;
 
-pub(super) fn density(hand: &Hand, sketch: &mut Sketch, number: usize) {
+pub(super) fn density(hand: &Hand, sketch: &mut Sketch) {
     let line = hand.line();
     let turns = full_circles(&line, hand.set.rho);
     if turns == 0 {
-        return sketch.told.push((number, "it closes no circle: draw all the way round".into()));
+        return sketch.say("it closes no circle: draw all the way round");
     }
     let taken = hand.takes(
         sketch,
-        number,
         |hand, sketch| within(hand, sketch, &line),
         "there is no curve in the circle",
     );

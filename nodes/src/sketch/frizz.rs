@@ -3,15 +3,12 @@
 use super::hand::{Hand, Sketch};
 use super::stroke_shape::scribble;
 
-pub(super) fn frizz(hand: &Hand, sketch: &mut Sketch, number: usize) {
+pub(super) fn frizz(hand: &Hand, sketch: &mut Sketch) {
     let Some(scribble) = scribble(&hand.line(), hand.set.rho) else {
-        return sketch
-            .told
-            .push((number, "it is no scribble: go to and fro across the hair".into()));
+        return sketch.say("it is no scribble: go to and fro across the hair");
     };
     let taken = hand.takes(
         sketch,
-        number,
         Hand::under_start_or_middle,
         "it is drawn over no curve: draw it on hair",
     );

@@ -4,7 +4,8 @@
 //! on the mean; elsewhere it keeps its depth.
 //!
 //! Guarantees: segments are as long as the node says, to what makes them come out even; the curve starts on the head or at the old
-//! tip, and none of its other CVs lies under the skin; one implant replaces the curves whose disc holds its root.
+//! tip, and none of its other CVs lies under the skin; one implant replaces the curves whose disc holds its root. Once drawn
+//! (its root is known) it replaces those it names and no others, so that on a head where roots lie closer none is lost.
 
 use super::hand::{Hand, Sketch};
 use super::lock::{Implanted, Lock};
@@ -13,6 +14,7 @@ use super::seen::steps;
 use crate::data::gestures::RootFrame;
 use crate::data::scalp::{HeadFrame, Root, Scalp};
 use crate::maths::hash::curve_id;
+use crate::maths::transcendental::atan2;
 use crate::scalp::lay::Polyline;
 use glam::{Vec2, Vec3};
 
@@ -25,21 +27,21 @@ const NOTHING: f32 = 1e-3;
 /// Turns wider than 60 degrees are smoothed, in so many rounds.
 const ROUNDS: usize = 4;
 
-pub(super) fn implant(hand: &Hand, sketch: &mut Sketch, number: usize) {
+pub(super) fn implant(hand: &Hand, sketch: &mut Sketch) {
     let frame = hand.scalp.frame();
     let (root, drift) = match hand.gesture.root {
         Some(drawn) => {
             let drawn = frame.point_from_head(drawn);
             match hand.scalp.closest_root(drawn) {
                 Some(root) => (root, root.point.distance(drawn)),
-                None => return sketch.told.push((number, "the head has no skin".into())),
+                None => return sketch.say("the head has no skin"),
             }
         }
         None => match hand.on_head() {
             Some(hit) => (hand.scalp.root(hit.triangle, hit.bary), 0.0),
             None => {
                 let text = "it begins beside the head: begin an implant on the skin";
-                return sketch.told.push((number, text.into()));
+                return sketch.say(text);
             }
         },
     };
@@ -51,27 +53,34 @@ pub(super) fn implant(hand: &Hand, sketch: &mut Sketch, number: usize) {
             points
         }
         false => {
-            let own = RootFrame::at(frame, &root);
+            let own = RootFrame::at(hand.scalp, &root);
             let path = hand.gesture.path.iter().map(|p| own.world(*p));
-            let mut points: Vec<Vec3> = std::iter::once(root.point).chain(path).collect();
+            let drawn: Vec<Vec3> = std::iter::once(root.point).chain(path).collect();
+            let mut points = drawn.clone();
             clear(hand, &mut points, 0);
+            sketch.now.turned = Some(turned(&drawn, &points));
             points
         }
     };
     if length(&points) < 1e-3 {
-        return sketch.told.push((number, "it has no length: draw on from the root".into()));
+        return sketch.say("it has no length: draw on from the root");
     }
-    let held = |lock: &Lock| lock.is_curve() && lock.root().distance(root.point) <= lock.radius;
+    let names = &hand.gesture.curves;
+    let held = |lock: &Lock| match hand.gesture.root {
+        Some(_) => names.contains(&lock.id),
+        None => lock.is_curve() && lock.root().distance(root.point) <= lock.radius,
+    };
     let density = density_about(hand, sketch, &root);
     sketch.locks.retain(|lock| !held(lock));
     let id = curve_id(hand.gesture.id, hand.set.seed, 0);
     let asked =
         Implanted { root, radius: hand.set.radius, density, colour: hand.gesture.colour, drift };
-    sketch.drifts.push(drift);
+    sketch.now.drift = hand.gesture.root.map(|_| drift);
+    sketch.now.changed = 1;
     sketch.locks.push(std::sync::Arc::new(Lock::implanted(id, points, &asked, hand.scalp)));
 }
 
-pub(super) fn lengthen(hand: &Hand, sketch: &mut Sketch, number: usize) {
+pub(super) fn lengthen(hand: &Hand, sketch: &mut Sketch) {
     let near_end = |hand: &Hand, sketch: &Sketch| -> Vec<usize> {
         let off = |i: usize| {
             let lock = &sketch.locks[i];
@@ -82,7 +91,7 @@ pub(super) fn lengthen(hand: &Hand, sketch: &mut Sketch, number: usize) {
         let ends = (0..sketch.locks.len()).filter_map(off);
         ends.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i).into_iter().collect()
     };
-    let taken = hand.takes(sketch, number, near_end, "no curve ends here: begin at a tip");
+    let taken = hand.takes(sketch, near_end, "no curve ends here: begin at a tip");
     for i in taken {
         let mut lock = (*sketch.locks[i]).clone();
         let (tip, last) = (lock.tip(), lock.points.len() - 1);
@@ -97,7 +106,10 @@ pub(super) fn lengthen(hand: &Hand, sketch: &mut Sketch, number: usize) {
             false => {
                 let own = at_tip(hand.scalp.frame(), &lock.points);
                 points.extend(hand.gesture.path.iter().map(|p| own.world(*p)));
+                let drawn = points[last..].to_vec();
                 clear(hand, &mut points, last);
+                let more = turned(&drawn, &points[last..]);
+                sketch.now.turned = Some(sketch.now.turned.map_or(more, |most| most.max(more)));
             }
         }
         let places: Vec<f32> = (0..points.len()).map(|k| k.min(last) as f32).collect();
@@ -177,7 +189,7 @@ fn clear(hand: &Hand, points: &mut [Vec3], held: usize) {
         let lengths = points.windows(2).map(|pair| pair[0].distance(pair[1])).collect();
         Rest::new(lengths, held).lengthen(points, &hand.skin);
         for p in &mut points[held + 1..] {
-            *p = hand.skin.lift(*p, CLEARANCE).0;
+            *p = hand.skin.lift_exactly(*p, CLEARANCE).0;
         }
     }
 }
@@ -193,12 +205,23 @@ fn at_tip(frame: &HeadFrame, points: &[Vec3]) -> RootFrame {
 pub(super) fn kept(scalp: &Scalp, before: &[Vec3], after: &[Vec3]) -> Option<(Vec3, Vec<Vec3>)> {
     let frame = scalp.frame();
     let own = match before {
-        [] => RootFrame::at(frame, &scalp.closest_root(*after.first()?)?),
+        [] => RootFrame::at(scalp, &scalp.closest_root(*after.first()?)?),
         [_] => return None,
         _ => at_tip(frame, before),
     };
     let new = after.get(before.len().max(1)..)?;
     Some((frame.head_from_point(after[0]), new.iter().map(|p| own.local(*p)).collect()))
+}
+
+/// How far one line of as many points runs from the way of another: the mean over its length, degrees.
+fn turned(drawn: &[Vec3], made: &[Vec3]) -> f32 {
+    let (mut sum, mut lengths) = (0.0, 0.0);
+    for (a, b) in drawn.windows(2).zip(made.windows(2)) {
+        let (a, b) = (a[1] - a[0], b[1] - b[0]);
+        sum += a.length() * atan2(a.cross(b).length(), a.dot(b)).to_degrees();
+        lengths += a.length();
+    }
+    if lengths > 0.0 { sum / lengths } else { 0.0 }
 }
 
 fn length(points: &[Vec3]) -> f32 {

@@ -12,7 +12,7 @@ use super::lock::Lock;
 use super::seen::Seen;
 use super::{brush, comb, cut, density, frizz, grow, pin, twist};
 use crate::data::curves::Curves;
-use crate::data::gestures::{Gesture, Gestures, Tool};
+use crate::data::gestures::{Gesture, Gestures, Replayed, Tool};
 use crate::data::scalp::Scalp;
 use crate::define::{NodeError, node};
 use crate::eval::{EvalCx, Size};
@@ -82,47 +82,43 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         seed: inputs.seed as u64,
     };
     let skin = cx.skin(scalp);
-    let items: Vec<(Key, (usize, &Gesture))> =
-        (0..).zip(&inputs.gestures.0).map(|(i, one)| (one.key(), (i, one))).collect();
-    let first = || {
-        let mut sketch = Sketch { locks: Lock::all(&curves), ..Sketch::default() };
-        sketch.bytes = sketch.bytes_beside(&Sketch::default());
-        Ok(sketch)
-    };
-    let step = |sketch: &Sketch, (number, gesture): &(usize, &Gesture)| {
+    let items: Vec<(Key, &Gesture)> =
+        inputs.gestures.0.iter().map(|one| (one.key(), one)).collect();
+    let first = || Ok(Sketch::of(Lock::all(&curves)));
+    let step = |sketch: &Sketch, gesture: &&Gesture| {
         let seen = Seen::new(&gesture.view, scalp.frame());
-        let hand = Hand { gesture, seen, scalp, skin, set };
-        Ok(after(&hand, sketch, *number))
+        Ok(after(&Hand { gesture, seen, scalp, skin, set }, sketch))
     };
     // (What else the node was set to is in its own key.)
     let sketch = cx.fold((curves.key(), first), &items, step, |sketch| sketch.bytes)?;
-    say(cx, &sketch, &inputs.gestures);
+    say(cx, &sketch.replayed);
+    cx.replayed(sketch.replayed.clone());
     Ok(Outputs {
         curves: Curves::new(sketch.locks.iter().map(|lock| lock.tuft().clone()).collect()),
     })
 }
 
 /// The curves after one gesture.
-fn after(hand: &Hand, before: &Sketch, number: usize) -> Sketch {
+fn after(hand: &Hand, before: &Sketch) -> Sketch {
     let mut sketch = before.clone();
+    (sketch.now.id, sketch.now.tool) = (hand.gesture.id, hand.gesture.tool.word());
     match hand.gesture.tool {
-        Tool::Implant => grow::implant(hand, &mut sketch, number),
-        Tool::Lengthen => grow::lengthen(hand, &mut sketch, number),
-        Tool::Cut => cut::cut(hand, &mut sketch, number),
-        Tool::Density => density::density(hand, &mut sketch, number),
-        Tool::Twist => twist::twist(hand, &mut sketch, number),
-        Tool::Frizz => frizz::frizz(hand, &mut sketch, number),
-        Tool::Comb => comb::comb(hand, &mut sketch, number),
-        Tool::Pin => pin::pin(hand, &mut sketch, number),
+        Tool::Implant => grow::implant(hand, &mut sketch),
+        Tool::Lengthen => grow::lengthen(hand, &mut sketch),
+        Tool::Cut => cut::cut(hand, &mut sketch),
+        Tool::Density => density::density(hand, &mut sketch),
+        Tool::Twist => twist::twist(hand, &mut sketch),
+        Tool::Frizz => frizz::frizz(hand, &mut sketch),
+        Tool::Comb => comb::comb(hand, &mut sketch),
+        Tool::Pin => pin::pin(hand, &mut sketch),
         Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten => {
-            brush::brush(hand, &mut sketch, number);
+            brush::brush(hand, &mut sketch);
         }
     }
-    sketch.bytes = sketch.bytes_beside(before);
-    sketch
+    sketch.ended(before)
 }
 
-/// A gesture with what it resolved to: the curves that it changed, and where an implant is rooted and what was drawn. Known
+/// A gesture with what it resolved to: the curves that it changed or replaced, and where an implant is rooted and what was drawn. Known
 /// from the node's curves `before` it and `after` it; what a document keeps once the pen is lifted.
 pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scalp) -> Gesture {
     let mut out = gesture.clone();
@@ -134,6 +130,7 @@ pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scal
             let new = is.iter().find(|(id, _)| !was.contains_key(*id));
             if let Some((root, path)) = new.and_then(|(_, (_, all))| grow::kept(scalp, &[], all)) {
                 (out.root, out.path) = (Some(root), path);
+                out.curves = was.keys().filter(|id| !is.contains_key(*id)).copied().collect();
             }
         }
         tool => {
@@ -154,25 +151,44 @@ fn by_id(curves: &Curves) -> BTreeMap<u64, (Key, Vec<Vec3>)> {
     locks.map(|lock| (lock.id, (lock.tuft().key(), lock.points.clone()))).collect()
 }
 
-/// Tells what gestures could not do, and how far roots drifted.
-fn say(cx: &EvalCx, sketch: &Sketch, gestures: &Gestures) {
-    for (number, text) in sketch.told.iter().take(SAID) {
-        let word = gestures.0.get(*number).map_or("", |one| one.tool.word());
-        cx.warn(format!("gesture {number} ({word}): {text}"));
+/// Tells what gestures could not do, and how far those with a root and a path are from how they were drawn.
+fn say(cx: &EvalCx, replayed: &[Arc<Replayed>]) {
+    let undone = || (0..).zip(replayed).filter(|(_, one)| !one.said.is_empty());
+    for (number, one) in undone().take(SAID) {
+        cx.warn(format!("gesture {number} ({}): {}", one.tool, one.said.join("; ")));
     }
-    if sketch.told.len() > SAID {
-        cx.warn(format!(
-            "{} more gestures did not do all they were drawn for",
-            sketch.told.len() - SAID
-        ));
+    let more = undone().count().saturating_sub(SAID);
+    if more > 0 {
+        cx.warn(format!("{more} more gestures did not do all they were drawn for"));
     }
-    let mut drifts: Vec<f32> = sketch.drifts.clone();
-    drifts.sort_by(f32::total_cmp);
-    if let Some(most) = drifts.last().filter(|most| **most > 1e-3) {
-        let median = drifts[drifts.len() / 2];
+    let orphans = || replayed.iter().filter(|one| !one.orphaned.is_empty());
+    if orphans().count() > 1 {
+        let lost: usize = orphans().map(|one| one.orphaned.len()).sum();
+        let named: usize = replayed.iter().map(|one| one.named).sum();
+        cx.warn(format!("of {named} curves that gestures name {lost} are not there any more"));
+    }
+    // A hundredth of a millimetre, and of a degree, is rounding.
+    if let Some((median, most, at)) = spread(replayed, |one| one.drift).filter(|all| all.1 > 1e-3) {
         cx.remark(format!(
-            "{} implants stand on this head {median:.2} cm from where they were drawn in the median, {most:.2} cm at most",
-            drifts.len()
+            "implants stand on this head {median:.2} cm from where they were drawn in the median, {most:.2} cm at most (gesture {at})"
         ));
     }
+    if let Some((median, most, at)) = spread(replayed, |one| one.turned).filter(|all| all.1 > 0.01)
+    {
+        cx.remark(format!(
+            "what was drawn turned by {median:.1} degrees in the median to stay out of this head, by {most:.1} at most (gesture {at})"
+        ));
+    }
+}
+
+/// The median of a number that some gestures have, the largest, and which has that; none where none has one.
+fn spread(
+    replayed: &[Arc<Replayed>],
+    of: impl Fn(&Replayed) -> Option<f32>,
+) -> Option<(f32, f32, usize)> {
+    let mut all: Vec<(f32, usize)> =
+        (0..).zip(replayed).filter_map(|(number, one)| Some((of(one)?, number))).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (most, at) = *all.last()?;
+    Some((all[all.len() / 2].0, most, at))
 }

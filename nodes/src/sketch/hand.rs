@@ -5,7 +5,7 @@
 
 use super::lock::Lock;
 use super::seen::Seen;
-use crate::data::gestures::{Gesture, Layer};
+use crate::data::gestures::{Gesture, Layer, Replayed};
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::closest::Hit;
 use glam::{Vec2, Vec3};
@@ -44,20 +44,55 @@ pub(super) struct Hand<'a> {
 #[derive(Clone, Default)]
 pub(super) struct Sketch {
     pub locks: Vec<Arc<Lock>>,
-    /// What gestures have to say: which, and what.
-    pub told: Vec<(usize, Arc<str>)>,
+    /// What became of each gesture so far, in their order.
+    pub replayed: Vec<Arc<Replayed>>,
+    /// The same of the one at work.
+    pub now: Replayed,
     /// Bytes of it that the state before does not hold.
     pub bytes: usize,
-    /// How far roots of implants lie from where they were drawn, cm.
-    pub drifts: Vec<f32>,
 }
 
 impl Sketch {
-    /// Bytes of what this state holds and the one before it does not.
-    pub(super) fn bytes_beside(&self, before: &Self) -> usize {
+    /// Before any gesture.
+    pub(super) fn of(locks: Vec<Arc<Lock>>) -> Self {
+        let bytes = locks.iter().map(|lock| lock.bytes() + 8).sum::<usize>() + size_of::<Self>();
+        Self { locks, bytes, ..Self::default() }
+    }
+
+    /// Notes what the gesture at work could not do.
+    pub(super) fn say(&mut self, text: impl Into<String>) {
+        self.now.said.push(text.into());
+    }
+
+    /// Ends the gesture at work: what it left undone is told, and what became of it joins the others.
+    pub(super) fn ended(mut self, before: &Self) -> Self {
         let known: BTreeSet<*const Lock> = before.locks.iter().map(Arc::as_ptr).collect();
-        let new = self.locks.iter().filter(|lock| !known.contains(&Arc::as_ptr(lock)));
-        self.locks.len() * 8 + new.map(|lock| lock.bytes()).sum::<usize>() + 64
+        let is_new = |lock: &&Arc<Lock>| !known.contains(&Arc::as_ptr(lock));
+        let (new, bytes) = self
+            .locks
+            .iter()
+            .filter(is_new)
+            .fold((0, 0), |(new, bytes), lock| (new + 1, bytes + lock.bytes()));
+        // Of those that were there.
+        self.now.changed += before.locks.len() + new - self.locks.len();
+        let (picked, changed) = (self.now.picked, self.now.changed);
+        match () {
+            () if changed >= picked || !self.now.said.is_empty() && changed == 0 => {}
+            () if changed == 0 && picked == 1 => self.say("it leaves its curve as it is"),
+            () if changed == 0 => self.say(format!("it changes none of its {picked} curves")),
+            () if self.now.named > 0 => {
+                self.say(format!(
+                    "it leaves {} of its {picked} curves as they are",
+                    picked - changed
+                ));
+            }
+            () => {}
+        }
+        let now = std::mem::take(&mut self.now);
+        let lists = (self.locks.len() + self.replayed.len() + 1) * 8;
+        self.bytes = bytes + lists + now.bytes() + size_of::<Self>();
+        self.replayed.push(Arc::new(now));
+        self
     }
 }
 
@@ -79,7 +114,7 @@ impl Hand<'_> {
     }
 
     /// Numbers of the curves that the gesture names; none where it names none. Those that are not there are told.
-    fn named(&self, sketch: &mut Sketch, number: usize) -> Option<Vec<usize>> {
+    fn named(&self, sketch: &mut Sketch) -> Option<Vec<usize>> {
         if self.gesture.curves.is_empty() {
             return None;
         }
@@ -94,12 +129,13 @@ impl Hand<'_> {
                 }
             }
         }
-        let missing: Vec<String> =
-            wanted.iter().filter(|(_, seen)| !**seen).map(|(id, _)| format!("{id:016x}")).collect();
+        let all = wanted.len();
+        let missing: Vec<u64> =
+            wanted.into_iter().filter(|(_, seen)| !seen).map(|(id, _)| id).collect();
         if !missing.is_empty() {
-            let list = missing.iter().take(3).cloned().collect::<Vec<_>>().join(", ");
+            let list: Vec<String> = missing.iter().take(3).map(|id| format!("{id:016x}")).collect();
+            let list = list.join(", ");
             let more = if missing.len() > 3 { ", ..." } else { "" };
-            let all = self.gesture.curves.len();
             let text = match missing.len() == all {
                 true => format!("its {} not there any more: {list}{more}", curves(all)),
                 false => format!(
@@ -108,8 +144,9 @@ impl Hand<'_> {
                     curves(all)
                 ),
             };
-            sketch.told.push((number, text.into()));
+            sketch.say(text);
         }
+        (sketch.now.named, sketch.now.orphaned) = (all, missing);
         Some(found)
     }
 
@@ -117,17 +154,15 @@ impl Hand<'_> {
     pub(super) fn takes(
         &self,
         sketch: &mut Sketch,
-        number: usize,
         under: impl FnOnce(&Self, &Sketch) -> Vec<usize>,
         nothing: &str,
     ) -> Vec<usize> {
-        if let Some(named) = self.named(sketch, number) {
-            return named;
+        let named = self.named(sketch);
+        let found = named.unwrap_or_else(|| under(self, sketch));
+        if found.is_empty() && sketch.now.said.is_empty() {
+            sketch.say(nothing);
         }
-        let found = under(self, sketch);
-        if found.is_empty() {
-            sketch.told.push((number, nothing.into()));
-        }
+        sketch.now.picked = found.len();
         found
     }
 

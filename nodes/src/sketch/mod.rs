@@ -19,9 +19,14 @@ pub mod hair_sketch;
 mod hand;
 #[cfg(test)]
 mod laws;
+pub mod level;
 mod lock;
 mod pin;
+#[cfg(test)]
+mod random_laws;
 mod relax;
+#[cfg(test)]
+mod replay_laws;
 pub mod seen;
 pub mod stroke_shape;
 mod twist;

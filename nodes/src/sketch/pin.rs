@@ -4,8 +4,8 @@
 
 use super::hand::{Hand, Sketch};
 
-pub(super) fn pin(hand: &Hand, sketch: &mut Sketch, number: usize) {
-    let taken = hand.takes(sketch, number, Hand::under_start, "it is on no curve: tap on hair");
+pub(super) fn pin(hand: &Hand, sketch: &mut Sketch) {
+    let taken = hand.takes(sketch, Hand::under_start, "it is on no curve: tap on hair");
     for i in taken {
         let mut lock = (*sketch.locks[i]).clone();
         let off = |k: &usize| {

@@ -5,6 +5,7 @@
 
 use crate::data::scalp::Skin;
 use crate::maths::frame::{across, any_normal};
+use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
 
 /// Over the skin by so much (cm) CVs are kept.
@@ -15,6 +16,8 @@ const SHARP: f32 = 0.5;
 const ROUNDS: usize = 3;
 /// Tries to put a CV on the skin as far from the last as it was.
 const TRIES: usize = 10;
+/// Ways that are looked at where that leads nowhere.
+const WAYS: usize = 128;
 /// A segment that leads along the skin by less than this part of itself is stuck in it.
 const STUCK: f32 = 0.7;
 
@@ -49,7 +52,7 @@ impl Rest {
             self.lengthen(points, skin);
         }
         for (p, height) in points.iter_mut().zip(&self.heights).skip(self.held + 1) {
-            *p = skin.lift(*p, *height).0;
+            *p = skin.lift_exactly(*p, *height).0;
         }
     }
 
@@ -60,9 +63,11 @@ impl Rest {
             let (from, length, before) = (points[k - 1], self.lengths[k - 1], way);
             way = (points[k] - from).normalize_or(way);
             points[k] = from + way * length;
+            let mut free = false;
             for _ in 0..TRIES {
-                let (lifted, moved) = skin.lift(points[k], self.heights[k]);
+                let (lifted, moved) = skin.lift_exactly(points[k], self.heights[k]);
                 if !moved {
+                    free = true;
                     break;
                 }
                 let out = (lifted - points[k]).normalize_or(Vec3::Y);
@@ -73,6 +78,10 @@ impl Rest {
                     to += on * (0.5 * length);
                 }
                 way = to.normalize_or(way);
+                points[k] = from + way * length;
+            }
+            if !free {
+                way = free_way(from, way, length, self.heights[k], skin);
                 points[k] = from + way * length;
             }
         }
@@ -87,4 +96,19 @@ impl Rest {
             }
         }
     }
+}
+
+/// The way nearest to one that a segment of this length can take from a place without ending in the head, among folds and behind
+/// ears, too; that one where all lead into it.
+fn free_way(from: Vec3, way: Vec3, length: f32, height: f32, skin: &Skin) -> Vec3 {
+    // All ways about evenly: equal steps in height, each turned on by the golden angle.
+    let all = (0..WAYS).map(|k| {
+        let high = 1.0 - (2.0 * k as f32 + 1.0) / WAYS as f32;
+        let (sin, cos) = sin_cos(2.399_963_2 * k as f32);
+        let wide = (1.0 - high * high).sqrt();
+        Vec3::new(wide * cos, high, wide * sin)
+    });
+    let mut all: Vec<Vec3> = all.collect();
+    all.sort_by(|a, b| b.dot(way).total_cmp(&a.dot(way)));
+    all.into_iter().find(|way| !skin.lift_exactly(from + way * length, height).1).unwrap_or(way)
 }

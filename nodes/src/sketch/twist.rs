@@ -6,14 +6,13 @@ use glam::Vec2;
 
 /// Turn of one loop, degrees.
 pub(super) const TURN: f32 = 15.0;
-pub(super) fn twist(hand: &Hand, sketch: &mut Sketch, number: usize) {
+pub(super) fn twist(hand: &Hand, sketch: &mut Sketch) {
     let loops = loops(&hand.line(), hand.set.rho);
     if loops.is_empty() {
-        return sketch.told.push((number, "it makes no loop: let it cross itself".into()));
+        return sketch.say("it makes no loop: let it cross itself");
     }
     let taken = hand.takes(
         sketch,
-        number,
         Hand::under_start_or_middle,
         "it is drawn over no curve: draw it on hair",
     );
@@ -41,6 +40,6 @@ pub(super) fn twist(hand: &Hand, sketch: &mut Sketch, number: usize) {
         turned |= changed;
     }
     if !turned && !taken.is_empty() {
-        sketch.told.push((number, "none of its loops lies on the hair it begins on".into()));
+        sketch.say("none of its loops lies on the hair it begins on");
     }
 }

@@ -173,6 +173,37 @@ fn rows_that_lie_about_scattered_have_a_section_each() {
 }
 
 #[test]
+fn a_parting_takes_the_guides_that_are_rooted_in_it_and_no_others() {
+    let scatter = crate::by_id("scatter_guides").unwrap();
+    let on = |scalp: &Arc<Scalp>| -> BTreeMap<u64, Vec3> {
+        let set = [("scalp", scalp.clone().into()), ("count", Value::Int(800))];
+        let guides = curves_of(&run(scatter, &set).0[0]).clone();
+        guides.each().map(|(tuft, i)| (tuft.id(i), tuft.curve(i)[0])).collect()
+    };
+    let rows = |turn: f32| {
+        let set = [
+            ("pattern", "straight_back".into()),
+            ("count", Value::Int(4)),
+            ("width", Value::Float(0.3)),
+            ("turn", Value::Float(turn)),
+        ];
+        scalp_of(&part(&head(), &set).0[0])
+    };
+    let whole = on(&head());
+    assert_eq!(whole.len(), 800);
+    // Three lines of some 20 x 0.3 cm are a thirtieth of the scalp's 600 cm2.
+    for scalp in [rows(0.0), rows(4.0)] {
+        let parted = on(&scalp);
+        for (id, root) in &whole {
+            let there = parted.get(id);
+            assert_eq!(there, scalp.free(*root).then_some(root), "{id:x}");
+        }
+        assert!((740..800).contains(&parted.len()), "{}", parted.len());
+        assert!(parted.keys().all(|id| whole.contains_key(id)));
+    }
+}
+
+#[test]
 fn hair_wired_where_rows_belong_is_refused() {
     let mut b = TuftBuilder::new();
     for k in 0..5000 {

@@ -5,23 +5,7 @@ use super::*;
 use crate::define::Value;
 use crate::maths::hash::Dice;
 use crate::scalp::face::{self, Face};
-use crate::testing::{fails, run};
-
-/// A file of the shared data; none when it is not on this machine.
-fn file(name: &str) -> Option<Arc<FileData>> {
-    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/");
-    let bytes: Arc<[u8]> = std::fs::read(format!("{root}{name}")).ok()?.into();
-    let (folder, _) = name.split_once('/')?;
-    let sides = crate::formats::mesh_in::side_files(name.rsplit('.').next()?, &bytes)
-        .into_iter()
-        .filter_map(|side| {
-            let bytes = std::fs::read(format!("{root}{folder}/{side}")).ok()?;
-            Some((side, bytes.into()))
-        })
-        .collect();
-    let extension = name.rsplit('.').next()?.to_owned();
-    Some(Arc::new(FileData { path: name.to_owned(), extension, bytes, sides }))
-}
+use crate::testing::{fails, run, shared_file as file};
 
 const LPS: &str = "lps_head/LeePerrySmith.glb";
 const ICT: &str = "ict_head/generic_neutral_mesh.obj";

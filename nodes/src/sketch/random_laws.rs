@@ -1,0 +1,325 @@
+//! Tests: laws that all gestures keep, on random gestures, on every head and animal at hand.
+
+use super::hair_sketch;
+use super::hand::off_line;
+use super::laws::{length, points};
+use super::seen::Seen;
+use crate::data::attributes::PINNED;
+use crate::data::curves::Curves;
+use crate::data::gestures::tests::gesture;
+use crate::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
+use crate::data::scalp::Scalp;
+use crate::data::scalp::tests::shared_ball;
+use crate::define::Value;
+use crate::eval::{Host, Log, PlainHost, Quality};
+use crate::maths::hash::Dice;
+use crate::maths::transcendental::sin_cos;
+use crate::testing::{Memory, curves_of, head, run, run_on, shared_head};
+use glam::{Vec2, Vec3};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// A gesture as nobody would draw it. One in four names curves of `ids`, and one that is not there.
+fn any(seed: u64, ids: &[u64]) -> Gesture {
+    let dice = Dice::new(seed, 0, "gesture");
+    let count = 1 + u64::from(dice.below(0, 0, 60));
+    let size = dice.range(0, 1, 2.0, 400.0);
+    let from = Vec2::new(dice.signed(0, 2), dice.signed(0, 3)) * 300.0;
+    let way = Vec2::new(dice.signed(0, 4), dice.signed(0, 5)) * size;
+    let tremor = dice.range(0, 6, 0.0, 0.3) * size;
+    let turns = dice.signed(0, 7) * 4.0;
+    let samples = (0..count)
+        .map(|k| {
+            let t = k as f32 / count as f32;
+            let (sin, cos) = sin_cos(std::f32::consts::TAU * turns * t);
+            let jitter = Vec2::new(dice.signed(1, k), dice.signed(2, k)) * tremor;
+            let round = Vec2::new(cos - 1.0, sin) * size * 0.3;
+            PenSample { at: from + way * t + jitter + round, ..Default::default() }
+        })
+        .collect();
+    let tools = Tool::ALL.len() as u32;
+    let (sin, cos) = sin_cos(std::f32::consts::TAU * dice.unit(0, 8));
+    let base = gesture(seed + 1, Tool::ALL[dice.below(0, 9, tools) as usize].0);
+    let named = |k: u64| match ids.len() as u32 {
+        0 => 1,
+        most => ids[dice.below(3, k, most) as usize],
+    };
+    let names = dice.below(0, 14, 4) == 0;
+    Gesture {
+        layer: Layer::ALL[dice.below(0, 10, 3) as usize].0,
+        view: View {
+            eye: Vec3::new(sin * 60.0, dice.signed(0, 11) * 40.0, cos * 60.0),
+            parallel: seed.is_multiple_of(5),
+            half_height: if seed.is_multiple_of(5) { 15.0 } else { 0.25 },
+            ..base.view
+        },
+        samples,
+        strength: dice.range(0, 12, 0.0, 3.0),
+        size: if seed.is_multiple_of(3) { dice.range(0, 13, 0.0, 200.0) } else { 0.0 },
+        curves: if names { (0..4).map(named).chain([1]).collect() } else { vec![] },
+        ..base
+    }
+}
+
+/// How far out of the head a point is, cm. In it is what the field of distances and the surface both tell to be: among folds the one
+/// is not exact, under the open neck of a bust the other is not.
+pub(super) fn out_of(scalp: &Scalp, p: Vec3) -> f32 {
+    let surface = scalp.surface();
+    let exact = surface.closest(p).map_or(f32::MAX, |hit| surface.signed_distance(p, &hit));
+    exact.max(scalp.skin().distance(p))
+}
+
+/// A sketch of random gestures on guides all over a head.
+struct Trial<'a> {
+    scalp: &'a Arc<Scalp>,
+    grown: Curves,
+    all: Vec<Gesture>,
+}
+
+impl Trial<'_> {
+    fn run(&self, host: &dyn Host) -> Curves {
+        let set = [
+            ("scalp", self.scalp.clone().into()),
+            ("curves", self.grown.clone().into()),
+            ("gestures", Value::from(Gestures(self.all.clone()))),
+        ];
+        let out = run_on(&hair_sketch::NODE, &set, host, &Log::default(), Quality::Final);
+        curves_of(&out.unwrap()[0]).clone()
+    }
+
+    /// The laws of the last gesture.
+    fn check(&self, name: &str, before: &Curves, after: &Curves) {
+        let gesture = self.all.last().unwrap();
+        let tool = gesture.tool;
+        let said = format!("{name}, {} {tool:?} {:?}", gesture.id - 1, gesture.layer);
+        let (was, is) = (points(before), points(after));
+        let pins: BTreeMap<u64, Vec<bool>> = before
+            .each()
+            .map(|(tuft, i)| {
+                let each = 0..tuft.curve(i).len();
+                (tuft.id(i), each.map(|k| tuft.view(PINNED).at(i, k) != 0).collect())
+            })
+            .collect();
+        let pushes =
+            matches!(tool, Tool::Comb | Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten);
+        for (id, cvs) in &is {
+            assert!(cvs.iter().all(|p| p.is_finite()), "{said}: {cvs:?}");
+            let Some(old) = was.get(id) else {
+                assert_eq!(tool, Tool::Implant, "{said}: a new curve");
+                let deep = cvs.iter().map(|p| out_of(self.scalp, *p)).fold(f32::MAX, f32::min);
+                assert!(deep > -2e-3, "{said}: {deep}");
+                continue;
+            };
+            assert_eq!(cvs[0], old[0], "{said}: a root moved");
+            let held = pins[id].iter().rposition(|pinned| *pinned);
+            if let Some(held) = held.filter(|_| pushes) {
+                assert_eq!(cvs[..=held], old[..=held], "{said}: what a pin holds moved");
+            }
+            for (k, _) in pins[id].iter().enumerate().filter(|(_, pinned)| **pinned) {
+                // (Cut off is not moved.)
+                let gone = tool == Tool::Cut && !cvs.contains(&old[k]);
+                assert!(gone || cvs[k] == old[k], "{said}: a pinned CV moved");
+            }
+            if pushes && tool != Tool::Straighten {
+                let share = length(cvs) / length(old);
+                assert!((share - 1.0).abs() < 0.01, "{said}: length times {share}");
+            }
+            if tool == Tool::Lengthen {
+                assert_eq!(cvs[..old.len()], old[..], "{said}: what was there moved");
+            }
+            // As deep as it was at most.
+            let skin = self.scalp.skin();
+            for (k, p) in cvs.iter().enumerate().skip(1).filter(|(_, p)| !old.contains(p)) {
+                let (deep, was) = (out_of(self.scalp, *p), old.get(k).map(|p| skin.distance(*p)));
+                let least = was.unwrap_or(0.0).min(0.0) - 2e-3;
+                assert!(deep > least, "{said}: CV {k} of {id:x} at {deep}, was at {was:?}");
+            }
+        }
+        self.check_taken(&said, before, after);
+    }
+
+    /// What changed is what the gesture names or, where it names none, one curve on the nearest layer, and else what is drawn
+    /// within its reach and not behind the head.
+    fn check_taken(&self, said: &str, before: &Curves, after: &Curves) {
+        let gesture = self.all.last().unwrap();
+        let tufts = |curves: &Curves| -> BTreeMap<u64, crate::maths::hash::Key> {
+            curves.each().map(|(tuft, i)| (tuft.id(i), tuft.key())).collect()
+        };
+        let is = tufts(after);
+        let changed: Vec<u64> = tufts(before)
+            .into_iter()
+            .filter(|(id, key)| is.get(id) != Some(key))
+            .map(|(id, _)| id)
+            .collect();
+        if gesture.tool == Tool::Implant {
+            // Replaced, and under its disc of a head unit.
+            let new = points(after).into_iter().find(|(id, _)| !points(before).contains_key(id));
+            let root = new.map(|(_, cvs)| cvs[0]);
+            for id in &changed {
+                let off = root.unwrap().distance(points(before)[id][0]);
+                assert!(!is.contains_key(id) && off < 1.01 * self.scalp.frame().unit(), "{said}");
+            }
+            return;
+        }
+        if !gesture.curves.is_empty() {
+            assert!(changed.iter().all(|id| gesture.curves.contains(id)), "{said}: {changed:x?}");
+            return;
+        }
+        if gesture.layer == Layer::Nearest {
+            assert!(changed.len() <= 1, "{said}: {changed:x?}");
+        }
+        let seen = Seen::new(&gesture.view, self.scalp.frame());
+        let line: Vec<Vec2> = gesture.samples.iter().map(|sample| sample.at).collect();
+        let middle = line.iter().sum::<Vec2>() / line.len() as f32;
+        // A cut is straight, whatever the hand did between.
+        let line =
+            if gesture.tool == Tool::Cut { vec![line[0], line[line.len() - 1]] } else { line };
+        let was = points(before);
+        for id in &changed {
+            let cvs = &was[id];
+            let off = |p: Vec3| {
+                seen.pixel(p).map_or(f32::MAX, |at| off_line(&line, at).min(at.distance(middle)))
+            };
+            // Between CVs, too; a cluster is a disc of a head unit about its curve, and a circle holds what is in it.
+            let inner = match gesture.tool {
+                Tool::Density => line.iter().fold(0.0f32, |r, p| r.max(p.distance(line[0]))),
+                _ => 0.0,
+            };
+            let near = cvs.windows(2).any(|pair| {
+                (0..=8).map(|k| pair[0].lerp(pair[1], k as f32 / 8.0)).any(|p| {
+                    let cluster = 1.6 * self.scalp.frame().unit();
+                    let wide = cluster / seen.cm_per_pixel(seen.depth(p));
+                    off(p) <= inner + wide.max(gesture.size).max(60.0) + 10.0
+                })
+            });
+            // The nearest that a circle on the nearest layer finds may be far off.
+            let any = gesture.tool == Tool::Density && gesture.layer == Layer::Nearest;
+            assert!(near || any, "{said}: {id:x} lies beside it");
+        }
+    }
+}
+
+/// Laws of `count` random gestures on a head, thirty to a sketch.
+fn hold(name: &str, scalp: &Arc<Scalp>, count: u64) {
+    let set = [("scalp", scalp.clone().into()), ("count", Value::Int(60))];
+    let grown = curves_of(&run(crate::by_id("scatter_guides").unwrap(), &set).0[0]).clone();
+    assert!(grown.curve_count() > 20, "{name}: {}", grown.curve_count());
+    let keys = |curves: &Curves| -> Vec<_> { curves.tufts().iter().map(|t| t.key()).collect() };
+    let mut tools = BTreeSet::new();
+    for first in (0..count).step_by(30) {
+        let mut trial = Trial { scalp, grown: grown.clone(), all: vec![] };
+        let mut before = grown.clone();
+        let (mut states, mut ids) = (vec![], vec![]);
+        let host = Memory::default();
+        for seed in first..count.min(first + 30) {
+            trial.all.push(any(seed, &ids));
+            let after = trial.run(&host);
+            trial.check(name, &before, &after);
+            if keys(&before) != keys(&after) {
+                tools.insert(trial.all[trial.all.len() - 1].tool);
+            }
+            states.push(keys(&before));
+            ids = after.each().map(|(tuft, i)| tuft.id(i)).collect();
+            before = after;
+        }
+        // Each taken back gives the same bits, and so does what is left where nothing is known.
+        while let Some(state) = states.pop() {
+            trial.all.pop();
+            assert!(keys(&trial.run(&host)) == state, "{name}, {first}: undo");
+            if states.len() == 15 {
+                assert!(keys(&trial.run(&PlainHost)) == state, "{name}, {first}: from nothing");
+            }
+        }
+    }
+    if count >= 1000 {
+        assert_eq!(tools.len(), Tool::ALL.len(), "{name}: {tools:?}");
+    }
+}
+
+/// Every head, and the animals, with what to read them with.
+fn heads() -> Vec<(&'static str, Vec<(&'static str, Value)>)> {
+    let animal = |scale: f32| {
+        let units = [("units", "custom".into()), ("scale", Value::Float(scale))];
+        [&units[..], &[("fit", "none".into())]].concat()
+    };
+    vec![
+        ("lps_head/LeePerrySmith.glb", vec![]),
+        ("ict_head/generic_neutral_mesh.obj", vec![]),
+        ("sintel/sintel.obj", vec![]),
+        ("snowden_scan/snowden.obj", vec![]),
+        ("reported/head_plain.glb", vec![]),
+        ("reported/head_skinned_cm_zup.glb", vec![]),
+        ("reported/head_skinned_quantized.glb", vec![]),
+        ("reported/head_with_ponytail.glb", vec![]),
+        ("rat/street_rat_4k.gltf", animal(100.0)),
+        ("spot/spot_triangulated.obj", animal(8.0)),
+    ]
+}
+
+#[test]
+fn random_gestures_keep_roots_lengths_pins_and_hair_out_of_the_head() {
+    hold("ball", &shared_ball(), 300);
+    hold("built-in", &head(&[]), 150);
+}
+
+#[test]
+fn random_gestures_keep_their_laws_on_real_heads_and_animals() {
+    for (name, set) in heads().into_iter().step_by(2) {
+        let test = "random_gestures_keep_their_laws_on_real_heads_and_animals";
+        let Some(scalp) = shared_head(test, name, &set) else { continue };
+        hold(name, &scalp, 60);
+    }
+}
+
+/// The heads whose names begin so, with ten thousand gestures each.
+fn long(names: &str) {
+    for (name, set) in heads().into_iter().filter(|(name, _)| name.starts_with(names)) {
+        let test = "ten_thousand_random_gestures_keep_their_laws";
+        let Some(scalp) = shared_head(test, name, &set) else { continue };
+        hold(name, &scalp, 10_000);
+    }
+}
+
+#[test]
+#[ignore = "long"]
+fn ten_thousand_random_gestures_keep_their_laws_on_the_built_in_head() {
+    hold("ball", &shared_ball(), 10_000);
+    hold("built-in", &head(&[]), 10_000);
+}
+
+#[test]
+#[ignore = "long"]
+fn ten_thousand_random_gestures_keep_their_laws_on_lps() {
+    long("lps");
+}
+
+#[test]
+#[ignore = "long"]
+fn ten_thousand_random_gestures_keep_their_laws_on_ict() {
+    long("ict");
+}
+
+#[test]
+#[ignore = "long"]
+fn ten_thousand_random_gestures_keep_their_laws_on_sintel() {
+    long("sintel");
+}
+
+#[test]
+#[ignore = "long"]
+fn ten_thousand_random_gestures_keep_their_laws_on_the_scan() {
+    long("snowden");
+}
+
+#[test]
+#[ignore = "long"]
+fn ten_thousand_random_gestures_keep_their_laws_on_posed_heads() {
+    long("reported");
+}
+
+#[test]
+#[ignore = "long"]
+fn ten_thousand_random_gestures_keep_their_laws_on_animals() {
+    long("rat");
+    long("spot");
+}
