@@ -29,6 +29,7 @@ use coif_nodes::maths::hash::Key;
 use coif_nodes::sketch::around::Ground;
 use coif_nodes::sketch::classify::{Guess, classify, is_tap};
 use coif_nodes::sketch::hair_sketch::resolved;
+use coif_nodes::sketch::level::{Rule, level};
 use egui::Pos2;
 use glam::Vec2;
 
@@ -422,7 +423,7 @@ impl Touch {
 
     /// How deep it reaches.
     fn layer(&self) -> Layer {
-        self.fixed.unwrap_or_else(|| level(&self.samples))
+        self.fixed.unwrap_or_else(|| level(&self.samples, Rule::Highest))
     }
 
     /// The next sample.
@@ -552,15 +553,5 @@ fn level_of_mouse(ground: &Ground, at: Vec2, eraser: bool) -> Layer {
     }
 }
 
-/// How deep a stroke reaches by the highest pressure of its first 80 ms or 12 pixels: the paper's three equal levels.
-fn level(samples: &[PenSample]) -> Layer {
-    let first = samples.first().copied().unwrap_or_default();
-    let early = |s: &&PenSample| s.time <= 0.08 || s.at.distance(first.at) <= 12.0;
-    let highest = samples.iter().take_while(early).map(|s| s.pressure).fold(0.0, f32::max);
-    Layer::of_pressure(highest)
-}
-
-#[cfg(test)]
-mod styles;
 #[cfg(test)]
 mod tests;
