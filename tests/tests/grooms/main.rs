@@ -9,3 +9,4 @@ mod laws;
 mod light;
 mod openusd;
 mod shipped;
+mod sketches;

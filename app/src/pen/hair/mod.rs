@@ -554,4 +554,6 @@ fn level_of_mouse(ground: &Ground, at: Vec2, eraser: bool) -> Layer {
 }
 
 #[cfg(test)]
+mod styles;
+#[cfg(test)]
 mod tests;
