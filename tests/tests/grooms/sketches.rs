@@ -49,7 +49,12 @@ fn what_a_pen_drew_on_the_built_in_head_stands_on_others() {
             let drift = median(told.iter().filter_map(|one| one.drift).collect()) / unit;
             let turned = median(told.iter().filter_map(|one| one.turned).collect());
             let lost: Vec<_> = told.iter().filter(|one| !one.orphaned.is_empty()).collect();
-            println!("{name} on {head}: drift {:.2} mm, turned {turned:.2} degrees, {} curves, {} with orphans", drift * 10.0, curves.curve_count(), lost.len());
+            println!(
+                "{name} on {head}: drift {:.2} mm, turned {turned:.2} degrees, {} curves, {} with orphans",
+                drift * 10.0,
+                curves.curve_count(),
+                lost.len()
+            );
             assert!(drift < 0.2, "{name} on {head}: {drift}");
             assert!(turned < 5.0, "{name} on {head}: {turned}");
             assert!(lost.is_empty(), "{name} on {head}: {lost:?}");

@@ -5,7 +5,7 @@
 
 use super::super::overlay::{EDGE, disc, label, line};
 use super::super::{Pen, PenTool, Scene};
-use super::{Hair, target};
+use super::{Hair, target, wheel};
 use crate::editor::state::State;
 use crate::editor::theme;
 use coif_nodes::data::attributes::PINNED;
@@ -63,7 +63,7 @@ impl Coming {
 }
 
 /// The curves that the pen works on now.
-fn curves(state: &State) -> Option<Curves> {
+pub(super) fn curves(state: &State) -> Option<Curves> {
     let shown = state.shown.as_ref()?;
     let value = |socket| shown.curves_of(&socket).cloned();
     match target::of(state) {
@@ -89,8 +89,12 @@ impl Pen {
             let at = super::pixel(scene.view, input.sample.pos);
             let mouse = super::is_mouse(&input.sample);
             let eraser = input.sample.tool == super::End::Eraser;
+            let picks = tool.is_none() && !eraser && wheel::is_free(&ground, at, rho);
+            if picks {
+                wheel::paint(&painter, scene, input.sample.pos, None);
+            }
             let level = self.hair.level_to_come(tool, eraser, mouse, &ground, at);
-            let coming = coming(tool, eraser, level);
+            let coming = if picks { Coming::Plain } else { coming(tool, eraser, level) };
             if coming == Coming::Lengthen
                 && let Some((id, _)) = ground.end(at)
             {
@@ -121,6 +125,9 @@ impl Pen {
                 painter.circle_stroke(input.sample.pos, radius, Stroke::new(1.5, STYLE));
             }
             cursor(&painter, input.sample.pos, coming, level);
+        }
+        if let Some((middle, pen)) = self.hair.wheel {
+            wheel::paint(&painter, scene, middle, Some(pen));
         }
         if let Some((at, until, text)) = &self.hair.said
             && *until > now
@@ -159,7 +166,7 @@ fn coming(tool: Option<Tool>, eraser: bool, level: Option<Layer>) -> Coming {
 impl Hair {
     /// Whether a stroke is being drawn.
     pub(in super::super) fn is_drawing(&self) -> bool {
-        self.touch.as_ref().is_some_and(|touch| !touch.lifted)
+        self.wheel.is_some() || self.touch.as_ref().is_some_and(|touch| !touch.lifted)
     }
 
     /// How deep a touch would reach, where that is known before it.

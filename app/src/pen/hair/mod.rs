@@ -10,6 +10,7 @@
 
 mod look;
 pub(super) mod target;
+mod wheel;
 
 use super::Scene;
 use super::devices::Input;
@@ -54,6 +55,8 @@ pub(crate) struct Hair {
     tap: Option<(f64, Vec<PenSample>)>,
     /// What a touch had to say, where, and until when.
     said: Option<(Pos2, f64, String)>,
+    /// Where the colour wheel was pressed down, and where the pen is on it.
+    wheel: Option<(Pos2, Pos2)>,
     /// Reports that came before the hair was shown as it is.
     waiting: Vec<Input>,
     answered: usize,
@@ -123,6 +126,7 @@ impl Hair {
     /// A touch under way never was; one that was lifted stays as it is.
     pub(super) fn stop(&mut self, out: &mut Vec<Event>) {
         self.waiting.clear();
+        self.wheel = None;
         let Some(touch) = self.touch.take().filter(|touch| touch.begun) else { return };
         out.push(match touch.told.filter(|_| touch.lifted) {
             Some(told) => Event::EndAs(told.tool.word().to_owned()),
@@ -183,6 +187,9 @@ impl Hair {
             }
             return;
         }
+        if self.turn_wheel(tool, report, free, scene) {
+            return;
+        }
         match (report.phase, &mut self.touch) {
             (Phase::Down, None) if free => self.begin(tool, report, scene, now),
             (Phase::Move, Some(touch)) => touch.go_on(report),
@@ -195,6 +202,55 @@ impl Hair {
             (Phase::Out, Some(_)) => self.stop(scene.out),
             _ => {}
         }
+    }
+
+    /// Whether the report is the colour wheel's.
+    fn turn_wheel(
+        &mut self,
+        tool: Option<Tool>,
+        report: &Report,
+        free: bool,
+        scene: &mut Scene,
+    ) -> bool {
+        match (report.phase, self.wheel) {
+            (Phase::Down, None) if free && self.touch.is_none() => {
+                let eraser = report.tool == End::Eraser;
+                let on = tool.is_none() && !eraser && self.wheel_follows(report.pos, scene);
+                if on {
+                    self.wheel = Some((report.pos, report.pos));
+                }
+                on
+            }
+            (Phase::Move, Some((middle, _))) => {
+                self.wheel = Some((middle, report.pos));
+                true
+            }
+            (Phase::Up, Some((middle, at))) => {
+                self.wheel = None;
+                // A tap picks nothing.
+                if at.distance(middle) > STILL {
+                    let mut settings = scene.state.settings.clone();
+                    settings.pen.hair_colour = wheel::colour(at - middle);
+                    scene.out.push(Event::Settings(settings.into()));
+                }
+                true
+            }
+            (Phase::Out, Some(_)) => {
+                self.wheel = None;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether the colour wheel is at the pen: nothing else is near.
+    fn wheel_follows(&self, at: Pos2, scene: &Scene) -> bool {
+        let state = scene.state;
+        let rho = target::number(&state.document, target::of(state).as_ref(), "rho");
+        let view = seen_from(scene.view, scene.scalp.frame());
+        let curves = look::curves(state).unwrap_or_default();
+        let ground = Ground::new(&view, scene.scalp, &curves, rho);
+        wheel::is_free(&ground, pixel(scene.view, at), rho)
     }
 
     /// What a touch begins.

@@ -257,7 +257,7 @@ fn a_touch_that_does_nothing_changes_nothing_and_says_why() {
     // Beside all hair; off the head; a crooked cut; a lone tap; too short.
     for (places, pressure, end, why) in [
         (Salon::line([200.0, 300.0], [190.0, 380.0]), MIDDLE, End::Tip, "The comb passes no curve"),
-        (Salon::line([30.0, 300.0], [40.0, 380.0]), HEAVY, End::Tip, "off the scalp"),
+        (Salon::line([68.0, 300.0], [60.0, 380.0]), HEAVY, End::Tip, "off the scalp"),
         (Salon::line([200.0, 300.0], [150.0, 300.0]), MIDDLE, End::Eraser, "crosses no hair"),
     ] {
         salon.draw_with(&places, pressure, end);
@@ -393,4 +393,25 @@ fn with_symmetry_both_sides_of_the_head_are_one_step() {
     salon.0.editor().apply(crate::editor::event::Event::Undo);
     salon.0.editor().apply(crate::editor::event::Event::Undo);
     assert_eq!(salon.tools(), []);
+}
+
+#[test]
+fn a_colour_is_picked_beside_the_head_and_planted() {
+    let mut salon = Salon::open(head(), "hair.sketch");
+    // To the upper right of where nothing is: a green dye.
+    salon.draw(&Salon::line([60.0, 120.0], [60.0, 160.0]), MIDDLE);
+    let picked = salon.0.editor().state.settings.pen.hair_colour.expect("a colour");
+    assert_eq!((salon.tools().len(), salon.0.done()), (0, 0));
+    salon.draw(&lock(), HEAVY);
+    let colour = salon.gestures().0[0].colour.expect("its colour");
+    assert_eq!(Some(colour), salon.0.editor().state.settings.pen.hair_colour());
+    // Back to the middle: the hair's own again.
+    salon.draw(&[Pos2::new(60.0, 120.0), Pos2::new(60.0, 160.0), Pos2::new(60.0, 121.0)], MIDDLE);
+    assert_eq!(
+        salon.0.editor().state.settings.pen.hair_colour,
+        Some(picked),
+        "a tap picks nothing"
+    );
+    salon.draw(&[Pos2::new(60.0, 120.0), Pos2::new(60.0, 160.0), Pos2::new(60.0, 126.0)], MIDDLE);
+    assert_eq!(salon.0.editor().state.settings.pen.hair_colour, None);
 }
