@@ -158,11 +158,11 @@ fn try_again(
                 let patience = Allowance::new(share, &is_cancelled);
                 let curve = looked[t].changed[k].curve;
                 let mended = mend(&tufts[t], curve, land, effort, &patience, &mut Room::default());
-                (mended, share - patience.left())
+                (mended, share - patience.left(), patience.looked())
             })?;
-            for ((t, k), (mended, spent)) in some.iter().zip(again) {
+            for ((t, k), (mended, spent, looked_for)) in some.iter().zip(again) {
                 left -= spent;
-                spent_by_all += spent;
+                spent_by_all += spent + looked_for;
                 if let Some(mended) = mended {
                     if mended.astray && spent == share {
                         cut.push((*t, *k));
@@ -266,9 +266,9 @@ impl Effort {
 }
 
 /// Where the skin moves curves, trying harder takes no more than so much for each point of all hair, about what making it takes ...
-const TRIED: u64 = 10;
+const TRIED: u64 = 16;
 /// ... and may take this much where there is little hair.
-const LEAST_TRIED: u64 = 10_000_000;
+const LEAST_TRIED: u64 = 6_000_000;
 /// So many curves are tried at once, on however many threads, before one looks whether there is patience for more.
 const AT_ONCE: usize = 32;
 /// When curves are resampled, one point in so many may look at the skin for a way out.

@@ -75,6 +75,7 @@ const LOOK: u64 = 20;
 
 /// How much may be tried yet, in points placed, and how often the skin may be looked at for a way out of it.
 pub(super) struct Allowance<'a> {
+    most: u64,
     left: Cell<u64>,
     looks: Patience,
     is_cancelled: &'a dyn Fn() -> bool,
@@ -83,15 +84,19 @@ pub(super) struct Allowance<'a> {
 impl<'a> Allowance<'a> {
     /// Of so many points, and as many looks at the skin as cost as much; it ends at once when somebody asks to stop.
     pub(super) fn new(most: u64, is_cancelled: &'a dyn Fn() -> bool) -> Self {
-        Self { left: Cell::new(most), looks: Patience::new(most / LOOK), is_cancelled }
+        Self { most, left: Cell::new(most), looks: Patience::new(most / LOOK), is_cancelled }
     }
     /// Of any number of points, and so many looks at the skin.
     pub(super) fn of_looks(looks: u64, is_cancelled: &'a dyn Fn() -> bool) -> Self {
-        Self { left: Cell::new(u64::MAX), looks: Patience::new(looks), is_cancelled }
+        Self { most: 0, left: Cell::new(u64::MAX), looks: Patience::new(looks), is_cancelled }
     }
     /// What is left.
     pub(super) fn left(&self) -> u64 {
         self.left.get()
+    }
+    /// What the looks at the skin have cost, in points placed, of those that came with the points.
+    pub(super) fn looked(&self) -> u64 {
+        LOOK * (self.most / LOOK).saturating_sub(self.looks.left())
     }
     /// The looks at the skin that are left.
     pub(super) fn looks(&self) -> &Patience {

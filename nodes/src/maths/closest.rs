@@ -101,7 +101,7 @@ impl Surface {
     }
 
     /// Whether so many triangles cross each other that a point has hundreds about it, as in a brush of crossing blades. What is found
-    /// there is near, not always nearest, and the same wherever a search begins.
+    /// there may lie farther off than the nearest, but is the same wherever a search begins.
     pub fn is_tangled(&self) -> bool {
         self.tree.is_tangled()
     }

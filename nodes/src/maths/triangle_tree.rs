@@ -4,8 +4,8 @@
 //! ties go to the lowest triangle; a tree of `n` triangles has log4(n) levels however they lie, in heaps on one spot or
 //! strewn, and two more where they are slivers; the same answers with any vectors of the processor, for boxes are compared in plain arrays that compilers turn into
 //! four at a time. Not promised: few visits where very many triangles are all as near as each other. In a
-//! tangle, where hundreds cross each other about each point, a search ends after [`MOST_LOOKS`] triangles: what it finds is near, and the
-//! same everywhere, but need not be nearest.
+//! tangle, where hundreds cross each other about each point, a search ends after [`MOST_LOOKS`] triangles: what it finds is the
+//! same everywhere, but may lie farther off than the nearest.
 
 use glam::{Vec2, Vec3};
 
@@ -26,8 +26,8 @@ const AIRY: f32 = 16.0;
 /// ... up to so often.
 const PIECES: u32 = 4;
 
-/// A mesh is tangled where a search near it looks at more triangles than this: heads take five
-/// and forty, crossing hair cards a hundred ...
+/// A mesh is tangled where a search near it looks at more triangles than this: heads and
+/// dressed figures take five to forty ...
 const TANGLED: usize = 150;
 /// ... on average over so many places, so far off a triangle as a part of its side ...
 const SAMPLES: usize = 64;
