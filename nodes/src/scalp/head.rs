@@ -239,7 +239,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 WIDE * frame.unit() * frame.unit()
             ),
             Rough::Tangled => {
-                "so many triangles cross each other that little of the mesh has an inside: of so many".to_owned()
+                "so many triangles cross each other that little of the mesh has an inside: among them".to_owned()
             }
         };
         cx.remark(format!("{why} hair is pushed out of the skin, but not led round it"));
