@@ -15,6 +15,7 @@ use crate::data::attributes::{
     SCALP_NORMAL, SECTION, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::patience::Patience;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Scalp, Skin};
 use crate::define::{FieldInput, NodeError, choice, node};
@@ -221,6 +222,10 @@ impl Shape {
     }
 }
 
+/// So many looks the hair of one guide may take to find its way out of the skin (past an ear a hair takes some hundred), and so many
+/// more with each of its points.
+const LOOKS: u64 = 1000;
+const LOOKS_A_POINT: f32 = 0.25;
 /// What a ball without skin is taken to be smaller by, cm, for what is rounded.
 const SURE: f32 = 1e-3;
 
@@ -315,6 +320,9 @@ impl Maker<'_> {
             }
         }
 
+        // Grows with the hair, so that more of it changes none before it.
+        let patience = Patience::new(LOOKS);
+        let skin = self.skin.map(|skin| skin.within(&patience));
         let guide_passes = home.is_some_and(|home| home.passes(own.curve(0)));
 
         // Found when the first hair asks for it.
@@ -329,6 +337,7 @@ impl Maker<'_> {
         let mut ids = Vec::with_capacity(read.hairs);
         for (hair, blend) in (0..read.hairs).map(hair) {
             piece.tick()?;
+            patience.add((LOOKS_A_POINT * each as f32) as u64);
             let id = curve_id(0, self.inputs.seed as u64, u64::from(hair.index));
             blended.iter_mut().for_each(|axis| axis.fill(0.0));
             for (guide, weight) in blend {
@@ -368,7 +377,7 @@ impl Maker<'_> {
                         None => p,
                     }
                 }));
-                if let Some(skin) = &self.skin {
+                if let Some(skin) = &skin {
                     let hair = &mut points[first..];
                     for (k, (p, (middle, square))) in hair.iter().zip(&clear).enumerate() {
                         let is_clear = p.distance_squared(*middle) < *square;

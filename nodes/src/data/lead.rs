@@ -5,8 +5,8 @@
 //!
 //! Guarantees: the first point stays; every other ends where [`Skin::push_out`] lets it be; a hair that nothing tears comes
 //! out as if each of its points had been pushed alone. Four ways aside are tried, each at most 3 cm long; where the least
-//! torn of them is torn still, the hair is laid on the shortest way round (`way_round.rs`). Not promised: that there is one; in a
-//! mesh that is folded all over none is looked for.
+//! torn of them is torn still, the hair is laid on the shortest way round (`way_round.rs`). Not promised: that there is one; past the
+//! skin's patience, and on a rough mesh (`rough.rs`), none is looked for.
 
 use super::scalp::Skin;
 use super::way_round::way_round;
@@ -32,6 +32,10 @@ impl Torn {
     pub const UNEVEN: Self = Self(1.1, 0.01);
 }
 
+/// So many points about which the field alone is asked cost as much as a look at the skin.
+const CHEAP: usize = 8;
+/// What a ball without skin is taken to be smaller by, cm, for what is rounded.
+const SURE: f32 = 1e-3;
 /// So deep (cm) in the skin between two points a hair passes through a thin part, if its points lie nearer than that.
 const THROUGH: f32 = 0.08;
 const ATTEMPTS: usize = 4;
@@ -56,8 +60,11 @@ impl Skin<'_> {
     ) -> bool {
         // Where points were, for those that were moved.
         let mut was: Vec<(usize, Vec3)> = vec![];
+        if self.asks_alone() {
+            return self.push_each(points, &depth);
+        }
         self.push_all(points, &depth, &mut was);
-        if was.is_empty() || self.is_folded() {
+        if was.is_empty() || self.is_rough() || !self.looked(0) {
             return !was.is_empty();
         }
         // The least torn so far.
@@ -67,7 +74,7 @@ impl Skin<'_> {
             if best.as_ref().is_none_or(|(least, ..)| excess < *least) {
                 best = Some((excess, points.to_vec(), was.clone()));
             }
-            if attempt == ATTEMPTS {
+            if attempt == ATTEMPTS || !self.looked(points.len() / CHEAP) {
                 break;
             }
             let (a, b) = (points[torn - 1], points[torn]);
@@ -87,7 +94,7 @@ impl Skin<'_> {
         }
         for _ in 0..ATTEMPTS {
             let Some((_, torn)) = self.tear(Torn::APART, points, &was) else { break };
-            if !self.lay_round(points, torn, &mut was, &depth) {
+            if !self.looked(0) || !self.lay_round(points, torn, &mut was, &depth) {
                 break;
             }
         }
@@ -149,6 +156,23 @@ impl Skin<'_> {
             *point = self.push_out(p, depth(from + 1 + n).unwrap_or(0.0)).0;
         }
         true
+    }
+
+    /// Pushes each point out of a rough mesh, and asks about none that a ball without skin holds which was found for one before it.
+    /// Tells whether any was moved.
+    fn push_each(&self, points: &mut [Vec3], depth: &impl Fn(usize) -> Option<f32>) -> bool {
+        let (mut ball, mut any) = ((Vec3::ZERO, 0.0), false);
+        for (k, p) in points.iter_mut().enumerate().skip(1) {
+            let Some(depth) = depth(k) else { continue };
+            if p.distance(ball.0) + SURE - depth.min(0.0) < ball.1 {
+                continue;
+            }
+            let (out, moved, clear) = self.raise_alone(*p, -depth);
+            ball = (*p, clear);
+            any |= moved;
+            *p = out;
+        }
+        any
     }
 
     fn push_all(
@@ -221,6 +245,7 @@ impl Skin<'_> {
                 }
                 far += STEP;
             }
+            self.looked((far / STEP) as usize / CHEAP);
         }
         best.map(|(far, way)| way * far)
     }

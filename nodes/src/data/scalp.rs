@@ -5,15 +5,17 @@
 //! parts and non-manifold edges are allowed.
 
 use super::chart::Chart;
+use super::rough::Rough;
 use super::sections::Sections;
 use super::spread::Spread;
 use crate::maths::closest::{Hit, Surface};
-use crate::maths::distance_field::{Depth, DistanceField};
-use crate::maths::frame::round_about;
+use crate::maths::distance_field::DistanceField;
 use crate::maths::hash::{Key, KeyBuilder};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
+
+pub use super::skin::Skin;
 
 /// Radius of the cranium that head units are measured by, cm: one head unit is a centimetre on a head of this
 /// radius.
@@ -113,42 +115,10 @@ struct Head {
     /// Name to one value for each vertex, 0 to 1. Always holds `scalp`, the region where hair grows.
     masks: BTreeMap<String, Vec<f32>>,
     field: OnceLock<DistanceField>,
-    folded: OnceLock<bool>,
+    rough: OnceLock<Option<Rough>>,
     spread: OnceLock<Spread>,
     chart: OnceLock<Chart>,
 }
-
-impl Head {
-    /// See [`Skin::is_folded`].
-    fn is_folded(&self) -> bool {
-        let (surface, region) = (&self.surface, &self.masks[REGION]);
-        let area = |t: u32| {
-            let [a, b, c] = surface.triangles[t as usize].map(|v| region[v as usize]);
-            f64::from(surface.area_vector(t).length()) * f64::from(a.max(b).max(c).min(1.0))
-        };
-        let areas: Vec<f64> = (0..surface.triangles.len() as u32).map(area).collect();
-        let each = areas.iter().sum::<f64>() / f64::from(LOOKS);
-        let reach = FACED * self.frame.unit();
-        let (mut sum, mut next) = (0.0, 0.5 * each);
-        let (mut looks, mut faced) = (0, 0);
-        for (triangle, area) in (0..).zip(areas) {
-            sum += area;
-            while sum > next && looks < LOOKS {
-                next += each;
-                let out = surface.face_normal(triangle);
-                let from = surface.at(triangle, Vec2::splat(1.0 / 3.0)) + out * (0.01 * reach);
-                looks += 1;
-                faced += u32::from(surface.ray_meets(from, out, reach));
-            }
-        }
-        4 * faced > looks
-    }
-}
-
-/// At so many places of the region one looks whether skin is faced.
-const LOOKS: u32 = 400;
-/// Skin nearer than this, in head units, is faced.
-const FACED: f32 = HEAD_RADIUS;
 
 /// Name of the mask that says where hair grows.
 pub const REGION: &str = "scalp";
@@ -189,7 +159,7 @@ impl Scalp {
                 frame,
                 masks,
                 field: OnceLock::new(),
-                folded: OnceLock::new(),
+                rough: OnceLock::new(),
                 spread: OnceLock::new(),
                 chart: OnceLock::new(),
             }),
@@ -343,7 +313,12 @@ impl Scalp {
     pub fn skin(&self) -> Skin<'_> {
         let head = &*self.head;
         let field = head.field.get_or_init(|| DistanceField::new(&head.surface));
-        Skin { surface: &head.surface, field, head }
+        Skin::new(&head.surface, field, self.rough())
+    }
+    /// Why hair on this head is pushed out of the skin and not led round it; none on heads.
+    pub fn rough(&self) -> Option<Rough> {
+        let Head { surface, frame, masks, rough, .. } = &*self.head;
+        *rough.get_or_init(|| Rough::of(surface, &masks[REGION], frame.unit()))
     }
     /// Bytes held.
     pub fn bytes(&self) -> usize {
@@ -364,257 +339,6 @@ impl std::fmt::Debug for Scalp {
         write!(f, "Scalp({} triangles)", self.head.surface.triangles.len())
     }
 }
-
-/// The skin of a head: what keeps hair out of it.
-#[derive(Clone, Copy)]
-pub struct Skin<'a> {
-    surface: &'a Surface,
-    field: &'a DistanceField,
-    head: &'a Head,
-}
-
-/// Nearer to the skin than this (cm) [`Skin::distance`] asks the surface itself.
-const EXACT: f32 = 0.1;
-/// How far outside the allowed depth a pushed point is put, cm: beyond the rounding of coordinates
-/// of a few tens of cm.
-const CLEAR: f32 = 1e-4;
-/// How far over the skin deep points are put before they are set down on it, cm: beyond what the field errs by where
-/// the skin is smooth.
-const OVERSHOOT: f32 = 0.03;
-
-impl Skin<'_> {
-    /// Signed distance of `p` from the skin, cm, negative inside; exact within `EXACT` of it, from the field
-    /// beyond, and +-1 cm or more beyond the field's band.
-    pub fn distance(&self, p: Vec3) -> f32 {
-        match self.field.depth(self.surface, p) {
-            Depth::Outside => 1.0,
-            Depth::Near(d, ..) if d.abs() > EXACT => d,
-            _ => self.exact(p).map_or(1.0, |(d, _)| d),
-        }
-    }
-
-    /// Whether more than a quarter of the scalp region has other skin before it, within the radius of a head, as crumpled cloth,
-    /// leaves, many layers or a whole dressed figure have (heads have 2 %): there hair that the skin tears has no way round.
-    pub fn is_folded(&self) -> bool {
-        *self.head.folded.get_or_init(|| self.head.is_folded())
-    }
-
-    /// Signed distance of `p` from the skin as the field tells it, cm: within a fiftieth of a centimetre where the skin is
-    /// smooth, off by up to a tenth at creases, +-1 beyond the field's band. Cheap; for whoever may err on the safe side.
-    #[inline]
-    pub fn about(&self, p: Vec3) -> f32 {
-        self.roughly(p).map_or(1.0, |(d, ..)| d)
-    }
-
-    /// The scalp point closest to `p`: [`Surface::closest`], told by the field where to look first.
-    #[inline]
-    pub fn closest(&self, p: Vec3) -> Option<Hit> {
-        match self.field.hint(self.surface, p) {
-            Some(near) => self.surface.closest_from(p, near),
-            None => self.surface.closest(p),
-        }
-    }
-
-    /// Whether the field alone tells that all of a ball is outside the skin. False says nothing.
-    #[inline]
-    pub fn is_clear(&self, middle: Vec3, radius: f32) -> bool {
-        match self.field.depth(self.surface, middle) {
-            Depth::Outside => radius < self.field.band(),
-            Depth::Near(d, _, doubt) => radius < (d - doubt).max(0.0),
-            Depth::Inside => false,
-        }
-    }
-
-    /// The radius (cm) of a ball about `p` that holds no skin: how far it is outside, up to the field's band where that is all that is
-    /// known without looking; 0 inside.
-    pub fn clear_about(&self, p: Vec3) -> f32 {
-        if !self.surface.parts_in_from_out() {
-            return match self.field.depth(self.surface, p) {
-                Depth::Outside => self.field.band(),
-                Depth::Near(d, _, doubt) => (d - doubt).max(0.0),
-                Depth::Inside => 0.0,
-            };
-        }
-        if self.field.is_beyond(self.surface, p) {
-            return self.field.band();
-        }
-        self.exact(p).map_or(0.0, |(d, _)| d.max(0.0))
-    }
-
-    /// What the field alone says about `p`: distance, the way out (zero where that is not known), and how far the distance may
-    /// be wrong; none farther outside than the field's band. A tenth of the price of an exact answer, for hair by the million.
-    #[inline]
-    pub fn roughly(&self, p: Vec3) -> Option<(f32, Vec3, f32)> {
-        match self.field.depth(self.surface, p) {
-            Depth::Near(d, gradient, doubt) => Some((d, gradient, doubt)),
-            Depth::Inside => Some((-1.0, Vec3::ZERO, 1.0)),
-            Depth::Outside => None,
-        }
-    }
-
-    fn exact(&self, p: Vec3) -> Option<(f32, Hit)> {
-        let hit = self.closest(p)?;
-        Some((self.surface.signed_distance(p, &hit), hit))
-    }
-
-    /// `p`, or the nearest point not deeper than `allow_depth` (cm, 0 = the skin itself) when it lies deeper.
-    /// The second value tells whether it was moved.
-    #[inline]
-    pub fn push_out(&self, p: Vec3, allow_depth: f32) -> (Vec3, bool) {
-        self.raise(p, -allow_depth)
-    }
-
-    /// [`Self::push_out`] to a height (cm) over the skin instead of a depth under it.
-    #[inline]
-    pub fn lift(&self, p: Vec3, height: f32) -> (Vec3, bool) {
-        self.raise(p, height)
-    }
-
-    /// [`Self::lift`] of all that [`Self::distance`] tells to be lower: beside ears and among folds the field alone may pass over a
-    /// thin wall, and what is put out of one may end in another. Where the skin is near it costs a search more.
-    pub fn lift_exactly(&self, p: Vec3, height: f32) -> (Vec3, bool) {
-        const AGAIN: usize = 4;
-        let (mut at, mut moved) = self.lift(p, height);
-        for _ in 0..AGAIN {
-            if self.distance(at) >= height {
-                break;
-            }
-            let (next, more) = self.raise_exactly(at, height);
-            if !more {
-                break;
-            }
-            (at, moved) = (next, true);
-        }
-        (at, moved)
-    }
-
-    /// [`Self::lift`] as far as the field knows, which is right to half a cell: for rounds that come nearer and nearer.
-    #[inline]
-    pub fn lift_about(&self, p: Vec3, height: f32) -> Vec3 {
-        match self.field.depth(self.surface, p) {
-            Depth::Near(d, ..) if d >= height => p,
-            Depth::Near(d, gradient, _) => p + gradient.normalize_or_zero() * (height - d),
-            Depth::Outside if height > 0.9 => self.raise(p, height).0,
-            Depth::Outside => p,
-            Depth::Inside => self.raise(p, height).0,
-        }
-    }
-
-    #[inline]
-    fn raise(&self, p: Vec3, height: f32) -> (Vec3, bool) {
-        if self.surface.parts_in_from_out() && self.field.is_clear(self.surface, p, height.max(0.0))
-        {
-            return (p, false);
-        }
-        match self.field.depth(self.surface, p) {
-            Depth::Outside => (p, false),
-            // What may lie in the skin is asked of the surface: in folds thinner than its cells the field knows little inside.
-            Depth::Near(d, _, doubt) if d > doubt + height.max(0.0) => (p, false),
-            // So deep that there is no doubt about the side: the field shows the way, to a little over the
-            // height asked for, where a search is short and its answer holds for all points below.
-            Depth::Near(d, gradient, doubt) if d < (height - doubt).min(-doubt) => {
-                let over = height.max(0.0) + OVERSHOOT;
-                let near = p + gradient.normalize_or_zero() * (over - d);
-                match self.surface.closest_within(near, 2.0 * over).or_else(|| self.closest(near)) {
-                    Some(hit) => {
-                        let d = self.surface.signed_distance(near, &hit);
-                        if height >= 0.0 && d >= height + CLEAR {
-                            let moved = hit.point + (near - hit.point) * ((height + CLEAR) / d);
-                            return (moved, true);
-                        }
-                        (self.put_out(near, d, hit, height), true)
-                    }
-                    None => (p, false),
-                }
-            }
-            _ => self.raise_exactly(p, height),
-        }
-    }
-
-    #[inline(never)]
-    fn raise_exactly(&self, p: Vec3, height: f32) -> (Vec3, bool) {
-        match self.exact(p) {
-            Some((d, hit)) if d < height => (self.put_out(p, d, hit, height), true),
-            _ => (p, false),
-        }
-    }
-
-    /// Where `p`, `d` from its closest point `hit`, is put to be `height` from the skin.
-    fn put_out(&self, p: Vec3, d: f32, hit: Hit, height: f32) -> Vec3 {
-        // Outward is away from the closest point when outside, towards it when inside; on the skin
-        // itself only the normal can tell.
-        let outward = if d.abs() > 1e-3 {
-            (p - hit.point) / d
-        } else {
-            self.surface.smooth_normal(hit.triangle, hit.bary)
-        };
-        let mut moved = hit.point + outward * (height + CLEAR);
-        // In a crease the way out of one side may lead into the other: twice more is enough for the
-        // creases heads have, and the laws count what is left.
-        // The point it came from is this near, which makes the first look a short one.
-        let reach = moved.distance(hit.point) * 1.01 + 1e-5;
-        let mut next = self.surface.closest_within(moved, reach).or_else(|| self.closest(moved));
-        for _ in 0..3 {
-            match next.map(|hit| (self.surface.signed_distance(moved, &hit), hit)) {
-                Some((d, hit)) if d < height => {
-                    let normal = self.surface.smooth_normal(hit.triangle, hit.bary);
-                    moved += normal * (height - d + CLEAR);
-                    next = self.closest(moved);
-                }
-                _ => return moved,
-            }
-        }
-        match next {
-            Some(last) if self.surface.signed_distance(moved, &last) < height => {
-                self.escape(moved, self.surface.smooth_normal(hit.triangle, hit.bary), height)
-            }
-            _ => moved,
-        }
-    }
-
-    /// The way out of a place whose walls face each other (a mouth, an eye, behind an ear, a fold): to the first place in the
-    /// open round about, nearest first, and among equally near ones where `way` points.
-    fn escape(&self, p: Vec3, way: Vec3, height: f32) -> Vec3 {
-        let mut ways: Vec<Vec3> = round_about().collect();
-        ways.sort_by(|a, b| b.dot(way).total_cmp(&a.dot(way)));
-        ways.insert(0, way);
-        // Free and in a mouth is no way out: from where it ends, it must lead on into the open. Beyond the last skin on each way
-        // it does; one look back from far off tells where that is, however many folds lie between.
-        const FAR: f32 = 3.0 * ESCAPE;
-        let last_skin = |way: &Vec3| {
-            let back = self.surface.ray(p + *way * FAR, -*way, FAR);
-            back.map_or(0.0, |hit| FAR - hit.distance)
-        };
-        // On each way, where it opens, and up to where nothing can be free: distances grow by no more than the way does.
-        let mut ways: Vec<(Vec3, f32, f32)> =
-            ways.into_iter().map(|way| (way, last_skin(&way), 0.0)).collect();
-        let mut shut = None;
-        let mut reach = height.max(0.0) + CLEAR;
-        while reach < ESCAPE {
-            for (way, opens, busy) in &mut ways {
-                let is_open = reach > *opens;
-                if reach < *busy || (shut.is_some() && !is_open) {
-                    continue;
-                }
-                let out = p + *way * reach;
-                match self.exact(out) {
-                    Some((d, _)) if d >= height && is_open => return out,
-                    Some((d, _)) if d >= height => shut = shut.or(Some(out)),
-                    Some((d, _)) => *busy = reach + 0.999 * (height - d),
-                    None => {}
-                }
-            }
-            if shut.is_some() && ways.iter().all(|(_, opens, _)| *opens >= ESCAPE) {
-                break;
-            }
-            reach = (reach * 1.5).max(0.01);
-        }
-        shut.unwrap_or(p)
-    }
-}
-
-/// How far a way out is looked for, cm: as wide as a head.
-const ESCAPE: f32 = 20.0;
 
 #[cfg(test)]
 pub(crate) mod tests {
@@ -654,29 +378,6 @@ pub(crate) mod tests {
                 assert_eq!(p, q);
             }
         }
-    }
-
-    #[test]
-    fn cloth_is_folded_and_heads_are_not() {
-        // Strips of 10 x 40 cm, each joined to the next, that lie flat or stand face to face 1 cm apart.
-        let strips = |up: f32, across: f32| {
-            let at = |k: u32| {
-                Vec3::new(k as f32 * across, if k.is_multiple_of(2) { 0.0 } else { up }, 0.0)
-            };
-            let points = (0..20).flat_map(|k| [at(k), at(k) + Vec3::Z * 40.0]).collect();
-            let quad = |k: u32| [[2 * k, 2 * k + 1, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 2]];
-            Surface::new(points, (0..19).flat_map(quad).collect())
-        };
-        let check = |surface: Surface, folded: bool| {
-            let everywhere = [(REGION.to_owned(), vec![1.0; surface.points.len()])].into();
-            let scalp = Scalp::new(surface, None, HeadFrame::IDENTITY, everywhere);
-            assert_eq!(scalp.skin().is_folded(), folded);
-        };
-        check(strips(0.0, 10.0), false);
-        check(strips(10.0, 1.0), true);
-        check(Surface::new(vec![], vec![]), false);
-        assert!(!ball().skin().is_folded());
-        assert!(!crate::data::lead::tests::bust().skin().is_folded());
     }
 
     #[test]

@@ -75,7 +75,7 @@ pub(super) fn way_round(skin: &Skin, from: Vec3, to: Vec3) -> Option<Vec<Vec3>> 
     let mut before = vec![0u8; count];
     // By the least that the whole way may cost; of equals first what is nearest to the goal.
     let mut open = BinaryHeap::new();
-    let mut looked = 0;
+    let (mut looked, most) = (0, MOST_PLACES.min(skin.patience()));
     cost[index(start)] = 0;
     open.push(Reverse((left(start, goal), left(start, goal), start)));
     while let Some(Reverse((whole, rest, at))) = open.pop() {
@@ -87,7 +87,8 @@ pub(super) fn way_round(skin: &Skin, from: Vec3, to: Vec3) -> Option<Vec<Vec3>> 
             continue;
         }
         looked += 1;
-        if looked > MOST_PLACES {
+        if looked > most {
+            skin.looked(looked);
             return None;
         }
         for (k, step) in STEPS.iter().enumerate() {
@@ -111,6 +112,7 @@ pub(super) fn way_round(skin: &Skin, from: Vec3, to: Vec3) -> Option<Vec<Vec3>> 
             }
         }
     }
+    skin.looked(looked);
     if cost[index(goal)] == u32::MAX {
         return None;
     }

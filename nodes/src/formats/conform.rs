@@ -12,7 +12,7 @@
 //! tried hangs from how many of the curves given at once ask for it, so what few curves get, many may not: all together may take
 //! no more than `Effort::most_tried` says. Stopping is heard within any curve.
 
-use super::mend::{Mender, Patience, Read};
+use super::mend::{Allowance, Mender, Read};
 use crate::data::attributes::{self as a, Domain};
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::{Scalp, Skin};
@@ -75,12 +75,16 @@ pub fn conform(
         each(host, tufts.len(), |i| look_at(&tufts[i], &land, &is_cancelled))?;
     let is_astray = |looked: &Looked| looked.changed.iter().filter(|one| one.astray).count();
     // How hard each curve that still differs is tried hangs from how many there are: not on how many threads find them.
-    let effort = match skin.is_some_and(|skin| skin.is_folded()) {
+    let effort = match skin.is_some_and(|skin| skin.is_rough()) {
         true => Effort::None,
         false => Effort::of(looked.iter().map(is_astray).sum()),
     };
     if effort != Effort::None {
-        try_again(&mut looked, tufts, (&land, effort), effort.most_tried(), host)?;
+        let points: usize = tufts.iter().map(|tuft| tuft.points().len()).sum();
+        let all = effort.most_tried();
+        let on_skin = all.min((TRIED * points as u64).max(LEAST_TRIED));
+        try_again(&mut looked, tufts, (&land, effort), (false, all, all), host)?;
+        try_again(&mut looked, tufts, (&land, effort), (true, all, on_skin), host)?;
     }
     let astray: usize = looked.iter().map(is_astray).sum();
     let few = !all_stay && skin.is_some() && astray * FEW <= curves.curve_count();
@@ -117,44 +121,54 @@ fn each<T: Send + Sync>(
     if host.cancelled() { None } else { all }
 }
 
-/// Tries harder on all curves that are astray, one as hard as the other: each may take its even share of `most` points. What some
-/// leave is shared among those who found no end, as long as that is twice as much as they have had.
+/// Tries harder on all curves that are astray, those that the skin moved or those that it did not, one as hard as the other: each
+/// may take its even share of `share_of` points. What some leave is shared among those who found no end, as long as that is twice as
+/// much as they have had. When all together have taken `most`, the others stay as they are: few of a groom get all that a
+/// curve may need, not many of them a little that helps none.
 fn try_again(
     looked: &mut [Looked],
     tufts: &[Arc<Tuft>],
     (land, effort): (&Land, Effort),
-    most: u64,
+    (on_skin, share_of, most): (bool, u64, u64),
     host: &dyn Host,
 ) -> Option<()> {
     let mut open: Vec<(usize, usize)> = (0..)
         .zip(looked.iter())
         .flat_map(|(t, looked)| {
-            let astray = (0..).zip(&looked.changed).filter(|(_, one)| one.astray);
+            let is_open = |one: &Mended| one.astray && one.read.on_skin == on_skin;
+            let astray = (0..).zip(&looked.changed).filter(move |(_, one)| is_open(one));
             astray.map(move |(k, _)| (t, k))
         })
         .collect();
-    let (mut left, mut had) = (most, 0);
+    let (mut left, mut had) = (share_of, 0);
+    let mut spent_by_all = 0;
     while !open.is_empty() {
-        let share = left / open.len() as u64;
+        let share = (left / open.len() as u64).min(most / AT_ONCE as u64);
         if share < 2 * had || share == 0 {
             break;
         }
-        let again = each(host, open.len(), |n| {
-            let (t, k) = open[n];
-            let is_cancelled = || host.cancelled();
-            let patience = Patience::new(Some(share), &is_cancelled);
-            let curve = looked[t].changed[k].curve;
-            let mended = mend(&tufts[t], curve, land, effort, &patience, &mut Room::default());
-            (mended, share - patience.left())
-        })?;
         let mut cut = vec![];
-        for ((t, k), (mended, spent)) in open.into_iter().zip(again) {
-            left -= spent;
-            if let Some(mended) = mended {
-                if mended.astray && spent == share {
-                    cut.push((t, k));
+        for some in open.chunks(AT_ONCE) {
+            if spent_by_all >= most {
+                return Some(());
+            }
+            let again = each(host, some.len(), |n| {
+                let (t, k) = some[n];
+                let is_cancelled = || host.cancelled();
+                let patience = Allowance::new(share, &is_cancelled);
+                let curve = looked[t].changed[k].curve;
+                let mended = mend(&tufts[t], curve, land, effort, &patience, &mut Room::default());
+                (mended, share - patience.left(), patience.looked())
+            })?;
+            for ((t, k), (mended, spent, looked_for)) in some.iter().zip(again) {
+                left -= spent;
+                spent_by_all += spent + looked_for;
+                if let Some(mended) = mended {
+                    if mended.astray && spent == share {
+                        cut.push((*t, *k));
+                    }
+                    looked[*t].changed[*k] = mended;
                 }
-                looked[t].changed[k] = mended;
             }
         }
         (open, had) = (cut, share);
@@ -251,6 +265,15 @@ impl Effort {
     }
 }
 
+/// Where the skin moves curves, trying harder takes no more than so much for each point of all hair, about what making it takes ...
+const TRIED: u64 = 16;
+/// ... and may take this much where there is little hair.
+const LEAST_TRIED: u64 = 6_000_000;
+/// So many curves are tried at once, on however many threads, before one looks whether there is patience for more.
+const AT_ONCE: usize = 32;
+/// When curves are resampled, one point in so many may look at the skin for a way out.
+const LOOKS: u64 = 4;
+
 /// The most points that resampling gives a curve: what game engines take. Where that is not enough, the difference that is
 /// left is told.
 pub const MOST_POINTS: usize = 255;
@@ -311,7 +334,7 @@ fn passes_its_tie(tuft: &Tuft, i: usize) -> Option<usize> {
 fn look_at(tuft: &Tuft, land: &Land, is_cancelled: &dyn Fn() -> bool) -> Looked {
     let mut looked = Looked { left_out: 0, difference: 0.0, changed: vec![] };
     let mut room = Room::default();
-    let patience = Patience::new(None, is_cancelled);
+    let patience = Allowance::of_looks(tuft.points().len() as u64 / LOOKS, is_cancelled);
     for i in (0..tuft.len()).take_while(|_| !patience.is_out()) {
         let points = tuft.curve(i);
         if points.len() < 2 {
@@ -319,7 +342,13 @@ fn look_at(tuft: &Tuft, land: &Land, is_cancelled: &dyn Fn() -> bool) -> Looked 
             continue;
         }
         let difference = readings_differ(points);
-        if difference > AGREE {
+        if difference > AGREE && patience.looks().left() == 0 {
+            looked.changed.push(Mended {
+                curve: i as u32,
+                read: Read::of(points, difference),
+                astray: true,
+            });
+        } else if difference > AGREE {
             let mended = mend(tuft, i as u32, land, Effort::None, &patience, &mut room);
             looked.changed.extend(mended);
         } else {
@@ -342,7 +371,7 @@ fn mend(
     curve: u32,
     land: &Land,
     effort: Effort,
-    patience: &Patience,
+    patience: &Allowance,
     Room { spline, led }: &mut Room,
 ) -> Option<Mended> {
     let i = curve as usize;
@@ -365,11 +394,12 @@ fn mend(
         land.is_over_a_parting(&read.points[..joins.as_ref().map_or(read.points.len(), on_way)])
             && !land.is_over_a_parting(&old[..joins.unwrap_or(old.len())])
     };
+    let skin = land.skin.map(|skin| skin.within(patience.looks()));
     let mut mender = Mender {
         old,
         spline,
         led,
-        skin: land.skin,
+        skin: skin.as_ref(),
         depth: &depth,
         is_barred: &is_barred,
         patience,
@@ -630,22 +660,27 @@ mod tests {
     #[test]
     fn all_curves_together_take_no_more_than_is_allowed_each_its_share() {
         let ball = crate::data::scalp::tests::shared_ball();
-        let coils = hopeless(6);
+        let coils = hopeless(80);
         let skin = ball.skin();
         let land = Land { skin: Some(&skin), sections: &[] };
         let tuft = coils.tufts()[0].clone();
         let looked = || vec![look_at(&tuft, &land, &|| false)];
-        let polls = |most: u64| {
+        let polls = |share_of: u64, most: u64| {
             let (host, mut looked) = (Stops(usize::MAX.into()), looked());
             let tufts = [tuft.clone()];
-            try_again(&mut looked, &tufts, (&land, Effort::Moved), most, &host).unwrap();
+            let of = (true, share_of, most);
+            try_again(&mut looked, &tufts, (&land, Effort::Moved), of, &host).unwrap();
             usize::MAX - host.0.into_inner()
         };
-        assert!(looked()[0].changed.iter().all(|one| one.astray));
+        assert!(looked()[0].changed.iter().all(|one| one.astray && one.read.on_skin));
         // Each is asked about once a round of at least 121 points, and twice in between.
-        let asked = [0, 60_000, 600_000].map(polls);
+        let within = |most: usize| 3 * most / 121 + 3 * 80;
+        let asked = [0, 600_000, 6_000_000].map(|most| polls(most, most));
         assert_eq!(asked[0], 0);
-        assert!(asked[1] < asked[2] && asked[1] <= 3 * 60_000 / 121 + 20, "{asked:?}");
+        assert!(asked[1] < asked[2] && asked[1] <= within(600_000), "{asked:?}");
+        // Of what each might take by its share, all together take what they may and a batch of them more.
+        let asked = polls(u64::MAX, 600_000);
+        assert!(asked > 0 && asked <= within(2 * 600_000), "{asked}");
     }
 
     #[test]

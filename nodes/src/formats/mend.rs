@@ -7,12 +7,13 @@
 //! as a way over a parting, is not taken.
 //!
 //! Guarantees: the root stays, and the tip but for curves that are moved as a whole, whose tips go along; no other point is
-//! deeper in the skin than allowed by more than [`NEAR`] cm; no more is tried than its [`Patience`] allows, counted in points
+//! deeper in the skin than allowed by more than [`NEAR`] cm; no more is tried than its [`Allowance`] allows, counted in points
 //! and not by a clock, so that the result is the same everywhere. Not promised: that readings agree at the end, which
 //! [`Read::left`] tells.
 
 use super::conform::{Effort, MOST_POINTS};
 use crate::data::lead::Torn;
+use crate::data::patience::Patience;
 use crate::data::scalp::Skin;
 use crate::maths::readings::{AGREE, each_span, readings_differ};
 use crate::maths::spline::{Place, Spline};
@@ -67,22 +68,39 @@ const ASKED: u64 = 8;
 /// To push one out of the skin costs as much as so many.
 const PUSHED: u64 = 100;
 /// What it costs to lead a curve round what tears it, in points placed: ways through the air are looked for.
-const LED: u64 = 100_000;
+const LED: u64 = 15_000;
 
-/// How much may be tried yet, in points placed.
-pub(super) struct Patience<'a> {
+/// What a look at the skin costs, in points placed.
+const LOOK: u64 = 20;
+
+/// How much may be tried yet, in points placed, and how often the skin may be looked at for a way out of it.
+pub(super) struct Allowance<'a> {
+    most: u64,
     left: Cell<u64>,
+    looks: Patience,
     is_cancelled: &'a dyn Fn() -> bool,
 }
 
-impl<'a> Patience<'a> {
-    /// Without end where `most` is none; it ends at once when somebody asks to stop.
-    pub(super) fn new(most: Option<u64>, is_cancelled: &'a dyn Fn() -> bool) -> Self {
-        Self { left: Cell::new(most.unwrap_or(u64::MAX)), is_cancelled }
+impl<'a> Allowance<'a> {
+    /// Of so many points, and as many looks at the skin as cost as much; it ends at once when somebody asks to stop.
+    pub(super) fn new(most: u64, is_cancelled: &'a dyn Fn() -> bool) -> Self {
+        Self { most, left: Cell::new(most), looks: Patience::new(most / LOOK), is_cancelled }
+    }
+    /// Of any number of points, and so many looks at the skin.
+    pub(super) fn of_looks(looks: u64, is_cancelled: &'a dyn Fn() -> bool) -> Self {
+        Self { most: 0, left: Cell::new(u64::MAX), looks: Patience::new(looks), is_cancelled }
     }
     /// What is left.
     pub(super) fn left(&self) -> u64 {
         self.left.get()
+    }
+    /// What the looks at the skin have cost, in points placed, of those that came with the points.
+    pub(super) fn looked(&self) -> u64 {
+        LOOK * (self.most / LOOK).saturating_sub(self.looks.left())
+    }
+    /// The looks at the skin that are left.
+    pub(super) fn looks(&self) -> &Patience {
+        &self.looks
     }
     pub(super) fn is_out(&self) -> bool {
         self.left.get() == 0
@@ -108,9 +126,20 @@ pub(super) struct Read {
     pub(super) stops: Vec<(f32, Place)>,
     /// How far from there the farthest was moved, cm; nothing where the curve was only resampled.
     pub(super) moved: f32,
+    /// Whether the skin moved points of it.
+    pub(super) on_skin: bool,
 }
 
 impl Read {
+    /// A curve as it is.
+    pub(super) fn of(points: &[Vec3], left: f32) -> Self {
+        let last = points.len() - 1;
+        let place =
+            |k: usize| Place { span: k.min(last - 1), t: if k == last { 1.0 } else { 0.0 } };
+        let stops = (0..=last).map(|k| (0.0, place(k))).collect();
+        Self { left, points: points.to_vec(), stops, moved: 0.0, on_skin: true }
+    }
+
     fn agrees(&self) -> bool {
         self.left <= AGREE
     }
@@ -132,7 +161,7 @@ pub(super) struct Mender<'a> {
     pub(super) depth: &'a dyn Fn(Place) -> f32,
     /// Whether it may not be moved to these points.
     pub(super) is_barred: &'a dyn Fn(&Read) -> bool,
-    pub(super) patience: &'a Patience<'a>,
+    pub(super) patience: &'a Allowance<'a>,
 }
 
 impl Mender<'_> {
@@ -196,6 +225,7 @@ impl Mender<'_> {
         let Some(skin) = self.skin else { return p };
         let (out, moved) = skin.push_out(p, (self.depth)(place));
         if moved {
+            self.patience.looks.take(1);
             self.patience.has(PUSHED);
         }
         out
@@ -226,7 +256,7 @@ impl Mender<'_> {
         let last = self.segments(self.old.len() - 1, finer);
         let mut read = Read::default();
         // Among folds each round would be torn anew: what is alike in the air is pushed once.
-        let once = self.skin.is_some_and(Skin::is_folded);
+        let once = self.skin.is_some_and(Skin::is_rough);
         let pushed = Cell::new(false);
         let stale = || if pushed.get() { STALE_ON_SKIN } else { STALE };
         let alike =
@@ -240,10 +270,12 @@ impl Mender<'_> {
                     out
                 }
             });
-        if once {
-            let inner = read.points.iter_mut().zip(&read.stops).take(last).skip(1);
-            inner.for_each(|(p, (_, place))| *p = self.clear(*p, *place));
+        if let (true, Some(skin)) = (once, self.skin) {
+            let Read { points, stops, .. } = &mut read;
+            skin.clear(&mut points[..last], |k| Some((self.depth)(stops[k].1)));
+            self.patience.looks.take(2 * last as u64);
         }
+        read.on_skin = pushed.get();
         (read.judged(), !alike && pushed.get())
     }
 
@@ -325,7 +357,7 @@ fn alike_chords(
     spline: &Spline,
     last: usize,
     read: &mut Read,
-    patience: &Patience,
+    patience: &Allowance,
     most_stale: &dyn Fn() -> usize,
     point: impl Fn(usize, Place) -> Vec3,
 ) -> bool {
@@ -468,7 +500,7 @@ mod tests {
         spline: &'a Spline,
         led: &'a mut Spline,
         skin: &'a Skin<'a>,
-        patience: &'a Patience<'a>,
+        patience: &'a Allowance<'a>,
     ) -> Mender<'a> {
         let (depth, is_barred) = (&|_| 0.0, &|_: &Read| false);
         Mender { old, spline, led, skin: Some(skin), depth, is_barred, patience }
@@ -489,7 +521,7 @@ mod tests {
             let coil: Vec<Vec3> = hair.into_iter().enumerate().map(push).collect();
             let spline = Spline::new(&coil).unwrap();
             let mut led = Spline::default();
-            let patience = Patience::new(None, &|| false);
+            let patience = Allowance::of_looks(u64::MAX, &|| false);
             let mut mender = mender(&coil, &spline, &mut led, &skin, &patience);
             let read = mender.read_alike(Effort::Led);
             if read.moved > 0.0 {
@@ -521,7 +553,7 @@ mod tests {
             .collect();
         let spline = Spline::new(&coil).unwrap();
         let mut led = Spline::default();
-        let patience = Patience::new(None, &|| false);
+        let patience = Allowance::of_looks(u64::MAX, &|| false);
         let mut mender = mender(&coil, &spline, &mut led, &skin, &patience);
         let deepest = |points: &[Vec3]| points.iter().map(|p| 8.9 - p.length()).fold(0.0, f32::max);
         let (mut from, _) = mender.resampled(1.0);

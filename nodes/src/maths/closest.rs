@@ -100,6 +100,12 @@ impl Surface {
         self.gone.is_empty() && self.ends * SHEETS <= self.points.len()
     }
 
+    /// Whether so many triangles cross each other that a point has hundreds about it, as in a brush of crossing blades. What is found
+    /// there may lie farther off than the nearest, but is the same wherever a search begins.
+    pub fn is_tangled(&self) -> bool {
+        self.tree.is_tangled()
+    }
+
     /// The three corners of a triangle.
     #[inline]
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
@@ -126,7 +132,7 @@ impl Surface {
     /// The closest point, as [`Self::closest`] finds it, found sooner when triangle `near` is close to it: the answer for a
     /// neighbour of `p`.
     pub fn closest_from(&self, p: Vec3, near: u32) -> Option<Hit> {
-        if self.is_gone(near) {
+        if self.is_gone(near) || self.tree.is_tangled() {
             return self.closest(p);
         }
         let (bary, point) = closest_on_triangle(p, self.corners(near));
@@ -273,7 +279,8 @@ impl Surface {
             return hit.distance;
         }
         let at_edge = [1.0 - hit.bary.x - hit.bary.y, hit.bary.x, hit.bary.y];
-        let doubtful = hit.distance > DOUBTFUL && at_edge.iter().any(|w| *w <= ON);
+        let doubtful =
+            hit.distance > DOUBTFUL && !self.is_tangled() && at_edge.iter().any(|w| *w <= ON);
         if doubtful && !self.sees_backs(p) { hit.distance } else { -hit.distance }
     }
 
@@ -538,9 +545,13 @@ pub(crate) mod tests {
                 .min_by(|a, b| a.partial_cmp(b).unwrap())
                 .unwrap();
             let hit = surface.closest(p).unwrap();
-            assert_eq!((hit.distance, hit.triangle), (brute.0.sqrt(), brute.1), "{name}: {p}");
             let near = dice.below(id, 4, numbers.end);
             assert_eq!(surface.closest_from(p, near), Some(hit), "{name}: {p} from {near}");
+            if surface.is_tangled() {
+                assert!(hit.distance >= brute.0.sqrt(), "{name}: {p}");
+                continue;
+            }
+            assert_eq!((hit.distance, hit.triangle), (brute.0.sqrt(), brute.1), "{name}: {p}");
             let met = numbers
                 .clone()
                 .filter_map(|t| Some((ray_triangle(p, v, surface.corners(t))?.0, t)))

@@ -216,6 +216,21 @@ impl DistanceField {
         })
     }
 
+    /// The radius (cm) of a ball about `p`, outside, that holds no skin, as the middle of its block alone tells; 0 says nothing. Makes
+    /// no cell.
+    pub fn far(&self, surface: &Surface, p: Vec3) -> f32 {
+        match self.place(surface, p) {
+            Place::Inside => 0.0,
+            Place::Outside => self.band(),
+            Place::Near { q, i, block } => {
+                let middle = (i & !(BLOCK - 1)) + BLOCK / 2;
+                let rounding = 0.01 * self.cell + 1e-6 * p.abs().max_element();
+                let far = block.distance - q.distance(middle.as_vec3()) * self.cell;
+                (far - rounding).max(0.0)
+            }
+        }
+    }
+
     /// Whether all about `p` is farther outside than the band. False says nothing.
     pub fn is_beyond(&self, surface: &Surface, p: Vec3) -> bool {
         matches!(self.place(surface, p), Place::Outside)

@@ -3,7 +3,9 @@
 //! Guarantees: what is found is what looking at every triangle would find, whatever the tree, for rounding is allowed for and
 //! ties go to the lowest triangle; a tree of `n` triangles has log4(n) levels however they lie, in heaps on one spot or
 //! strewn, and two more where they are slivers; the same answers with any vectors of the processor, for boxes are compared in plain arrays that compilers turn into
-//! four at a time. Not promised: few visits where very many triangles are all as near as each other.
+//! four at a time. Not promised: few visits where very many triangles are all as near as each other. In a
+//! tangle, where hundreds cross each other about each point, a search ends after [`MOST_LOOKS`] triangles: what it finds is the
+//! same everywhere, but may lie farther off than the nearest.
 
 use glam::{Vec2, Vec3};
 
@@ -23,6 +25,15 @@ const ROUNDING: f32 = 1e-6;
 const AIRY: f32 = 16.0;
 /// ... up to so often.
 const PIECES: u32 = 4;
+
+/// A mesh is tangled where a search near it looks at more triangles than this: heads and
+/// dressed figures take five to forty ...
+const TANGLED: usize = 150;
+/// ... on average over so many places, so far off a triangle as a part of its side ...
+const SAMPLES: usize = 64;
+const OFF: f32 = 0.1;
+/// ... and there it looks at so many: those whose boxes are nearest.
+const MOST_LOOKS: usize = 24;
 
 /// One number of each child.
 type Each = [f32; WIDE];
@@ -45,6 +56,8 @@ pub(super) struct TriangleTree {
     leaves: Vec<Leaf>,
     /// The largest coordinate.
     largest: f32,
+    /// How many triangles a search looks at, at most.
+    most: usize,
 }
 
 /// What was found for a point: the square of the distance, the triangle, the weights of its second and third corner, the point.
@@ -70,14 +83,48 @@ impl TriangleTree {
             });
         }
         let largest = |most: f32, i: &Item| most.max(i.low.abs().max(i.high.abs()).max_element());
-        let mut tree =
-            Self { nodes: vec![], leaves: vec![], largest: items.iter().fold(0.0, largest) };
+        let mut tree = Self {
+            nodes: vec![],
+            leaves: vec![],
+            largest: items.iter().fold(0.0, largest),
+            most: usize::MAX,
+        };
         if !items.is_empty() {
             tree.leaves.reserve(items.len());
             tree.nodes.reserve(items.len() / 2);
             tree.add(&mut items);
+            if tree.looks() > TANGLED {
+                tree.most = MOST_LOOKS;
+            }
         }
         tree
+    }
+
+    /// Whether searches end before they have looked at all that may be nearest: see [`TANGLED`].
+    pub(super) fn is_tangled(&self) -> bool {
+        self.most < usize::MAX
+    }
+
+    /// How many triangles a search looks at for a place a little off the mesh, on average over some places of it.
+    fn looks(&self) -> usize {
+        let places = self.leaves.len().min(SAMPLES);
+        let mut looks = 0;
+        for k in 0..places {
+            let [a, b, c] = self.leaves[k * self.leaves.len() / places].corners;
+            let p = (a + b + c) / 3.0
+                + OFF * (b - a).cross(c - a).normalize_or_zero() * (c - a).length();
+            let mut best = f32::MAX;
+            let mut looked = 0;
+            let mut leaf = |leaf: &Leaf| {
+                looked += 1;
+                let (_, point) = super::closest::closest_on_triangle(p, leaf.corners);
+                best = best.min(point.distance_squared(p));
+                best
+            };
+            self.walk(|node| node.squares(p), &mut leaf, f32::MAX, 20 * TANGLED);
+            looks += looked;
+        }
+        looks / places.max(1)
     }
 
     /// The box about all triangles; none of none.
@@ -160,6 +207,7 @@ impl TriangleTree {
                 beyond(best.0.min(limit))
             },
             reach,
+            self.most,
         );
         best
     }
@@ -188,6 +236,7 @@ impl TriangleTree {
                 past(best.map_or(reach, |(_, t, _)| t))
             },
             past(reach),
+            self.most,
         );
         best
     }
@@ -212,24 +261,26 @@ impl TriangleTree {
                 if any.is_some() { f32::NEG_INFINITY } else { past(reach) }
             },
             past(reach),
+            usize::MAX,
         );
         any
     }
 
     /// Goes through the leaves, those first whose boxes are nearest, but for what is farther than `reach`. `far` tells how far the
-    /// children of a node are, `leaf` looks at a triangle and gives the new reach.
+    /// children of a node are, `leaf` looks at a triangle and gives the new reach; it looks at `most`.
     #[inline]
     fn walk(
         &self,
         far: impl Fn(&Node) -> Each,
         mut leaf: impl FnMut(&Leaf) -> f32,
         mut reach: f32,
+        most: usize,
     ) {
         if self.nodes.is_empty() {
             return;
         }
         let mut waiting = [(0.0f32, 0u32); WAITING];
-        let mut waits = 1;
+        let (mut waits, mut looks) = (1, 0);
         while waits > 0 {
             waits -= 1;
             let (near, at) = waiting[waits];
@@ -238,6 +289,10 @@ impl TriangleTree {
             }
             if at & LEAF != 0 {
                 reach = leaf(&self.leaves[(at & !LEAF) as usize]);
+                looks += 1;
+                if looks == most {
+                    return;
+                }
                 continue;
             }
             let node = &self.nodes[at as usize];
@@ -287,6 +342,7 @@ impl TriangleTree {
                 best
             },
             f32::MAX,
+            self.most,
         );
         (nodes.get(), leaves)
     }
@@ -420,5 +476,24 @@ mod tests {
             .collect();
         let (nodes, leaves) = of(&field).visits(Vec3::new(20.3, 0.5, 41.6));
         assert!(nodes <= 20 && leaves <= 12, "{nodes} nodes, {leaves} triangles");
+    }
+
+    #[test]
+    fn in_a_tangle_a_search_looks_at_few() {
+        let dice = Dice::new(9, 0, "tangle");
+        let at = |id: u64, k: u64| {
+            Vec3::from([0, 1, 2].map(|axis| 10.0 * dice.signed(id, 3 * k + axis)))
+        };
+        // Triangles of 10 cm all over each other in a box of 20: each holds a tenth of it in its own box.
+        let soup: Vec<_> = (0..3000).map(|id| [at(id, 0), at(id, 1), at(id, 2)]).collect();
+        let tree = of(&soup);
+        assert!(tree.is_tangled());
+        for id in 0..50 {
+            let p = at(id, 9);
+            let (_, looks) = tree.visits(p);
+            assert!(looks <= MOST_LOOKS, "{looks}");
+            let found = tree.nearest(p, f32::MAX, (f32::MAX, u32::MAX, Vec2::ZERO, p));
+            assert!(found.1 < 3000 && found.3.distance_squared(p) == found.0);
+        }
     }
 }

@@ -12,6 +12,7 @@ use super::fit::{self, Fit};
 use super::parts::{self, Parts};
 use super::{bust, facing, hollow, region};
 use crate::data::mesh::Mesh;
+use crate::data::rough::{Rough, WIDE};
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION, Scalp};
 use crate::data::strokes::Strokes;
 use crate::define::{FileData, NodeError, choice, node, short};
@@ -227,11 +228,21 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     tell_region(cx, &inputs, &surface, &frame, everywhere, &grows);
     masks.insert(REGION.to_owned(), grows);
     let scalp = Scalp::new(surface, uvs, frame, masks);
-    if scalp.skin().is_folded() {
-        cx.remark(format!(
-            "more than a quarter of the region faces other skin within {:.0} cm: among so many folds hair is pushed out of the skin, but not led round it",
-            frame.radius
-        ));
+    if let Some(rough) = scalp.rough() {
+        let why = match rough {
+            Rough::Folded => format!(
+                "more than a quarter of the region faces other skin within {:.0} cm: among so many folds",
+                frame.radius
+            ),
+            Rough::Wide => format!(
+                "the region is larger than {:.0} cm2: on so large a one",
+                WIDE * frame.unit() * frame.unit()
+            ),
+            Rough::Tangled => {
+                "so many triangles cross each other that little of the mesh has an inside: among them".to_owned()
+            }
+        };
+        cx.remark(format!("{why} hair is pushed out of the skin, but not led round it"));
     }
     let scalp = scalp.with_cm_per_unit(scale).with_parts(parts.list());
     Ok(Outputs { scalp: Arc::new(scalp) })

@@ -1,0 +1,29 @@
+//! How much may be tried yet: what bounds the search for a way out of the skin.
+//!
+//! Counted in looks at the skin and not by a clock, so that what is found is the same everywhere. Whoever makes one piece of work
+//! gives it as it goes, so much for each point: what comes later changes nothing of what came before.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What is left, in looks: one place in the air, or one question for the closest point.
+#[derive(Debug)]
+pub struct Patience(AtomicU64);
+
+impl Patience {
+    /// For so many looks.
+    pub fn new(looks: u64) -> Self {
+        Self(AtomicU64::new(looks))
+    }
+    /// For so many more.
+    pub fn add(&self, looks: u64) {
+        self.0.store(self.left().saturating_add(looks), Ordering::Relaxed);
+    }
+    /// Takes so many off, or all there are.
+    pub fn take(&self, looks: u64) {
+        self.0.store(self.left().saturating_sub(looks), Ordering::Relaxed);
+    }
+    /// What is left.
+    pub fn left(&self) -> u64 {
+        self.0.load(Ordering::Relaxed)
+    }
+}

@@ -1,0 +1,158 @@
+//! Meshes that are no head to lead hair on: folded all over, far larger than any scalp, or a tangle.
+//!
+//! Told from the surface and the region alone, so that it is known before a hair grows. On all of them hair is pushed out of the
+//! skin and not led round it, and asks about each point alone: what makes both worth their price, that thousands of hairs come by the
+//! same ear, is not so there.
+
+use super::scalp::HEAD_RADIUS;
+use crate::maths::closest::Surface;
+use glam::Vec2;
+
+/// Why hair on a mesh is pushed out of the skin and not led round it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rough {
+    /// More than a quarter of the region has other skin before it, within the radius of a head, as crumpled cloth, leaves, many
+    /// layers or a whole dressed figure have (heads have 2 %).
+    Folded,
+    /// The region is larger than [`WIDE`].
+    Wide,
+    /// So many triangles cross each other that nothing has an inside: see [`Surface::is_tangled`].
+    Tangled,
+}
+
+/// A region larger than this is wide, cm2 on a head of usual size, which has 600 to 900.
+pub const WIDE: f32 = 5000.0;
+/// At so many places of the region one looks whether skin is faced.
+const LOOKS: u32 = 400;
+/// Skin nearer than this, in head units, is faced.
+const FACED: f32 = HEAD_RADIUS;
+
+impl Rough {
+    /// Whether a surface with hair on a `region` (0 to 1 a vertex) is rough; `unit` is a head unit in cm.
+    pub fn of(surface: &Surface, region: &[f32], unit: f32) -> Option<Self> {
+        if surface.is_tangled() {
+            return Some(Self::Tangled);
+        }
+        let area = |t: u32| {
+            let [a, b, c] = surface.triangles[t as usize].map(|v| region[v as usize]);
+            f64::from(surface.area_vector(t).length()) * f64::from(a.max(b).max(c).min(1.0))
+        };
+        let areas: Vec<f64> = (0..surface.triangles.len() as u32).map(area).collect();
+        let sum = areas.iter().sum::<f64>();
+        if 0.5 * sum > f64::from(WIDE * unit * unit) {
+            return Some(Self::Wide);
+        }
+        is_folded(surface, &areas, sum / f64::from(LOOKS), FACED * unit).then_some(Self::Folded)
+    }
+}
+
+/// Whether more than a quarter of these areas face skin within `reach`, looked at once in each `each` of them.
+fn is_folded(surface: &Surface, areas: &[f64], each: f64, reach: f32) -> bool {
+    let (mut sum, mut next) = (0.0, 0.5 * each);
+    let (mut looks, mut faced) = (0, 0);
+    for (triangle, area) in (0..).zip(areas) {
+        sum += area;
+        while sum > next && looks < LOOKS {
+            next += each;
+            let out = surface.face_normal(triangle);
+            let from = surface.at(triangle, Vec2::splat(1.0 / 3.0)) + out * (0.01 * reach);
+            looks += 1;
+            faced += u32::from(surface.ray_meets(from, out, reach));
+        }
+    }
+    4 * faced > looks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::lead::tests::{bust, hairs};
+    use crate::data::patience::Patience;
+    use crate::data::scalp::{HeadFrame, REGION, Scalp};
+    use crate::maths::transcendental::sin_cos_turns;
+    use glam::Vec3;
+
+    fn of(surface: Surface) -> Scalp {
+        let everywhere = [(REGION.to_owned(), vec![1.0; surface.points.len()])].into();
+        Scalp::new(surface, None, HeadFrame::IDENTITY, everywhere)
+    }
+
+    /// Strips of so many cm across and 40 long, each joined to the next, that lie flat or zigzag to a height.
+    fn strips(count: u32, up: f32, across: f32) -> Surface {
+        let at =
+            |k: u32| Vec3::new(k as f32 * across, if k.is_multiple_of(2) { 0.0 } else { up }, 0.0);
+        let points = (0..=count).flat_map(|k| [at(k), at(k) + Vec3::Z * 40.0]).collect();
+        let quad = |k: u32| [[2 * k, 2 * k + 1, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 2]];
+        Surface::new(points, (0..count).flat_map(quad).collect())
+    }
+
+    /// Upright blades of 20 x 10 cm through the origin, turned evenly about the axis.
+    fn blades(count: u32) -> Surface {
+        let blade = |k: u32| {
+            let (sin, cos) = sin_cos_turns(0.5 * k as f32 / count as f32);
+            let side = Vec3::new(cos, 0.0, sin) * 10.0;
+            [side, -side, Vec3::Y * 10.0]
+        };
+        let points = (0..count).flat_map(blade).collect();
+        Surface::new(points, (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
+    }
+
+    #[test]
+    fn cloth_is_folded_what_is_huge_is_wide_crossing_blades_are_a_tangle_and_heads_are_nothing_of_it()
+     {
+        let check = |surface: Surface, rough: Option<Rough>| assert_eq!(of(surface).rough(), rough);
+        // 20 x 10 x 40 cm2 that lie flat are 8000, and 12 of them 4800.
+        check(strips(20, 0.0, 10.0), Some(Rough::Wide));
+        check(strips(12, 0.0, 10.0), None);
+        // Zigzags of 10 cm, 1 cm apart: 12 x 10.05 x 40.
+        check(strips(12, 10.0, 1.0), Some(Rough::Folded));
+        // All blades hold the axis: near it, a search that went on would look at each.
+        check(blades(2000), Some(Rough::Tangled));
+        check(Surface::new(vec![], vec![]), None);
+        assert_eq!(bust().rough(), None);
+    }
+
+    #[test]
+    fn on_a_wide_mesh_hair_makes_no_cells() {
+        // 200 hairs of 16 points all over 160 strips that zigzag by 10 cm, 4 cm apart: each point in a brick of its own would be
+        // 3200 x 600 bytes, and 8 or 9 searches in place of one.
+        let scalp = of(strips(160, 10.0, 4.0));
+        let skin = scalp.skin();
+        let (before, mut moved) = (scalp.bytes(), 0);
+        for k in 0..200 {
+            let root = Vec3::new(3.17 * k as f32, 5.0, 0.2 * k as f32);
+            let mut hair: Vec<Vec3> =
+                (0..16).map(|n| root + Vec3::new(0.7, 0.1, 0.3) * n as f32).collect();
+            moved += usize::from(skin.clear(&mut hair, |_| Some(0.0)));
+            assert!(hair[1..].iter().all(|p| skin.distance(*p) > -1e-3));
+        }
+        assert!(moved > 100, "{moved}");
+        // `distance` above asks the field within a millimetre only where it is asked; the hair itself notes blocks alone.
+        let made = scalp.bytes() - before;
+        assert!(made < 4000 * 600, "{made} bytes");
+    }
+
+    #[test]
+    fn no_more_is_looked_at_than_patience_allows_and_hair_is_out_of_the_skin_all_the_same() {
+        let scalp = bust();
+        let skin = scalp.skin();
+        let led_within = |looks: u64| {
+            let patience = Patience::new(looks);
+            let near = skin.within(&patience);
+            let mut far = 0;
+            for mut hair in hairs().into_iter().filter(|hair| skin.distance(hair[0]) > 0.0) {
+                let was = hair.clone();
+                near.clear(&mut hair, |_| Some(0.0));
+                assert!(hair[1..].iter().all(|p| skin.distance(*p) > -1e-3));
+                // Ends of the thread that an ear tears apart lie half a cm and more from each other.
+                far += usize::from(hair.windows(2).any(|w| w[0].distance(w[1]) > 0.6));
+                assert_eq!(was[0], hair[0]);
+            }
+            (far, looks - patience.left())
+        };
+        let (torn, looked) = led_within(200_000_000);
+        let (torn_at_once, few) = led_within(100);
+        assert!(looked > 3000 && few == 100, "{looked} and {few} looks");
+        assert!(torn_at_once > torn, "{torn_at_once} and {torn} are torn");
+    }
+}
