@@ -10,6 +10,7 @@ pub mod gestures;
 pub mod home;
 pub mod lead;
 pub mod mesh;
+pub mod painted;
 mod places;
 pub mod ramp;
 pub mod scalp;
