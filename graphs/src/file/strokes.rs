@@ -29,6 +29,7 @@ pub(super) struct FileStroke {
     y: Vec<i64>,
     z: Vec<i64>,
     pressure: Vec<i64>,
+    #[serde(default)]
     time: Vec<i64>,
     #[serde(default)]
     tilt_x: Vec<i64>,
@@ -46,6 +47,7 @@ struct FileDrawn {
     y: Vec<i64>,
     z: Vec<i64>,
     pressure: Vec<i64>,
+    #[serde(default)]
     time: Vec<i64>,
     #[serde(default)]
     tilt_x: Vec<i64>,
@@ -58,16 +60,21 @@ const SAMPLES: Columns<7> = Columns {
     optional: 5,
     row: "sample",
 };
+/// What is painted knows no time, unless it was drawn as a line.
+const DABS: Columns<7> = Columns { optional: 4, ..SAMPLES };
+/// So many dabs stand on one line with their brush: most are taps, and there are many.
+const A_LINE: usize = 3;
 
 impl FileStroke {
     /// The stroke; else what is wrong with it.
     pub(super) fn stroke(self) -> Result<Stroke, String> {
         let brush = self.brush().map_err(|reason| format!("stroke {}: {reason}", self.id))?;
         let Self { id, x, y, z, pressure, time, tilt_x, tilt_y, drawn, .. } = self;
-        let samples = samples([x, y, z, pressure, time, tilt_x, tilt_y])
+        let columns = if brush.is_some() { &DABS } else { &SAMPLES };
+        let samples = samples(columns, [x, y, z, pressure, time, tilt_x, tilt_y])
             .map_err(|reason| format!("stroke {id}: {reason}"))?;
         let FileDrawn { x, y, z, pressure, time, tilt_x, tilt_y } = drawn;
-        let drawn = self::samples([x, y, z, pressure, time, tilt_x, tilt_y])
+        let drawn = self::samples(columns, [x, y, z, pressure, time, tilt_x, tilt_y])
             .map_err(|reason| format!("stroke {id} as drawn: {reason}"))?;
         Ok(Stroke { id, samples, drawn, brush })
     }
@@ -88,8 +95,8 @@ impl FileStroke {
     }
 }
 
-fn samples(columns: [Vec<i64>; 7]) -> Result<Vec<Sample>, String> {
-    let rows = SAMPLES.rows(columns)?;
+fn samples(kind: &Columns<7>, columns: [Vec<i64>; 7]) -> Result<Vec<Sample>, String> {
+    let rows = kind.rows(columns)?;
     Ok(rows.into_iter().map(|row| Steps(row).sample()).collect())
 }
 
@@ -111,10 +118,12 @@ pub(super) fn write(out: &mut String, stroke: &Stroke, lines: bool) {
             out.push_str(", ");
         }
     }
-    SAMPLES.write(out, &steps(&stroke.samples), lines);
+    let columns = if stroke.brush.is_some() { &DABS } else { &SAMPLES };
+    let lines = lines && (stroke.brush.is_none() || stroke.samples.len() > A_LINE);
+    columns.write(out, &steps(&stroke.samples), lines);
     if !stroke.drawn.is_empty() {
         out.push_str(", drawn: (");
-        SAMPLES.write(out, &steps(&stroke.drawn), lines);
+        columns.write(out, &steps(&stroke.drawn), lines);
         out.push(')');
     }
     out.push(')');
@@ -129,7 +138,7 @@ mod tests {
     use coif_nodes::define::{Type, Value};
 
     const DAB: &str = "(id: 7, mode: \"paint\", radius: 1.0, strength: 0.5, x: [0], y: [890], z: [0], \
-         pressure: [256], time: [0])";
+         pressure: [256])";
 
     #[test]
     fn a_brush_is_written_as_it_was_read() {
@@ -201,6 +210,7 @@ mod tests {
                     section: "front left".to_owned(),
                 };
                 let tap = |k: usize, s: &Sample| Sample {
+                    tilt: glam::Vec2::ZERO,
                     time: 0.0,
                     pressure: (k % 7) as f32 / 7.0,
                     ..*s
