@@ -114,6 +114,12 @@ impl Heat {
         painter.add(Shape::mesh(mesh));
     }
 
+    /// Whether all of it is as new as the field.
+    #[cfg(test)]
+    pub(super) fn is_done(&self) -> bool {
+        self.old == 0
+    }
+
     /// The value at the place nearest to a point, for tests.
     #[cfg(test)]
     pub(super) fn near(&self, p: glam::Vec3) -> f32 {

@@ -57,9 +57,12 @@ fn source(document: &Document, node: Option<&NodeId>) -> Option<Socket> {
     if let Some(wired) = node.and_then(|node| document.wires(node, SCALP).first()) {
         return Some(wired.clone());
     }
-    let wires = |id: &NodeId| document.wires(id, SCALP).first().cloned();
-    let near = upstream(document).iter().find_map(wires);
-    near.or_else(|| Some(Socket::new(target::head(document)?, SCALP)))
+    let up = upstream(document);
+    let parted =
+        up.iter().find(|id| document.node(id.as_str()).is_some_and(|n| n.kind == "partings"));
+    let wired = || up.iter().find_map(|id| document.wires(id, SCALP).first().cloned());
+    let parted = parted.map(|id| Socket::new(id.clone(), SCALP));
+    parted.or_else(wired).or_else(|| Some(Socket::new(target::head(document)?, SCALP)))
 }
 
 /// The outputs that the pen must see while it paints.

@@ -66,7 +66,8 @@ impl Studio {
     /// How hot the head is there, once the heat has been made.
     fn heat(&mut self, at: [f32; 2]) -> f32 {
         let p = self.skin(at);
-        for _ in 0..400 {
+        self.0.step();
+        while !self.0.editor().pen.mask.heat.is_done() {
             self.0.step();
         }
         self.0.editor().pen.mask.heat.near(p)
@@ -220,4 +221,89 @@ fn by_section_a_stroke_and_a_flood_keep_to_where_they_begin() {
     studio.paint(&[[350.0, 300.0], [250.0, 300.0]], 1.0);
     assert_eq!(studio.strokes().0[1].brush.as_ref().expect("a brush").section, flood.section);
     assert!(studio.heat([350.0, 300.0]) < 0.1);
+}
+
+#[test]
+fn hair_follows_a_thousand_dabs_that_are_wired_to_its_length_and_density() {
+    let mut document = head();
+    let scalp = Socket::new(document.display.clone().expect("the head"), "scalp");
+    let mut add =
+        |kind: &str, set: &[(&str, coif_nodes::define::Value)], wires: &[(&str, Socket)]| {
+            let id = document.free_id(kind);
+            let mut node = document.fresh_node(kind, &id);
+            for (name, value) in set {
+                let value = coif_graphs::document::Setting::Known(value.clone());
+                node.inputs.insert((*name).to_owned(), value);
+            }
+            document.nodes.insert(id.clone(), Arc::new(node));
+            for (to, from) in wires {
+                document.links.insert(Socket::new(id.clone(), *to), vec![from.clone()]);
+            }
+            document.display = Some(id.clone());
+            id
+        };
+    let mask = Socket::new(add("paint_mask", &[], &[("scalp", scalp.clone())]), "mask");
+    let wires = [("scalp", scalp.clone()), ("length", mask.clone())];
+    let guides = Socket::new(add("scatter_guides", &[], &wires), "curves");
+    let (on, count) = (("by", "count".into()), ("count", coif_nodes::define::Value::Int(20_000)));
+    let wires = [("scalp", scalp), ("guides", guides), ("mask", mask)];
+    let hair = add("interpolate", &[on, count], &wires);
+    let mut studio = Studio::open(document, "mask.paint");
+    // To and fro over the crown, so that each sample says something.
+    for row in 0..25 {
+        let at =
+            |k: usize| [230.0 + 3.5 * k as f32, 210.0 + 7.0 * row as f32 + 5.0 * (k % 2) as f32];
+        let places: Vec<[f32; 2]> = (0..40).map(at).collect();
+        studio.paint(&places, 1.0);
+    }
+    let strokes = studio.strokes();
+    let dabs: usize = strokes.0.iter().map(|stroke| stroke.samples.len()).sum();
+    assert!(dabs >= 1000, "{dabs}");
+    let count = |studio: &mut Studio| {
+        let shown = studio.0.editor().state.shown.clone().expect("hair");
+        shown.curves.curve_count()
+    };
+    // Hair where it is painted, and nowhere else.
+    let roots = studio.0.editor().state.shown.clone().expect("hair").curves.clone();
+    let crown = studio.skin([300.0, 300.0]);
+    assert!(count(&mut studio) > 1000);
+    assert!(roots.each().all(|(tuft, i)| tuft.curve(i)[0].distance(crown) < 8.0));
+    // One more sample, as a preview is made of it.
+    studio.begin(&[[300.0, 250.0], [301.0, 262.0]], 1.0, End::Tip);
+    let mut slowest = 0.0f64;
+    for k in 0..8 {
+        studio.report(
+            Phase::Move,
+            Pos2::new(300.0 + k as f32, 270.0 + 4.0 * k as f32),
+            1.0,
+            End::Tip,
+        );
+        let revision = studio.0.editor().state.revision;
+        for _ in 0..1000 {
+            studio.0.step();
+            let shown = studio.0.editor().state.shown.as_ref();
+            if shown.is_some_and(|shown| shown.revision > revision && !shown.is_final()) {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        let shown = studio.0.editor().state.shown.clone().expect("hair");
+        assert!(shown.revision > revision && !shown.is_final(), "a preview follows the pen");
+        slowest = slowest.max(shown.ms);
+    }
+    println!("{dabs} dabs: hair follows in {slowest:.1} ms at most");
+    // (On a busy machine and unoptimised it may take longer than the 100 ms that it is to take.)
+    assert!(slowest < if cfg!(debug_assertions) { 1000.0 } else { 100.0 }, "{slowest} ms");
+    studio.lift([310.0, 300.0]);
+    // Twice the hair changes no dab.
+    let before = studio.strokes();
+    let (node, twice) = (hair, coif_nodes::define::Value::Int(40_000));
+    let setting = coif_graphs::document::Setting::Known(twice);
+    let edit =
+        coif_graphs::document::edit::Edit::SetInput { node, input: "count".to_owned(), setting };
+    let few = count(&mut studio);
+    studio.0.editor().apply(crate::editor::event::Event::Edit(edit));
+    studio.0.rest();
+    assert!(count(&mut studio) as f32 > 1.9 * few as f32);
+    assert_eq!(studio.strokes(), before);
 }
