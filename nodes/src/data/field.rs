@@ -123,11 +123,11 @@ impl Field {
                 let value = |i: usize| {
                     let root = tuft.offsets()[i] as usize;
                     let at = u32::try_from(triangle.at(i, root)).ok();
-                    let place = match at.filter(|at| (*at as usize) < known) {
-                        Some(at) => Some(own.root(at, bary.at(i, root))),
-                        None => own.closest_root(*tuft.curve(i).first()?),
-                    };
-                    Some(painted.at(&place?, base.at(i, root, 0.0)))
+                    let base = base.at(i, root, 0.0);
+                    Some(match at.filter(|at| (*at as usize) < known) {
+                        Some(at) => painted.on_triangle(at, bary.at(i, root), base),
+                        None => painted.at(&own.closest_root(*tuft.curve(i).first()?)?, base),
+                    })
                 };
                 Part::Roots((0..tuft.len()).map(|i| value(i).unwrap_or(0.0)).collect())
             }

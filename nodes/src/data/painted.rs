@@ -23,7 +23,7 @@ use crate::maths::hash::{Key, KeyBuilder};
 use crate::scalp::region::soft;
 use dabs::{Dabs, Piece};
 pub use even::Even;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use ring::Ring;
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -105,7 +105,7 @@ impl Painted {
                 let dot = dabs.first().filter(|_| dabs.len() == 1).map(|dab| [*dab; 2]);
                 let whole = brush.mode != Mode::Flood || closed;
                 let ends = ends.chain(dot).filter(|_| whole);
-                pieces.extend(ends.map(|ends| Piece { ends, reach, layer: number, half }));
+                pieces.extend(ends.map(|ends| Piece::new(ends, reach, number, half)));
             }
             let rings = closed
                 .then(|| sides.each_ref().map(|dabs| Some(Ring::new(&scalp, dabs.as_deref()?))));
@@ -157,7 +157,14 @@ impl Painted {
 
     /// The value at a place of the skin, where `base` is what it begins with there, 0 to 1.
     pub fn at(&self, place: &Root, base: f32) -> f32 {
-        self.before(u32::MAX, place.point, place.normal, base)
+        self.before(u32::MAX, place.point, || place.normal, base)
+    }
+
+    /// The value at a point of a triangle of its head.
+    pub(super) fn on_triangle(&self, triangle: u32, bary: Vec2, base: f32) -> f32 {
+        let surface = self.scalp.surface();
+        let normal = || surface.smooth_normal(triangle, bary);
+        self.before(u32::MAX, surface.at(triangle, bary), normal, base)
     }
 
     /// The values at places of the skin.
@@ -183,10 +190,10 @@ impl Painted {
         Ok((0..places.len()).map(|i| base.at(i, i, 0.0)).collect())
     }
 
-    /// The value at a point of the skin with this normal, after the first `count` strokes.
-    fn before(&self, count: u32, point: Vec3, normal: Vec3, base: f32) -> f32 {
+    /// The value at a point of the skin with this normal, which is asked for where it matters, after the first `count` strokes.
+    fn before(&self, count: u32, point: Vec3, normal: impl Fn() -> Vec3, base: f32) -> f32 {
         let near = self.dabs.near(point);
-        let section = OnceCell::new();
+        let (section, out) = (OnceCell::new(), OnceCell::new());
         let (mut value, mut k, mut w) = (base, 0, 0);
         loop {
             let next = near.get(k).map_or(u32::MAX, |i| self.dabs.piece(*i).layer);
@@ -206,9 +213,10 @@ impl Painted {
                 let piece = self.dabs.piece(*i);
                 let half = usize::from(piece.half);
                 if layer.rings.is_some() {
-                    far[half] = far[half].min(piece.distance(point).0);
+                    far[half] = far[half].min(piece.square(point).0.sqrt());
                 } else {
-                    cover[half] = cover[half].max(self.covered(piece, point, normal));
+                    cover[half] =
+                        cover[half].max(self.covered(piece, point, || *out.get_or_init(&normal)));
                 }
             }
             match (&layer.rings, layer.mode) {
@@ -246,16 +254,16 @@ impl Painted {
 
     /// How much of a place a piece of a stroke covers.
     #[inline]
-    fn covered(&self, piece: &Piece, point: Vec3, normal: Vec3) -> f32 {
-        let (distance, t) = piece.distance(point);
-        if distance >= piece.reach {
+    fn covered(&self, piece: &Piece, point: Vec3, normal: impl Fn() -> Vec3) -> f32 {
+        let (square, t) = piece.square(point);
+        if square >= piece.reach * piece.reach {
             return 0.0;
         }
         let [a, b] = &piece.ends;
-        let faces = (a.normal + (b.normal - a.normal) * t).dot(normal);
+        let faces = (a.normal + (b.normal - a.normal) * t).dot(normal());
         let faces = ((faces - AWAY.0) / (AWAY.1 - AWAY.0)).clamp(0.0, 1.0);
         let pressure = a.pressure + (b.pressure - a.pressure) * t;
-        let inner = 1.0 - distance / piece.reach;
+        let inner = 1.0 - square.sqrt() / piece.reach;
         let x = if inner < self.edges.softness { inner / self.edges.softness } else { 1.0 };
         pressure * faces * (x * x * (3.0 - 2.0 * x))
     }

@@ -16,13 +16,25 @@ pub(super) struct Piece {
     pub(super) layer: u32,
     /// 0, or 1 for the twin on the other side.
     pub(super) half: u8,
+    /// From one end to the other, and that by its square.
+    along: Vec3,
+    per_square: Vec3,
 }
 
 impl Piece {
-    /// How far a point is, cm, and where along the piece the nearest place is, 0 to 1.
+    pub(super) fn new(ends: [Dab; 2], reach: f32, layer: u32, half: u8) -> Self {
+        let along = ends[1].point - ends[0].point;
+        let square = along.length_squared();
+        let per_square = if square > 1e-12 { along / square } else { Vec3::ZERO };
+        Self { ends, reach, layer, half, along, per_square }
+    }
+
+    /// The square of how far a point is, cm, and where along the piece the nearest place is, 0 to 1.
     #[inline]
-    pub(super) fn distance(&self, p: Vec3) -> (f32, f32) {
-        between(self.ends[0].point, self.ends[1].point, p)
+    pub(super) fn square(&self, p: Vec3) -> (f32, f32) {
+        let to = p - self.ends[0].point;
+        let t = to.dot(self.per_square).clamp(0.0, 1.0);
+        ((to - self.along * t).length_squared(), t)
     }
 }
 

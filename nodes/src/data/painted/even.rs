@@ -98,7 +98,7 @@ impl Even {
             let values = places
                 .iter()
                 .zip(bases)
-                .map(|(place, base)| painted.before(layer, place.point, place.normal, base));
+                .map(|(place, base)| painted.before(layer, place.point, || place.normal, base));
             let values: Vec<f32> = values.collect();
             let from = means.len() - values.len() / PLACES;
             for ((_, mean), values) in means[from..].iter_mut().zip(values.chunks(PLACES)) {
