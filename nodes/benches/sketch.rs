@@ -38,13 +38,22 @@ impl Host for Memory {
 }
 
 fn run(kind: &str, set: &[(&str, Value)], host: &dyn Host) -> Value {
+    run_in(Quality::Final, kind, set, host)
+}
+
+fn run_in(quality: Quality, kind: &str, set: &[(&str, Value)], host: &dyn Host) -> Value {
     let node = coif_nodes::by_id(kind).unwrap();
     let mut values: Vec<Vec<Value>> = vec![vec![]; node.inputs.len()];
     for (name, value) in set {
         values[node.input(name).unwrap().0].push(value.clone());
     }
     let log = Log::default();
-    let cx = EvalCx::new(0, Quality::Final, KeyBuilder::new(kind).finish(), host, &log);
+    // What is wired in is part of a node's key, but for lists.
+    let is_list =
+        |value: &Value| matches!(value, Value::Curves(_) | Value::Strokes(_) | Value::Gestures(_));
+    let wired = set.iter().filter(|(_, value)| !is_list(value));
+    let key = wired.fold(KeyBuilder::new(kind), |key, (_, value)| key.key(value.key())).finish();
+    let cx = EvalCx::new(0, quality, key, host, &log);
     (node.run)(&cx, &values).unwrap().remove(0)
 }
 
@@ -190,5 +199,26 @@ fn f_100_000_roots_read_1000_dabs(bencher: Bencher, smooth: bool) {
         for tuft in hair.tufts() {
             divan::black_box(mask.on(tuft, Some(&scalp), (0.0, 1.0)).unwrap());
         }
+    });
+}
+
+/// Guides and 20,000 hairs whose length and number one more dab changes, as a preview is made of them.
+#[divan::bench]
+fn g_hair_follows_the_1000th_dab(bencher: Bencher) {
+    let host = Memory::default();
+    let scalp = run("head", &[], &host);
+    let mut strokes = thousand_dabs(true);
+    let mut more = 0;
+    bencher.bench_local(|| {
+        more += 1;
+        strokes.0[39].id = 1000 + more;
+        let preview = |kind: &str, set: &[(&str, Value)]| {
+            let set = [&[("scalp", scalp.clone())], set].concat();
+            run_in(Quality::Preview, kind, &set, &host)
+        };
+        let mask = preview("paint_mask", &[("strokes", strokes.clone().into())]);
+        let guides = preview("scatter_guides", &[("length", mask.clone())]);
+        let count = [("by", "count".into()), ("count", Value::Int(20_000))];
+        preview("interpolate", &[&count[..], &[("guides", guides), ("mask", mask)]].concat())
     });
 }

@@ -25,8 +25,8 @@ pub struct Even {
 const FINE: f32 = 4.0;
 /// As far as means reach, in radii.
 const ABOUT: f32 = 0.5;
-/// More places than this make the grid coarser.
-const MOST: f64 = 2e6;
+/// A longer way, in sides of the grid, makes the grid coarser.
+const LONGEST: f64 = 24_000.0;
 /// Corners farther from the skin than this many sides are of no cell with skin in it.
 const OFF: f32 = 1.7321;
 
@@ -43,7 +43,11 @@ impl Even {
         let mut side = radius / FINE;
         let steps = |side: f32, [a, b]: [Vec3; 2]| (a.distance(b) / (2.0 * side)).ceil().max(1.0);
         let ends = || pieces.iter().map(|piece| piece.ends.map(|dab| dab.point));
-        while ends().map(|ends| f64::from(steps(side, ends))).sum::<f64>() * 500.0 > 50.0 * MOST {
+        if side <= 0.0 || !side.is_finite() {
+            return Ok(Self::default());
+        }
+        let way: f64 = ends().map(|[a, b]| f64::from(a.distance(b))).sum();
+        while way / f64::from(side) > LONGEST {
             side *= 2.0;
         }
         let cell = |p: Vec3| ((p - low) / side).floor().as_ivec3().to_array();

@@ -338,6 +338,16 @@ fn smoothing_evens_out_what_differs_and_leaves_what_does_not() {
 }
 
 #[test]
+fn a_scribble_of_thousands_of_samples_is_smoothed_too() {
+    let to_and_fro: Vec<[f32; 3]> =
+        (0..13_000).map(|k| if k % 2 == 0 { CROWN } else { [0.02, 1.0, 0.0] }).collect();
+    let dab = stroke(1, &[CROWN], brush(Mode::Paint, 0.8, 1.0));
+    let smooth = stroke(2, &to_and_fro, brush(Mode::Smooth, 0.3, 1.0));
+    let value = at(&painted(&head(), &[dab, smooth]), CROWN);
+    assert!(value > 0.8 && value < 1.0, "{value}");
+}
+
+#[test]
 fn paint_does_not_come_through_an_ear() {
     let scalp = head();
     let (surface, frame) = (scalp.surface(), scalp.frame());
