@@ -26,7 +26,7 @@ const FINE: f32 = 4.0;
 /// As far as means reach, in radii.
 const ABOUT: f32 = 0.5;
 /// A longer way, in sides of the grid, makes the grid coarser.
-const LONGEST: f64 = 24_000.0;
+const LONGEST: f64 = 6_000.0;
 /// Corners farther from the skin than this many sides are of no cell with skin in it.
 const OFF: f32 = 1.7321;
 
