@@ -91,7 +91,8 @@ impl Dabs {
             let cells = |piece: &Piece| {
                 let [a, b] = piece.ends.map(|dab| dab.point);
                 let steps = f64::from((a.distance(b) / dabs.side).ceil() + 1.0);
-                steps * f64::from(2.0 * piece.reach / dabs.side + 2.0).powi(3)
+                let across = f64::from(2.0 * piece.reach / dabs.side + 2.0);
+                steps * across * across * across
             };
             let most = dabs.size.iter().product::<usize>() as f64;
             let all: f64 = dabs.pieces.iter().map(|piece| cells(piece).min(most)).sum();

@@ -329,7 +329,7 @@ fn smoothing_evens_out_what_differs_and_leaves_what_does_not() {
     // The peak sinks, its foot rises, again and again.
     assert!(value(&one, CROWN) < 0.7 && value(&one, CROWN) > 0.1, "{}", value(&one, CROWN));
     assert!(value(&two, CROWN) < value(&one, CROWN));
-    assert!(value(&one, near) > value(&[dab.clone()], near));
+    assert!(value(&one, near) > value(std::slice::from_ref(&dab), near));
     for way in [CROWN, near, [0.3, 1.0, 0.1]] {
         assert!((value(&[flood.clone(), smooth(2)], way) - 0.6).abs() < 1e-5);
     }
