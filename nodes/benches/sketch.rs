@@ -1,8 +1,10 @@
 //! What the pen costs: one more sample of a comb over 150 clusters, and 500 gestures from nothing. Beside each, what the node does with
-//! the same curves and no gesture.
+//! the same curves and no gesture. And a mask of 1,000 dabs: what one more costs, and what 100,000 roots cost that read it.
 
 use coif_nodes::data::curves::Curves;
+use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
+use coif_nodes::data::strokes::{Brush, Mode, Sample, Stroke, Strokes};
 use coif_nodes::define::Value;
 use coif_nodes::eval::{EvalCx, Host, Kept, Log, Quality};
 use coif_nodes::maths::hash::{Dice, Key, KeyBuilder};
@@ -36,13 +38,22 @@ impl Host for Memory {
 }
 
 fn run(kind: &str, set: &[(&str, Value)], host: &dyn Host) -> Value {
+    run_in(Quality::Final, kind, set, host)
+}
+
+fn run_in(quality: Quality, kind: &str, set: &[(&str, Value)], host: &dyn Host) -> Value {
     let node = coif_nodes::by_id(kind).unwrap();
     let mut values: Vec<Vec<Value>> = vec![vec![]; node.inputs.len()];
     for (name, value) in set {
         values[node.input(name).unwrap().0].push(value.clone());
     }
     let log = Log::default();
-    let cx = EvalCx::new(0, Quality::Final, KeyBuilder::new(kind).finish(), host, &log);
+    // What is wired in is part of a node's key, but for lists.
+    let is_list =
+        |value: &Value| matches!(value, Value::Curves(_) | Value::Strokes(_) | Value::Gestures(_));
+    let wired = set.iter().filter(|(_, value)| !is_list(value));
+    let key = wired.fold(KeyBuilder::new(kind), |key, (_, value)| key.key(value.key())).finish();
+    let cx = EvalCx::new(0, quality, key, host, &log);
     (node.run)(&cx, &values).unwrap().remove(0)
 }
 
@@ -134,4 +145,80 @@ fn d_no_gesture(bencher: Bencher) {
 fn five_hundred() -> Vec<Gesture> {
     let tools = [Tool::Comb, Tool::Implant, Tool::Puff, Tool::Smooth, Tool::Comb, Tool::Grab];
     (0..500).map(|i| gesture(i + 1, tools[i as usize % tools.len()], 60)).collect()
+}
+
+/// 40 strokes of 25 dabs over the upper head, each fifth of which erases.
+fn thousand_dabs(smooth: bool) -> Strokes {
+    let stroke = |id: u64| {
+        let dice = Dice::new(id, 0, "dabs");
+        let mut way = Vec3::new(dice.signed(0, 0), 0.3 + dice.unit(0, 1), dice.signed(0, 2));
+        let sample = |k: u64| {
+            way += Vec3::new(dice.signed(k, 3), 0.0, dice.signed(k, 4)) * 0.06;
+            Sample { position: way.normalize() * 9.5, pressure: 0.8, ..Sample::default() }
+        };
+        let samples = (0..25).map(sample).collect();
+        let mode = match id % 5 {
+            4 => Mode::Erase,
+            3 if smooth => Mode::Smooth,
+            _ => Mode::Paint,
+        };
+        let brush = Brush { mode, radius: dice.range(0, 5, 0.4, 1.2), ..Brush::default() };
+        Stroke { brush: Some(brush), ..Stroke::new(id, samples) }
+    };
+    Strokes((1..=40).map(stroke).collect())
+}
+
+/// One more dab: the whole mask of 1,000 is made anew.
+#[divan::bench(args = [false, true])]
+fn e_the_1000th_dab(bencher: Bencher, smooth: bool) {
+    let host = Memory::default();
+    let scalp = run("head", &[], &host);
+    let mut strokes = thousand_dabs(smooth);
+    let mut more = 0;
+    bencher.bench_local(|| {
+        more += 1;
+        strokes.0[39].id = 1000 + more;
+        let set = [("scalp", scalp.clone()), ("strokes", strokes.clone().into())];
+        run("paint_mask", &set, &host)
+    });
+}
+
+/// On one thread; hair is made on all of them.
+#[divan::bench(args = [false, true])]
+fn f_100_000_roots_read_1000_dabs(bencher: Bencher, smooth: bool) {
+    let host = Memory::default();
+    let scalp = run("head", &[], &host);
+    let roots =
+        [("scalp", scalp.clone()), ("count", Value::Int(100_000)), ("points", Value::Int(2))];
+    let Value::Curves(hair) = run("scatter_guides", &roots, &host) else { panic!() };
+    let set = [("scalp", scalp.clone()), ("strokes", thousand_dabs(smooth).into())];
+    let Value::Field(mask) = run("paint_mask", &set, &host) else { panic!() };
+    assert!(matches!(*mask, Field::Painted(_)) && hair.curve_count() > 90_000);
+    let Value::Scalp(scalp) = scalp else { panic!() };
+    bencher.bench_local(|| {
+        for tuft in hair.tufts() {
+            divan::black_box(mask.on(tuft, Some(&scalp), (0.0, 1.0)).unwrap());
+        }
+    });
+}
+
+/// Guides and 20,000 hairs whose length and number one more dab changes, as a preview is made of them.
+#[divan::bench]
+fn g_hair_follows_the_1000th_dab(bencher: Bencher) {
+    let host = Memory::default();
+    let scalp = run("head", &[], &host);
+    let mut strokes = thousand_dabs(true);
+    let mut more = 0;
+    bencher.bench_local(|| {
+        more += 1;
+        strokes.0[39].id = 1000 + more;
+        let preview = |kind: &str, set: &[(&str, Value)]| {
+            let set = [&[("scalp", scalp.clone())], set].concat();
+            run_in(Quality::Preview, kind, &set, &host)
+        };
+        let mask = preview("paint_mask", &[("strokes", strokes.clone().into())]);
+        let guides = preview("scatter_guides", &[("length", mask.clone())]);
+        let count = [("by", "count".into()), ("count", Value::Int(20_000))];
+        preview("interpolate", &[&count[..], &[("guides", guides), ("mask", mask)]].concat())
+    });
 }

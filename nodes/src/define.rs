@@ -327,6 +327,7 @@ impl Value {
             Value::File(file) => file.bytes.len(),
             Value::Strokes(strokes) => strokes.bytes(),
             Value::Gestures(gestures) => gestures.bytes(),
+            Value::Field(field) => field.bytes(),
             _ => 64,
         }
     }
@@ -349,6 +350,7 @@ values! {
     Vec3 => |x| Value::Vec3(x);
     &str => |x| Value::Text(x.into());
     Field => |x| Value::Field(Arc::new(x));
+    Arc<Field> => |x| Value::Field(x);
     Ramp => |x| Value::Ramp(Arc::new(x));
     ShapeList => |x| Value::Shapes(Arc::new(x));
     Strokes => |x| Value::Strokes(Arc::new(x));
@@ -445,6 +447,9 @@ impl Output for Curves {
 }
 impl Output for Arc<Scalp> {
     const TYPE: Type = Type::Scalp;
+}
+impl Output for Arc<Field> {
+    const TYPE: Type = Type::Field;
 }
 
 /// A field with the hard range of the input that holds it, ready to be bound to curves.

@@ -10,6 +10,7 @@ use crate::data::field::Field;
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::{HeadFrame, REGION, Scalp};
 use crate::data::shapes::{Section, ShapeList, Tier};
+use crate::data::strokes::{Brush, Mode, Sample, Stroke, Strokes};
 use crate::define::{InputDef, NodeDef, Type, Value};
 use crate::eval::{Host, Kept, Log, PlainHost, Quality};
 use crate::maths::closest::{Surface, tests::sphere};
@@ -27,6 +28,7 @@ const NODES: &[(&str, &[(&str, f32)])] = &[
     ("braid_hair", &[]),
     ("edge_partition", &[("per_cm", 1.0)]),
     ("partings", &[]),
+    ("paint_mask", &[]),
     ("interpolate", &[("count", 60.0)]),
     ("hang", &[]),
     ("baby_hair", &[("per_cm", 1.0)]),
@@ -159,6 +161,36 @@ fn curves() -> Vec<Value> {
     all.into_iter().map(Value::Curves).collect()
 }
 
+/// Strokes with brushes of every kind: one dab, many at one place, all over the head and far off it, closed ones that cross
+/// themselves, lie on one line or have no inside.
+fn strokes() -> Vec<Strokes> {
+    let at = |p: Vec3| Sample { position: p, pressure: 1.0, ..Sample::default() };
+    let dice = Dice::new(9, 0, "strokes");
+    let any = |k: u64| Vec3::new(dice.signed(k, 0), dice.signed(k, 1), dice.signed(k, 2)) * 12.0;
+    let places: [Vec<Vec3>; 6] = [
+        vec![Vec3::Y * 9.0],
+        vec![Vec3::Y * 9.0; 200],
+        vec![Vec3::ZERO, Vec3::Y * 9.0, Vec3::NEG_Y * 9.0, Vec3::ZERO],
+        (0..40).map(any).collect(),
+        vec![Vec3::splat(1e30), Vec3::splat(-1e30), Vec3::X * 1e-30],
+        (0..40).map(|k| Vec3::new(k as f32 * 0.2, 8.0, 0.0)).collect(),
+    ];
+    let mut lists = vec![];
+    for (radius, closed, mirrored) in
+        [(0.05, false, true), (1.0, false, false), (30.0, false, true), (1.0, true, true)]
+    {
+        let each = places.iter().flat_map(|p| Mode::ALL.iter().map(move |(mode, _)| (p, *mode)));
+        let of = |(id, (places, mode)): (u64, (&Vec<Vec3>, Mode))| {
+            let section = if id % 3 == 0 { "nothing".to_owned() } else { String::new() };
+            let brush = Brush { mode, radius, strength: 0.7, mirrored, closed, section };
+            let samples = places.iter().map(|p| at(*p)).collect();
+            Stroke { brush: Some(brush), ..Stroke::new(id, samples) }
+        };
+        lists.push(Strokes((1..).zip(each).map(of).collect()));
+    }
+    lists
+}
+
 const NUMBERS: [f32; 8] = [0.0, -0.0, -1.0, 1e-30, 1e30, -1e30, f32::MAX, 16_777_216.0];
 
 /// What may come in at an input at worst. Ranges are the node's own: what lies outside them is clamped, as from documents.
@@ -226,7 +258,8 @@ fn hostile(input: &InputDef) -> Vec<Value> {
             };
             vec![all(&[]).into(), all(&[0, 1, 2, 3, 4, 0xdead]).into()]
         }
-        Type::File | Type::Strokes => vec![],
+        Type::Strokes => strokes().into_iter().map(Value::from).collect(),
+        Type::File => vec![],
     }
     .into_iter()
     .filter(|value| value.fault().is_none())

@@ -36,7 +36,11 @@ pub const MENUS: &[&str] = &["File", "Edit", "Node", "View", "Pen", "Window", "H
 const PARTS: &[&[&[Action]]] = &[
     &[super::documents::actions::ACTIONS, ACTIONS],
     crate::canvas::ACTIONS,
-    &[crate::viewport::actions::ACTIONS, crate::pen::actions::ACTIONS],
+    &[
+        crate::viewport::actions::ACTIONS,
+        crate::pen::actions::ACTIONS,
+        crate::pen::mask::actions::ACTIONS,
+    ],
 ];
 
 /// Every action, in the order of menus.

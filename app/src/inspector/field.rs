@@ -46,7 +46,8 @@ fn source(field: &Field) -> usize {
         Field::Constant(_) => 0,
         Field::Ramp(_) => 1,
         Field::Attribute(_) => 2,
-        Field::Mask(_) => 3,
+        // (What is painted comes by wire alone.)
+        Field::Mask(_) | Field::Painted(_) => 3,
         Field::Product(_) => 4,
     }
 }
@@ -148,6 +149,7 @@ impl FieldEditor<'_> {
                 let new = self.name_field(ui, "mask", name, &self.known.masks, width)?;
                 Some((Field::Mask(new), How::Once))
             }
+            Field::Painted(_) => None,
             Field::Product(parts) => self.product(ui, parts, width, depth),
         }
     }

@@ -421,6 +421,11 @@ fn drawn(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, strokes
         set_name(ui, &draw, &format!("{name}: draw"));
         if draw.on_hover_text("The pen works on this node, whatever is displayed.").clicked() {
             let node = target.nodes.first().filter(|_| !pinned).cloned();
+            let document = &target.state.document;
+            let held = node.as_ref().and_then(|id| document.node(id.as_str()));
+            if held.is_some_and(|held| held.kind == "paint_mask") {
+                target.out.push(Event::Act("mask.paint"));
+            }
             target.out.push(Event::Pin(node));
         }
         if clear(ui, name, "strokes", count > 0) {

@@ -13,7 +13,7 @@ use coif_graphs::document::strokes::cvs;
 use coif_graphs::document::strokes::whole::{self, End};
 use coif_graphs::document::{NodeId, Setting};
 use coif_nodes::data::gestures::{Layer, Tool};
-use coif_nodes::data::strokes::Stroke;
+use coif_nodes::data::strokes::{Mode, Stroke};
 use coif_nodes::define::Value;
 use std::collections::BTreeSet;
 
@@ -109,10 +109,15 @@ fn on_hair(editor: &Editor) -> Result<(), &'static str> {
     }
 }
 
-/// Takes up a tool on strokes, or on hair the one of the same name.
+/// Takes up a tool on strokes, or on hair or a mask the one of the same name.
 fn same_on_hair(editor: &mut Editor, strokes: PenTool, hair: Tool) {
     editor.pen.tool = match editor.pen.tool {
         PenTool::Hair(_) => PenTool::Hair(Some(hair)),
+        PenTool::Mask(mode) => PenTool::Mask(match hair {
+            Tool::Cut => Mode::Erase,
+            Tool::Smooth => Mode::Smooth,
+            _ => mode,
+        }),
         _ => strokes,
     };
 }
@@ -550,6 +555,9 @@ fn step(editor: &mut Editor, node: &NodeId, words: &str, edits: Vec<Edit>) {
 
 /// Toggles the mirror of the node that the pen works on; with none, of the one that drawing will make.
 fn symmetry(editor: &mut Editor) {
+    if matches!(editor.pen.tool, PenTool::Mask(_)) {
+        return set(editor, |pen| pen.symmetry = !pen.symmetry);
+    }
     let document = &editor.state.document;
     let strokes = !matches!(editor.pen.tool, PenTool::Hair(_));
     let node = target::of(&editor.state).filter(|_| strokes);

@@ -83,7 +83,7 @@ impl Pen {
             Some(Gesture { node, input, words, make, begun: false, wanted, told, work })
         };
         match tool {
-            PenTool::Select | PenTool::Hair(_) => None,
+            PenTool::Select | PenTool::Hair(_) | PenTool::Mask(_) => None,
             PenTool::Draw => self.begin_stroke(sample, scene),
             PenTool::Points => {
                 let place = self.shapes.pick(sample.pos, scene.reach);

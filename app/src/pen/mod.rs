@@ -15,6 +15,7 @@ mod drawing;
 mod edits;
 mod gestures;
 pub(crate) mod hair;
+pub(crate) mod mask;
 mod overlay;
 mod panel;
 mod recipes;
@@ -32,7 +33,7 @@ use crate::viewport::projection::Projection;
 use coif_graphs::document::{NodeId, Socket};
 use coif_nodes::data::gestures::Tool;
 use coif_nodes::data::scalp::Scalp;
-use coif_nodes::data::strokes::Strokes;
+use coif_nodes::data::strokes::{Mode, Strokes};
 use devices::{Devices, Frame, Input};
 use egui::{Key, Pos2, Rect};
 use gestures::{Gesture, Work};
@@ -63,6 +64,8 @@ pub enum PenTool {
     Smooth,
     /// Works on hair: one gesture of the shelf, or what the stroke itself says.
     Hair(Option<Tool>),
+    /// Paints a mask.
+    Mask(Mode),
 }
 
 /// Tools on hair, as they stand in the bar: what they are called, and their actions.
@@ -105,6 +108,7 @@ impl PenTool {
             Self::Comb => "Comb",
             Self::Smooth => "Smooth",
             Self::Hair(tool) => hair_tool(tool).1,
+            Self::Mask(mode) => mask::tool(mode).0,
         }
     }
 
@@ -119,6 +123,7 @@ impl PenTool {
             Self::Comb => "pen.comb",
             Self::Smooth => "pen.smooth_brush",
             Self::Hair(tool) => hair_tool(tool).2,
+            Self::Mask(mode) => mask::tool(mode).1,
         }
     }
 
@@ -173,6 +178,8 @@ pub struct Pen {
     pub free: bool,
     /// What it does to hair.
     pub(crate) hair: hair::Hair,
+    /// What it paints.
+    pub(crate) mask: mask::Mask,
     gesture: Option<Gesture>,
     /// What ended in this frame: it is painted until the document, in the next one, has it.
     ended: Option<Work>,
@@ -238,13 +245,14 @@ impl Pen {
 
     /// Whether a touch is under way.
     pub fn is_drawing(&self) -> bool {
-        self.gesture.is_some() || self.hair.is_drawing()
+        self.gesture.is_some() || self.hair.is_drawing() || self.mask.is_drawing()
     }
 
     /// Outputs that it must see besides what is displayed.
     pub fn wants(&self, state: &State) -> Vec<Socket> {
         match self.tool {
             PenTool::Hair(_) => hair::target::wanted(state),
+            PenTool::Mask(_) => mask::target::wanted(state),
             _ => vec![],
         }
     }
@@ -286,8 +294,19 @@ impl Pen {
             self.gesture = None;
             self.shapes.clear();
             self.hair.stop(out);
+            self.mask.stop(out);
             return;
         };
+        if let PenTool::Mask(mode) = self.tool {
+            self.hair.stop(out);
+            let mut scene = Scene::of_hair(state, view, scalp, ctx, out);
+            self.shapes.clear();
+            if let Some(gesture) = self.gesture.take() {
+                gesture.abort(&mut scene);
+            }
+            return self.on_mask(mode, inputs, ui, scene, &free);
+        }
+        self.mask.stop(out);
         if let PenTool::Hair(tool) = self.tool {
             let scene = Scene::of_hair(state, view, scalp, ctx, out);
             return self.on_hair(tool, inputs, ui, scene, &free);

@@ -11,10 +11,10 @@ use coif_nodes::data::gestures::{Layer, Tool};
 use egui::{Color32, ComboBox, Pos2, Sense, Shape, Slider, Stroke, Ui, Vec2};
 
 impl Pen {
-    /// The bar: tools on strokes, and under them those on hair, each with what they need behind them.
+    /// The bar: tools on strokes, and under them those on hair and on masks, each with what they need behind them.
     pub fn bar(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         let mut settings = state.settings.pen.clone();
-        let on_hair = matches!(self.tool, PenTool::Hair(_));
+        let on_hair = matches!(self.tool, PenTool::Hair(_) | PenTool::Mask(_));
         ui.horizontal_wrapped(|ui| {
             let tools = PenTool::ALL.map(|tool| (tool, tool.label(), tool.action()));
             self.tools(&tools[..1], ui, out);
@@ -63,6 +63,10 @@ impl Pen {
                 act(ui, settings.symmetry, "pen.symmetry", out);
             }
         });
+        ui.horizontal_wrapped(|ui| {
+            name(ui, "Mask", "Tools that paint a number on the head, which any field can read.");
+            self.mask_bar(&mut settings, ui, out);
+        });
         if settings != state.settings.pen {
             let settings =
                 crate::editor::settings::Settings { pen: settings, ..state.settings.clone() };
@@ -71,7 +75,7 @@ impl Pen {
     }
 
     /// Tools to take up: which, what they are called, and their actions.
-    fn tools(
+    pub(super) fn tools(
         &self,
         tools: &[(PenTool, &'static str, &'static str)],
         ui: &mut Ui,

@@ -25,8 +25,10 @@ pub(crate) fn strokes_input(kind: &str) -> Option<&'static str> {
     def.inputs.iter().find(|input| input.ty == Type::Strokes).map(|input| input.name)
 }
 
+/// (What is painted is no lines: it has tools of its own.)
 fn holds_strokes(document: &Document, id: &NodeId) -> bool {
-    document.node(id.as_str()).is_some_and(|node| strokes_input(&node.kind).is_some())
+    let node = document.node(id.as_str()).filter(|node| node.kind != super::mask::target::KIND);
+    node.is_some_and(|node| strokes_input(&node.kind).is_some())
 }
 
 /// Whether strokes of a node become curves. A head holds strokes, too, its hairline; the pen works on them only when

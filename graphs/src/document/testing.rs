@@ -9,7 +9,7 @@ use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
 use coif_nodes::data::ramp::{Blend, Ramp};
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};
-use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
+use coif_nodes::data::strokes::{Brush, Mode, Sample, Stroke, Strokes};
 use coif_nodes::define::{Type, Value};
 use coif_nodes::maths::hash::Dice;
 use glam::{Vec2, Vec3};
@@ -127,6 +127,17 @@ impl Random {
             })
             .collect()
     }
+    fn brush(&mut self) -> Brush {
+        let modes: Vec<Mode> = Mode::ALL.iter().map(|(mode, _)| *mode).collect();
+        Brush {
+            mode: self.pick(&modes),
+            radius: 0.05 + self.below(1000) as f32 * 0.0123,
+            strength: self.below(1001) as f32 / 1000.0,
+            mirrored: self.chance(2),
+            closed: self.chance(3),
+            section: if self.chance(2) { self.text() } else { String::new() },
+        }
+    }
     pub(crate) fn strokes(&mut self) -> Strokes {
         let mut strokes = Strokes::default();
         for _ in 0..self.below(4) {
@@ -136,6 +147,9 @@ impl Random {
                 pen.iter_mut().for_each(|sample| sample.tilt = Vec2::ZERO);
             }
             let mut stroke = strokes::finish(&pen, &strokes).unwrap();
+            if self.chance(3) {
+                stroke.brush = Some(self.brush());
+            }
             if self.chance(3) {
                 stroke.drawn.clone_from(&stroke.samples);
                 stroke.samples.truncate(1 + count / 2);

@@ -1,9 +1,11 @@
 //! Strokes as text: columns of whole steps of the grid (0.01 cm, 1/256 of pressure, 1 ms, 1/64 of a right
-//! angle).
+//! angle), and before them the brush of those that paint a mask.
 
 use super::columns::Columns;
+use super::values::quoted;
 use crate::document::strokes::Steps;
-use coif_nodes::data::strokes::{Sample, Stroke};
+use crate::document::values::no_such_word;
+use coif_nodes::data::strokes::{Brush, Mode, Sample, Stroke};
 use serde::Deserialize;
 use std::fmt::Write as _;
 
@@ -11,10 +13,23 @@ use std::fmt::Write as _;
 #[serde(rename = "stroke", deny_unknown_fields)]
 pub(super) struct FileStroke {
     id: u64,
+    #[serde(default)]
+    mode: String,
+    #[serde(default)]
+    radius: f32,
+    #[serde(default)]
+    strength: f32,
+    #[serde(default)]
+    mirrored: bool,
+    #[serde(default)]
+    closed: bool,
+    #[serde(default)]
+    section: String,
     x: Vec<i64>,
     y: Vec<i64>,
     z: Vec<i64>,
     pressure: Vec<i64>,
+    #[serde(default)]
     time: Vec<i64>,
     #[serde(default)]
     tilt_x: Vec<i64>,
@@ -32,6 +47,7 @@ struct FileDrawn {
     y: Vec<i64>,
     z: Vec<i64>,
     pressure: Vec<i64>,
+    #[serde(default)]
     time: Vec<i64>,
     #[serde(default)]
     tilt_x: Vec<i64>,
@@ -44,21 +60,43 @@ const SAMPLES: Columns<7> = Columns {
     optional: 5,
     row: "sample",
 };
+/// What is painted knows no time, unless it was drawn as a line.
+const DABS: Columns<7> = Columns { optional: 4, ..SAMPLES };
+/// So many dabs stand on one line with their brush: most are taps, and there are many.
+const A_LINE: usize = 3;
 
 impl FileStroke {
+    /// The stroke; else what is wrong with it.
     pub(super) fn stroke(self) -> Result<Stroke, String> {
-        let Self { id, x, y, z, pressure, time, tilt_x, tilt_y, drawn } = self;
-        let samples = samples([x, y, z, pressure, time, tilt_x, tilt_y])
+        let brush = self.brush().map_err(|reason| format!("stroke {}: {reason}", self.id))?;
+        let Self { id, x, y, z, pressure, time, tilt_x, tilt_y, drawn, .. } = self;
+        let columns = if brush.is_some() { &DABS } else { &SAMPLES };
+        let samples = samples(columns, [x, y, z, pressure, time, tilt_x, tilt_y])
             .map_err(|reason| format!("stroke {id}: {reason}"))?;
         let FileDrawn { x, y, z, pressure, time, tilt_x, tilt_y } = drawn;
-        let drawn = self::samples([x, y, z, pressure, time, tilt_x, tilt_y])
+        let drawn = self::samples(columns, [x, y, z, pressure, time, tilt_x, tilt_y])
             .map_err(|reason| format!("stroke {id} as drawn: {reason}"))?;
-        Ok(Stroke { id, samples, drawn })
+        Ok(Stroke { id, samples, drawn, brush })
+    }
+
+    fn brush(&self) -> Result<Option<Brush>, String> {
+        let Self { radius, strength, mirrored, closed, .. } = *self;
+        if self.mode.is_empty() {
+            let says = radius != 0.0 || strength != 0.0 || mirrored || closed;
+            return match says || !self.section.is_empty() {
+                true => Err("it has a brush without a mode".to_owned()),
+                false => Ok(None),
+            };
+        }
+        let known = || Mode::ALL.iter().map(|(_, word)| *word).collect::<Vec<_>>();
+        let mode = Mode::named(&self.mode)
+            .ok_or_else(|| format!("its mode {}", no_such_word(&self.mode, &known())))?;
+        Ok(Some(Brush { mode, radius, strength, mirrored, closed, section: self.section.clone() }))
     }
 }
 
-fn samples(columns: [Vec<i64>; 7]) -> Result<Vec<Sample>, String> {
-    let rows = SAMPLES.rows(columns)?;
+fn samples(kind: &Columns<7>, columns: [Vec<i64>; 7]) -> Result<Vec<Sample>, String> {
+    let rows = kind.rows(columns)?;
     Ok(rows.into_iter().map(|row| Steps(row).sample()).collect())
 }
 
@@ -66,11 +104,134 @@ fn samples(columns: [Vec<i64>; 7]) -> Result<Vec<Sample>, String> {
 pub(super) fn write(out: &mut String, stroke: &Stroke, lines: bool) {
     let steps = |samples: &[Sample]| -> Vec<_> { samples.iter().map(|s| Steps::of(s).0).collect() };
     let _ = write!(out, "(id: {}, ", stroke.id);
-    SAMPLES.write(out, &steps(&stroke.samples), lines);
+    if let Some(Brush { mode, radius, strength, mirrored, closed, section }) = &stroke.brush {
+        let mode = mode.word();
+        let _ = write!(out, "mode: {mode:?}, radius: {radius:?}, strength: {strength:?}, ");
+        for (name, on) in [("mirrored", mirrored), ("closed", closed)] {
+            if *on {
+                let _ = write!(out, "{name}: true, ");
+            }
+        }
+        if !section.is_empty() {
+            out.push_str("section: ");
+            quoted(out, section);
+            out.push_str(", ");
+        }
+    }
+    let columns = if stroke.brush.is_some() { &DABS } else { &SAMPLES };
+    let lines = lines && (stroke.brush.is_none() || stroke.samples.len() > A_LINE);
+    columns.write(out, &steps(&stroke.samples), lines);
     if !stroke.drawn.is_empty() {
         out.push_str(", drawn: (");
-        SAMPLES.write(out, &steps(&stroke.drawn), lines);
+        columns.write(out, &steps(&stroke.drawn), lines);
         out.push(')');
     }
     out.push(')');
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::values::{placed_value, read_value, write_to, write_value};
+    use crate::document::strokes::finish;
+    use crate::document::testing::Random;
+    use coif_nodes::data::strokes::{Brush, Mode, Sample, Strokes};
+    use coif_nodes::define::{Type, Value};
+
+    const DAB: &str = "(id: 7, mode: \"paint\", radius: 1.0, strength: 0.5, x: [0], y: [890], z: [0], \
+         pressure: [256])";
+
+    #[test]
+    fn a_brush_is_written_as_it_was_read() {
+        #[track_caller]
+        fn check(text: &str) {
+            let strokes = read_value(Type::Strokes, &format!("[{text}]")).unwrap();
+            assert_eq!(write_value(&strokes), format!("[{text}]"));
+        }
+        check(DAB);
+        check("(id: 7, x: [0], y: [890], z: [0], pressure: [256], time: [0])");
+        let all = "strength: 0.1, mirrored: true, closed: true, section: \"a \\\"b\\\"\", x";
+        check(&DAB.replace("strength: 0.5, x", all).replace("paint", "flood"));
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_brush_is_found_on_its_line() {
+        /// The second of three strokes, which begins on line 3.
+        #[track_caller]
+        fn check(from: &str, to: &str, expected: &str) {
+            assert!(DAB.contains(from), "{from}");
+            let (second, third) = (DAB.replace(from, to), DAB.replace("id: 7", "id: 9"));
+            let second = second.replace("id: 7", "id: 8");
+            let list = format!("[\n{DAB},\n{second},\n{third}]");
+            let wrong = placed_value(Type::Strokes, &list).map(|v| write_value(&v)).unwrap_err();
+            let line = list[..wrong.at].matches('\n').count() + 1;
+            assert_eq!(line, 3, "{}", wrong.reason);
+            assert!(wrong.reason.contains(expected), "{}: expected {expected}", wrong.reason);
+        }
+        let none = "stroke 8: its mode \"pait\" is none of paint, erase, smooth, flood; did you mean \"paint\"?";
+        check("paint", "pait", none);
+        check("mode: \"paint\", ", "", "stroke 8: it has a brush without a mode");
+        check(
+            "radius: 1.0",
+            "radius: 0.01",
+            "stroke 1: the radius 0.01 of its brush is outside 0.05 to 30",
+        );
+        check(
+            "radius: 1.0",
+            "radius: inf",
+            "stroke 1: the radius inf of its brush is outside 0.05 to 30",
+        );
+        check(
+            "radius: 1.0",
+            "radius: NaN",
+            "stroke 1: the radius NaN of its brush is outside 0.05 to 30",
+        );
+        check("radius: 1.0, ", "", "stroke 1: the radius 0.0 of its brush is outside 0.05 to 30");
+        check("strength: 0.5", "strength: 1.5", "stroke 1: its strength 1.5 is outside 0 to 1");
+        check("strength: 0.5", "strength: -0.5", "stroke 1: its strength -0.5 is outside 0 to 1");
+        check("x: [0]", "x: [0, 1]", "stroke 8: y has 1 samples, x has 2");
+        check("x: [0]", "x: [9999999999999]", "stroke 8: sample 0 is not on earth");
+        check("strength: 0.5", "strenght: 0.5", "stroke 1: unexpected field named `strenght`");
+        check("pressure: [256]", "pressure: [a]", "stroke 1: ");
+    }
+
+    #[test]
+    fn a_thousand_dabs_take_under_200_kilobytes_and_read_back_to_the_same_bits() {
+        let mut random = Random::new(12);
+        // As taps, at most text for each, and as strokes.
+        for dabs_each in [1, 25] {
+            let mut strokes = Strokes::default();
+            for _ in 0..1000 / dabs_each {
+                let brush = Brush {
+                    mode: Mode::Paint,
+                    radius: 0.05 + 3.0 * random.unit() / 7.0,
+                    strength: random.unit() / 3.0,
+                    mirrored: true,
+                    closed: false,
+                    section: "front left".to_owned(),
+                };
+                let tap = |k: usize, s: &Sample| Sample {
+                    tilt: glam::Vec2::ZERO,
+                    time: 0.0,
+                    pressure: (k % 7) as f32 / 7.0,
+                    ..*s
+                };
+                let pen = random.pen(400);
+                let pen = pen.iter().step_by(16).zip(0..dabs_each).map(|(s, k)| tap(k, s));
+                let pen: Vec<Sample> = pen.collect();
+                let mut stroke = finish(&pen, &strokes).unwrap();
+                stroke.brush = Some(brush);
+                strokes.0.push(stroke);
+            }
+            let dabs: usize = strokes.0.iter().map(|stroke| stroke.samples.len()).sum();
+            assert!(dabs > 900, "{dabs}");
+            let strokes = Value::from(strokes);
+            let mut text = String::new();
+            write_to(&mut text, &strokes, Some(16));
+            println!("{dabs} dabs in strokes of {dabs_each}: {} bytes", text.len());
+            assert!(text.len() < 200_000, "{}", text.len());
+            let back = read_value(Type::Strokes, &text).unwrap();
+            assert_eq!(back.key(), strokes.key());
+            assert_eq!(write_value(&back), write_value(&strokes));
+        }
+    }
 }

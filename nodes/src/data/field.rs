@@ -1,10 +1,12 @@
-//! A number that may vary over the hair: constant, ramp, attribute, mask, or a product of these.
+//! A number that may vary over the hair: constant, ramp, attribute, mask, painted mask, or a product of these.
 
 use super::attributes::{ALONG, Declared, ROOT_BARY, ROOT_TRIANGLE};
 use super::curves::{Tuft, View};
+use super::painted::Painted;
 use super::ramp::Ramp;
 use super::scalp::Scalp;
 use crate::maths::hash::KeyBuilder;
+use std::sync::Arc;
 
 /// Where a field's number comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +19,8 @@ pub enum Field {
     Attribute(String),
     /// The scalp's mask of this name, under the curve's root.
     Mask(String),
+    /// What is painted on the head, under the curve's root. Comes by wire alone.
+    Painted(Arc<Painted>),
     /// All of them multiplied.
     Product(Vec<Field>),
 }
@@ -107,6 +111,26 @@ impl Field {
                     |i: usize| place(i).map_or(0.0, |(t, bary)| scalp.mask_at(mask, t, bary));
                 Part::Roots((0..tuft.len()).map(value).collect())
             }
+            Field::Painted(painted) => {
+                let own = painted.scalp();
+                let base = painted.base().on(tuft, Some(own), (0.0, 1.0))?;
+                let (triangle, bary) = (tuft.view(ROOT_TRIANGLE), tuft.view(ROOT_BARY));
+                // Roots are told by triangles of the head that the curves grow on.
+                let known = match scalp {
+                    Some(scalp) if scalp.whole() != own.whole() => 0,
+                    _ => own.surface().triangles.len(),
+                };
+                let value = |i: usize| {
+                    let root = tuft.offsets()[i] as usize;
+                    let at = u32::try_from(triangle.at(i, root)).ok();
+                    let base = base.at(i, root, 0.0);
+                    Some(match at.filter(|at| (*at as usize) < known) {
+                        Some(at) => painted.on_triangle(at, bary.at(i, root), base),
+                        None => painted.at(&own.closest_root(*tuft.curve(i).first()?)?, base),
+                    })
+                };
+                Part::Roots((0..tuft.len()).map(|i| value(i).unwrap_or(0.0)).collect())
+            }
             Field::Product(parts) => Part::Product(
                 parts.iter().map(|part| part.part(tuft, scalp)).collect::<Result<_, _>>()?,
             ),
@@ -117,8 +141,27 @@ impl Field {
     pub fn has_mask(&self) -> bool {
         match self {
             Field::Mask(_) => true,
+            Field::Painted(painted) => painted.reads_sections(),
             Field::Product(parts) => parts.iter().any(Field::has_mask),
             Field::Constant(_) | Field::Ramp(_) | Field::Attribute(_) => false,
+        }
+    }
+
+    /// Whether something painted is part of it.
+    pub fn is_painted(&self) -> bool {
+        match self {
+            Field::Painted(_) => true,
+            Field::Product(parts) => parts.iter().any(Field::is_painted),
+            _ => false,
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Field::Painted(painted) => painted.bytes(),
+            Field::Product(parts) => parts.iter().map(Field::bytes).sum(),
+            _ => 64,
         }
     }
 
@@ -129,6 +172,7 @@ impl Field {
             Field::Ramp(ramp) => ramp.add_to(key.text("ramp")),
             Field::Attribute(name) => key.text("attribute").text(name),
             Field::Mask(name) => key.text("mask").text(name),
+            Field::Painted(painted) => key.text("painted").key(painted.key()),
             Field::Product(parts) => parts
                 .iter()
                 .fold(key.text("product").int(parts.len() as u64), |key, part| part.add_to(key)),

@@ -10,6 +10,7 @@ pub mod gestures;
 pub mod home;
 pub mod lead;
 pub mod mesh;
+pub mod painted;
 pub mod patience;
 mod places;
 pub mod ramp;

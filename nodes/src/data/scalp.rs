@@ -169,7 +169,7 @@ impl Scalp {
 
     /// The same head, its scalp cut into these sections instead of those it had.
     pub fn parted(&self, sections: Arc<Sections>) -> Self {
-        let whole = self.sections.as_ref().map_or(self.key, |cut| cut.whole());
+        let whole = self.whole();
         Self {
             key: KeyBuilder::new("parted").key(whole).key(sections.key()).finish(),
             cm_per_unit: self.cm_per_unit,
@@ -249,6 +249,10 @@ impl Scalp {
     /// Hash of the content.
     pub fn key(&self) -> Key {
         self.key
+    }
+    /// Hash of the content without partings.
+    pub fn whole(&self) -> Key {
+        self.sections.as_ref().map_or(self.key, |cut| cut.whole())
     }
     /// What [`Self::key`] is for every scalp of this head that is parted, however it is; none where this one is not.
     pub fn key_without_partings(&self) -> Option<Key> {

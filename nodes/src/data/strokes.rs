@@ -1,4 +1,5 @@
-//! Pen strokes as a document keeps them: in the head's own frame, so that they fit another head.
+//! Pen strokes as a document keeps them: in the head's own frame, so that they fit another head. A stroke that paints a mask
+//! has a brush; its samples are the dabs.
 
 use crate::maths::hash::{Key, KeyBuilder};
 use glam::{Vec2, Vec3};
@@ -29,6 +30,86 @@ impl Sample {
     }
 }
 
+/// What a stroke does to a painted mask.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Mode {
+    /// Brings the mask towards 1.
+    Paint,
+    /// Brings it towards 0.
+    Erase,
+    /// Evens it out.
+    Smooth,
+    /// Sets all of the section, or of the head, to the strength.
+    Flood,
+}
+
+impl Mode {
+    /// Every mode with its word in documents.
+    pub const ALL: &[(Mode, &str)] = &[
+        (Mode::Paint, "paint"),
+        (Mode::Erase, "erase"),
+        (Mode::Smooth, "smooth"),
+        (Mode::Flood, "flood"),
+    ];
+    /// Its word in documents and messages.
+    pub fn word(self) -> &'static str {
+        Self::ALL.iter().find(|(mode, _)| *mode == self).map_or("", |(_, word)| word)
+    }
+    /// The mode of a word.
+    pub fn named(word: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(_, own)| *own == word).map(|(mode, _)| *mode)
+    }
+}
+
+/// The brush of a stroke that paints a mask.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Brush {
+    /// What it does.
+    pub mode: Mode,
+    /// How far a dab reaches, head units; within [`Brush::RADII`].
+    pub radius: f32,
+    /// What one pass at full pressure does, 0 to 1; of a flood, the value.
+    pub strength: f32,
+    /// Whether it does the same on the other side of the head.
+    pub mirrored: bool,
+    /// Whether the stroke is closed to a line: then it acts on all that lies inside, which is the smaller part of the surface.
+    pub closed: bool,
+    /// The section of a parted scalp that it keeps to; empty: none.
+    pub section: String,
+}
+
+impl Default for Brush {
+    fn default() -> Self {
+        Self {
+            mode: Mode::Paint,
+            radius: 1.0,
+            strength: 1.0,
+            mirrored: false,
+            closed: false,
+            section: String::new(),
+        }
+    }
+}
+
+impl Brush {
+    /// The smallest and the largest brush, head units.
+    pub const RADII: (f32, f32) = (0.05, 30.0);
+
+    fn fault(&self) -> Option<String> {
+        let (low, high) = Self::RADII;
+        if !(low..=high).contains(&self.radius) {
+            return Some(format!(
+                "the radius {:?} of its brush is outside {low} to {high}",
+                self.radius
+            ));
+        }
+        if !(0.0..=1.0).contains(&self.strength) {
+            return Some(format!("its strength {:?} is outside 0 to 1", self.strength));
+        }
+        None
+    }
+}
+
 /// One stroke, root first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stroke {
@@ -39,6 +120,8 @@ pub struct Stroke {
     /// The samples as drawn, kept from the first edit on so that the stroke can be fitted again; empty
     /// before. Means nothing to evaluation and is no part of keys.
     pub drawn: Vec<Sample>,
+    /// With what it paints a mask; none for a line.
+    pub brush: Option<Brush>,
 }
 
 /// The strokes of one node, in drawing order.
@@ -48,11 +131,18 @@ pub struct Strokes(pub Vec<Stroke>);
 impl Stroke {
     /// A stroke as it was drawn.
     pub fn new(id: u64, samples: Vec<Sample>) -> Self {
-        Self { id, samples, drawn: vec![] }
+        Self { id, samples, drawn: vec![], brush: None }
     }
     /// Hash of the content.
     pub fn key(&self) -> Key {
-        KeyBuilder::new("stroke").int(self.id).column(&self.samples).finish()
+        let key = KeyBuilder::new("stroke").int(self.id).column(&self.samples);
+        let Some(brush) = &self.brush else { return key.finish() };
+        key.text(brush.mode.word())
+            .float(brush.radius)
+            .float(brush.strength)
+            .int(u64::from(brush.mirrored) + 2 * u64::from(brush.closed))
+            .text(&brush.section)
+            .finish()
     }
 }
 
@@ -75,6 +165,9 @@ impl Strokes {
             }
             if !stroke.samples.iter().chain(&stroke.drawn).all(Sample::is_finite) {
                 return Some(format!("stroke {i}: a sample is not a finite number"));
+            }
+            if let Some(fault) = stroke.brush.as_ref().and_then(Brush::fault) {
+                return Some(format!("stroke {i}: {fault}"));
             }
         }
         None

@@ -1,4 +1,4 @@
-//! The head: where hair grows, and curves brought to it.
+//! The head: where hair grows, masks painted on it, and curves brought to it.
 
 mod axes;
 pub mod bust;
@@ -10,6 +10,7 @@ mod fit;
 mod head;
 mod hollow;
 pub(crate) mod lay;
+mod paint_mask;
 mod parts;
 #[cfg(test)]
 mod posed_heads;
@@ -19,4 +20,4 @@ mod sketch;
 
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[&head::NODE, &scalp_projection::NODE];
+pub(crate) const NODES: &[&NodeDef] = &[&head::NODE, &paint_mask::NODE, &scalp_projection::NODE];

@@ -159,7 +159,7 @@ fn mask(
 }
 
 /// 0 to 1 across an edge `width` wide whose middle lies where `inside` (the distance from it, cm) is 0.
-fn soft(inside: f32, width: f32) -> f32 {
+pub(crate) fn soft(inside: f32, width: f32) -> f32 {
     if width <= 0.0 {
         return f32::from(inside > 0.0);
     }

@@ -78,7 +78,8 @@ pub(super) fn edited(stroke: &Stroke, samples: Vec<Sample>) -> Stroke {
     if samples == stroke.samples {
         return stroke.clone();
     }
-    Stroke { id: stroke.id, samples, drawn: as_drawn(stroke).to_vec() }
+    let (drawn, brush) = (as_drawn(stroke).to_vec(), stroke.brush.clone());
+    Stroke { id: stroke.id, samples, drawn, brush }
 }
 
 /// The samples as they were drawn.
@@ -232,5 +233,6 @@ pub fn mirrored(stroke: &Stroke, others: &Strokes) -> Stroke {
         samples
     };
     let samples = mirror(&stroke.samples);
-    Stroke { id: free_id(&samples, others), samples, drawn: mirror(&stroke.drawn) }
+    let (id, drawn) = (free_id(&samples, others), mirror(&stroke.drawn));
+    Stroke { id, samples, drawn, brush: stroke.brush.clone() }
 }

@@ -78,7 +78,7 @@ fn strokes_on_the_grid_are_shared_and_others_brought_there() {
     assert!(Arc::ptr_eq(&strokes, &on_the_grid(strokes.clone())));
     let mut off = (*strokes).clone();
     let drawn = Random::new(4).pen(5);
-    off.0.push(Stroke { id: 1, samples: vec![Sample::default()], drawn });
+    off.0.push(Stroke { drawn, ..Stroke::new(1, vec![Sample::default()]) });
     let on = on_the_grid(Arc::new(off));
     assert_ne!(on.0.last().map(|stroke| &stroke.drawn), Some(&Random::new(4).pen(5)));
     assert!(Arc::ptr_eq(&on, &on_the_grid(on.clone())));

@@ -100,6 +100,7 @@ pub fn cut(stroke: &Stroke, way: f32, others: &Strokes) -> Option<(Stroke, Strok
         }
     }
     tip.id = free_id(&tip.samples, others);
+    (root.brush, tip.brush) = (stroke.brush.clone(), stroke.brush.clone());
     Some((root, tip))
 }
 
@@ -122,7 +123,7 @@ fn halves(samples: &[Sample], way: f32) -> Option<(Vec<Sample>, Vec<Sample>)> {
 pub fn joined(first: &Stroke, second: &Stroke) -> Stroke {
     let samples = chained(&first.samples, &second.samples);
     let drawn = chained(as_drawn(first), as_drawn(second));
-    Stroke { id: first.id, samples, drawn }
+    Stroke { id: first.id, samples, drawn, brush: first.brush.clone() }
 }
 
 fn chained(first: &[Sample], second: &[Sample]) -> Vec<Sample> {

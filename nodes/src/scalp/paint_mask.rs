@@ -1,0 +1,94 @@
+//! Paint mask: a field that the pen paints on the head.
+//!
+//! What strokes with brushes make of a number at each place is told in `data/painted.rs`; here they meet a head.
+//!
+//! Guarantees: values are 0 to 1, from the strokes alone, so that they mean the same on a coarse head, a fine one and another
+//! one; how much hair reads the mask changes nothing of it.
+
+use crate::data::field::Field;
+use crate::data::painted::{Edges, Even, Painted};
+use crate::data::scalp::Scalp;
+use crate::data::strokes::Strokes;
+use crate::define::{FieldInput, NodeError, node};
+use crate::eval::{EvalCx, Size};
+use crate::maths::hash::Key;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+node! {
+    /// A mask that the pen paints on the head: paint, erase, smooth and flood it in the viewport, and wire it to any field.
+    ///
+    /// Each stroke is kept in the head's own frame, so that the mask goes along to another head and is as sharp on a coarse mesh as
+    /// on a fine one. A closed stroke is a hairline: what lies inside is the mask, with a soft edge.
+    "paint_mask", version 1, label "Paint mask",
+        words "paint brush map weight density length region area hairline outline draw dab flood smooth erase texture";
+    inputs {
+        /// What the pen painted, in order. Painted in the viewport; stored in the head's own frame.
+        strokes: Arc<Strokes> = Strokes::default(), words("pen dabs brush painted");
+        /// The head. Strokes that keep to a section need the parted one.
+        scalp: Arc<Scalp>;
+        /// What the mask is before the first stroke: a number, a mask of the head, or another painted mask.
+        base: FieldInput = 0.0, hard(0.0, 1.0), unit(Ratio), words("start texture fill background vertex colour");
+        /// The share of the brush over which a dab fades: 0 is a hard edge, 1 fades from the middle on.
+        softness: f32 = 1.0, hard(0.0, 1.0), unit(Ratio), words("hardness falloff feather blur");
+        /// Width over which the inside of a closed stroke fades. 0 is a sharp edge.
+        edge: f32 = 0.3, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("hairline soft fade feather");
+        /// Whether the width of that edge grows with the head. Dabs always do.
+        scale_with_head: bool = true, words("head units");
+    }
+    outputs {
+        /// The painted number, 0 to 1, under the root of each hair. Wire it to any field: a mask, a density, a length.
+        mask: Arc<Field>;
+    }
+}
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let Inputs { scalp, strokes, base, .. } = inputs;
+    if reads_hair(&base.field) {
+        let reason = "is read on the scalp, before there is hair: give a number, a mask, or wire another painted mask";
+        return Err(NodeError::BadValue {
+            input: "base",
+            value: "it".to_owned(),
+            reason: reason.to_owned(),
+        });
+    }
+    let samples: usize = strokes.0.iter().map(|stroke| stroke.samples.len()).sum();
+    cx.may_make(&Size::of(&[("samples of strokes", samples as f64)]))?;
+    tell_sections(cx, &scalp, &strokes);
+    if let (true, Some(x)) = (strokes.0.is_empty(), base.constant()) {
+        return Ok(Outputs { mask: Field::Constant(x).into() });
+    }
+    let edges = Edges {
+        softness: inputs.softness,
+        line: inputs.edge * cx.head_unit(Some(&scalp), inputs.scale_with_head),
+    };
+    let known = |key: Key, make: &dyn Fn() -> Result<Even, NodeError>| {
+        cx.fold::<Even, ()>((key, make), &[], |_, ()| make(), Even::bytes)
+    };
+    let check = || cx.check();
+    let painted = Painted::new(scalp, &strokes, base.field, edges, &check, &known)?;
+    Ok(Outputs { mask: Field::Painted(painted.into()).into() })
+}
+
+/// Whether a field asks for what only hair has.
+fn reads_hair(field: &Field) -> bool {
+    match field {
+        Field::Attribute(_) | Field::Ramp(_) => true,
+        Field::Product(parts) => parts.iter().any(reads_hair),
+        Field::Constant(_) | Field::Mask(_) | Field::Painted(_) => false,
+    }
+}
+
+/// Tells of sections that strokes keep to and the head has not.
+fn tell_sections(cx: &EvalCx, scalp: &Scalp, strokes: &Strokes) {
+    let names = strokes.0.iter().filter_map(|stroke| Some(&*stroke.brush.as_ref()?.section));
+    let names: BTreeSet<&str> = names.filter(|name| !name.is_empty()).collect();
+    let known = |name: &&str| scalp.sections().is_some_and(|all| all.named(name).is_some());
+    let gone: Vec<&str> = names.into_iter().filter(|name| !known(name)).collect();
+    if let [first, ..] = gone[..] {
+        cx.warn(format!(
+            "strokes keep to {first:?}{}, which this head is not parted into: wire the parted scalp, or name its section so",
+            if gone.len() > 1 { format!(" and {} more sections", gone.len() - 1) } else { String::new() },
+        ));
+    }
+}
