@@ -11,10 +11,11 @@ use coif_nodes::data::gestures::{Layer, Tool};
 use egui::{Color32, ComboBox, Pos2, Sense, Shape, Slider, Stroke, Ui, Vec2};
 
 impl Pen {
-    /// The bar: tools on strokes, and under them those on hair and on masks, each with what they need behind them.
+    /// The bar: tools on strokes, under them those on hair and on masks, and behind these what the tool in hand needs.
     pub fn bar(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         let mut settings = state.settings.pen.clone();
-        let on_hair = matches!(self.tool, PenTool::Hair(_) | PenTool::Mask(_));
+        let on_strokes =
+            !matches!(self.tool, PenTool::Select | PenTool::Hair(_) | PenTool::Mask(_));
         ui.horizontal_wrapped(|ui| {
             let tools = PenTool::ALL.map(|tool| (tool, tool.label(), tool.action()));
             self.tools(&tools[..1], ui, out);
@@ -25,16 +26,6 @@ impl Pen {
             );
             self.tools(&tools[1..], ui, out);
             ui.separator();
-            if !on_hair {
-                self.tool_settings(&mut settings, ui);
-                self.height(state, ui, out);
-            }
-            if self.tool != PenTool::Select && !on_hair {
-                let node = target::of(state);
-                let mirrored = node.and_then(|id| target::choice(&state.document, &id, "mirror"));
-                let on = mirrored.map_or(settings.symmetry, |word| word == "both");
-                act(ui, on, "pen.symmetry", out);
-            }
             let menu = ui.menu_button("Recipes", |ui| {
                 for recipe in &recipes::ALL {
                     if ui.button(recipe.label).on_hover_text(recipe.tip).clicked() {
@@ -57,15 +48,24 @@ impl Pen {
                 .map(|(tool, label, action)| (PenTool::Hair(*tool), *label, *action))
                 .collect();
             self.tools(&tools, ui, out);
-            if let PenTool::Hair(tool) = self.tool {
-                ui.separator();
-                self.hair_settings(tool, &mut settings, ui);
-                act(ui, settings.symmetry, "pen.symmetry", out);
-            }
         });
         ui.horizontal_wrapped(|ui| {
             name(ui, "Mask", "Tools that paint a number on the head, which any field can read.");
             self.mask_bar(&mut settings, ui, out);
+            // What the tool in hand needs comes last, so that no tool is ever elsewhere.
+            if let PenTool::Hair(tool) = self.tool {
+                ui.separator();
+                self.hair_settings(tool, &mut settings, ui);
+                act(ui, settings.symmetry, "pen.symmetry", out);
+            } else if on_strokes {
+                ui.separator();
+                self.tool_settings(&mut settings, ui);
+                self.height(state, ui, out);
+                let node = target::of(state);
+                let mirrored = node.and_then(|id| target::choice(&state.document, &id, "mirror"));
+                let on = mirrored.map_or(settings.symmetry, |word| word == "both");
+                act(ui, on, "pen.symmetry", out);
+            }
         });
         if settings != state.settings.pen {
             let settings =
