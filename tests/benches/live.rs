@@ -75,7 +75,9 @@ fn sketch() {
     let set = |document: &mut Document, gestures: Vec<Gesture>| {
         let node = NodeId::new("sketch").expect("an id");
         let setting = Setting::Known(Gestures(gestures).into());
-        Edit::SetInput { node, input: "gestures".into(), setting }.apply(document).expect("an edit");
+        Edit::SetInput { node, input: "gestures".into(), setting }
+            .apply(document)
+            .expect("an edit");
     };
     run(&document, "hair.curves", Quality::Final);
     run(&document, "hair.curves", Quality::Preview);

@@ -259,6 +259,13 @@ pub(crate) const ACTIONS: &[Action] = &[
         "Draws hair under the brush straight between its root and its tip.",
         "iron flat"
     ),
+    hair!(
+        "hair.scatter",
+        Some(Tool::Scatter),
+        "Scatter clusters",
+        "Draw from a cluster over the skin: copies of it stand along the stroke wherever there is room.",
+        "copy duplicate clone paint plant fill many"
+    ),
     level!(
         "hair.level_1",
         Nearest,

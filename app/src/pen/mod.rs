@@ -80,6 +80,7 @@ pub(crate) const HAIR_TOOLS: &[(Option<Tool>, &str, &str)] = &[
     (Some(Tool::Puff), "Puff", "hair.puff"),
     (Some(Tool::Grab), "Grab", "hair.grab"),
     (Some(Tool::Straighten), "Straighten", "hair.straighten"),
+    (Some(Tool::Scatter), "Scatter", "hair.scatter"),
 ];
 
 impl PenTool {

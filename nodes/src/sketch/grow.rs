@@ -184,7 +184,7 @@ fn even(hand: &Hand, start: Vec3, mut points: Vec<Vec3>) -> Vec<Vec3> {
 }
 
 /// All behind CV `held` out of the head, segments as long as they are.
-fn clear(hand: &Hand, points: &mut [Vec3], held: usize) {
+pub(super) fn clear(hand: &Hand, points: &mut [Vec3], held: usize) {
     if points[held + 1..].iter().any(|p| hand.skin.distance(*p) < CLEARANCE - NOTHING) {
         let lengths = points.windows(2).map(|pair| pair[0].distance(pair[1])).collect();
         Rest::new(lengths, held).lengthen(points, &hand.skin);

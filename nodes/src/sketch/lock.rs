@@ -4,8 +4,8 @@
 //! that is touched keeps all else that it carried, by where along the old curve each CV comes from.
 
 use crate::data::attributes::{
-    COLOUR, CUT, Column, DENSITY, DRIFT, Domain, FRIZZ, ID, Item, PINNED, RADIUS, ROLL, ROOT_BARY,
-    ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION, default_of,
+    COLOUR, CUT, Column, DENSITY, DRIFT, Domain, FRIZZ, ID, Item, NORMAL, PINNED, RADIUS, ROLL,
+    ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION, default_of,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp};
@@ -85,25 +85,36 @@ impl Lock {
         as_asked: &Implanted,
         scalp: &Scalp,
     ) -> Self {
-        let root = &as_asked.root;
         let mut b = TuftBuilder::new();
         b.push_curve(&points);
         b.set(ID, Domain::Curve, vec![id]);
         b.set(RADIUS, Domain::Curve, vec![as_asked.radius]);
         b.set(DENSITY, Domain::Curve, vec![as_asked.density]);
-        b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
-        b.set(ROOT_TRIANGLE, Domain::Curve, vec![root.triangle as i32]);
-        b.set(ROOT_BARY, Domain::Curve, vec![root.bary]);
-        b.set(DRIFT, Domain::Curve, vec![as_asked.drift]);
-        if scalp.uvs().is_some() {
-            b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
-        }
         if let Some(colour) = as_asked.colour {
             b.set(COLOUR, Domain::Curve, vec![colour]);
         }
-        if let Some(section) = scalp.sections().and_then(|s| s.id_at(root.point)) {
-            b.set(SECTION, Domain::Curve, vec![section]);
+        root(&mut b, &as_asked.root, as_asked.drift, scalp);
+        Self::new(Arc::new(b.build()))
+    }
+
+    /// The same with as many CVs elsewhere, at a root of its own. It is held by no pin.
+    pub(super) fn copied(
+        &self,
+        id: u64,
+        points: Vec<Vec3>,
+        at: &Root,
+        drift: f32,
+        scalp: &Scalp,
+    ) -> Self {
+        let mut copy = self.clone();
+        copy.points = points;
+        let mut b = copy.done().tuft.edit();
+        // What is known of its place alone.
+        for name in [PINNED.name, NORMAL.name, ROOT_UV.name, SECTION.name] {
+            b.remove(name);
         }
+        b.set(ID, Domain::Curve, vec![id]);
+        root(&mut b, at, drift, scalp);
         Self::new(Arc::new(b.build()))
     }
 
@@ -194,6 +205,20 @@ impl Lock {
     /// Bytes held beside what came in.
     pub(super) fn bytes(&self) -> usize {
         size_of::<Self>() + self.points.len() * (12 + 4 + 4 + 1) + self.tuft.bytes()
+    }
+}
+
+/// Sets what is known of the one curve's root.
+fn root(b: &mut TuftBuilder, root: &Root, drift: f32, scalp: &Scalp) {
+    b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
+    b.set(ROOT_TRIANGLE, Domain::Curve, vec![root.triangle as i32]);
+    b.set(ROOT_BARY, Domain::Curve, vec![root.bary]);
+    b.set(DRIFT, Domain::Curve, vec![drift]);
+    if scalp.uvs().is_some() {
+        b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
+    }
+    if let Some(section) = scalp.sections().and_then(|s| s.id_at(root.point)) {
+        b.set(SECTION, Domain::Curve, vec![section]);
     }
 }
 

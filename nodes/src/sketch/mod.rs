@@ -27,6 +27,7 @@ mod random_laws;
 mod relax;
 #[cfg(test)]
 mod replay_laws;
+mod scatter;
 pub mod seen;
 pub mod stroke_shape;
 mod twist;

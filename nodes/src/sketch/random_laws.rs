@@ -1,6 +1,6 @@
 //! Tests: laws that all gestures keep, on random gestures, on every head and animal at hand.
 
-use super::hair_sketch;
+use super::hair_sketch::{self, resolved};
 use super::hand::off_line;
 use super::laws::{length, points};
 use super::seen::Seen;
@@ -105,7 +105,8 @@ impl Trial<'_> {
         for (id, cvs) in &is {
             assert!(cvs.iter().all(|p| p.is_finite()), "{said}: {cvs:?}");
             let Some(old) = was.get(id) else {
-                assert_eq!(tool, Tool::Implant, "{said}: a new curve");
+                let makes = matches!(tool, Tool::Implant | Tool::Scatter);
+                assert!(makes, "{said}: a new curve");
                 let deep = cvs.iter().map(|p| out_of(self.scalp, *p)).fold(f32::MAX, f32::min);
                 assert!(deep > -2e-3, "{said}: {deep}");
                 continue;
@@ -138,6 +139,25 @@ impl Trial<'_> {
         self.check_taken(&said, before, after);
     }
 
+    /// What a gesture resolved to makes what was drawn.
+    fn check_kept(&self, name: &str, before: &Curves, after: &Curves) {
+        let gesture = self.all.last().unwrap();
+        let kept = resolved(gesture, before, after, self.scalp);
+        let set = [
+            ("scalp", self.scalp.clone().into()),
+            ("curves", before.clone().into()),
+            ("gestures", Value::from(Gestures(vec![kept]))),
+        ];
+        let again = points(curves_of(&run(&hair_sketch::NODE, &set).0[0]));
+        let drawn = points(after);
+        let said = format!("{name}, {} {:?}", gesture.id - 1, gesture.tool);
+        assert_eq!(drawn.keys().collect::<Vec<_>>(), again.keys().collect::<Vec<_>>(), "{said}");
+        for (id, cvs) in &drawn {
+            let off = cvs.iter().zip(&again[id]).map(|(p, q)| p.distance(*q)).fold(0.0, f32::max);
+            assert!(cvs.len() == again[id].len() && off < 1e-4, "{said}: {id:x} is {off} off");
+        }
+    }
+
     /// What changed is what the gesture names or, where it names none, one curve on the nearest layer, and else what is drawn
     /// within its reach and not behind the head.
     fn check_taken(&self, said: &str, before: &Curves, after: &Curves) {
@@ -151,6 +171,12 @@ impl Trial<'_> {
             .filter(|(id, key)| is.get(id) != Some(key))
             .map(|(id, _)| id)
             .collect();
+        if gesture.tool == Tool::Scatter {
+            assert!(changed.is_empty(), "{said}: {changed:x?}");
+            let twice = is.len() - tufts(before).len();
+            assert_eq!(twice, after.curve_count() - before.curve_count(), "{said}: ids");
+            return;
+        }
         if gesture.tool == Tool::Implant {
             // Replaced, and under its disc of a head unit.
             let new = points(after).into_iter().find(|(id, _)| !points(before).contains_key(id));
@@ -215,6 +241,9 @@ fn hold(name: &str, scalp: &Arc<Scalp>, count: u64) {
             trial.all.push(any(seed, &ids));
             let after = trial.run(&host);
             trial.check(name, &before, &after);
+            if trial.all[trial.all.len() - 1].tool == Tool::Scatter {
+                trial.check_kept(name, &before, &after);
+            }
             if keys(&before) != keys(&after) {
                 tools.insert(trial.all[trial.all.len() - 1].tool);
             }

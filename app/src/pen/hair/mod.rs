@@ -372,6 +372,7 @@ fn done(tool: Tool, curves: usize) -> String {
         Tool::Puff => "puffed",
         Tool::Grab => "moved",
         Tool::Straighten => "straightened",
+        Tool::Scatter => "scattered",
     };
     match curves {
         1 => format!("{verb} a cluster"),
