@@ -72,6 +72,8 @@ pub enum Tool {
     Straighten,
     /// Copies of a cluster, where the pen paints.
     Scatter,
+    /// A new cluster as wide as the outline that is drawn of it.
+    Silhouette,
 }
 
 impl Tool {
@@ -90,6 +92,7 @@ impl Tool {
         (Tool::Grab, "grab"),
         (Tool::Straighten, "straighten"),
         (Tool::Scatter, "scatter"),
+        (Tool::Silhouette, "silhouette"),
     ];
     /// Its word in documents and messages.
     pub fn word(self) -> &'static str {
@@ -149,9 +152,10 @@ pub struct Gesture {
     pub samples: Vec<PenSample>,
     /// Ids of the curves it acts on; of a scatter, the one that it copies. Empty: found under the pen each time it is replayed.
     pub curves: Vec<u64>,
-    /// Where an implant is rooted, in the head's frame and head units. None: where the ray through the first sample meets the head.
+    /// Where an implant or silhouette is rooted, in the head's frame and head units. None: where the ray through the first sample, or
+    /// between the ends of an outline, meets the head.
     pub root: Option<Vec3>,
-    /// The curve that an implant or lengthening drew, without its first point, in the frame of its root or old end, in head units
+    /// The curve that an implant, silhouette or lengthening drew, without its first point, in the frame of its root or old end, in head units
     /// ([`RootFrame`]). Of a scatter, where its copies are rooted, in the head's frame and head units. Empty: made from the samples
     /// each time it is replayed.
     pub path: Vec<Vec3>,

@@ -23,12 +23,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 node! {
-    /// Makes hair with the pen, and edits by hand whatever a graph made: implant, lengthen, cut, comb, pin, twist, scatter and more.
+    /// Makes hair with the pen, and edits by hand whatever a graph made: implant, lengthen, cut, comb, pin, twist, scatter, silhouette and more.
     ///
     /// Draw in the viewport. Without curves it begins on a bare head; behind other nodes a gesture is kept by the ids of the curves
     /// it acts on, so that more guides, another parting or another head keep it. Give the result to Cluster to strands.
     "hair_sketch", version 1, label "Hair sketch",
-        words "sketch pen tablet comb brush implant plant hairpin grab hand edit manual tweak sculpt scatter copy";
+        words "sketch pen tablet comb brush implant plant hairpin grab hand edit manual tweak sculpt scatter copy silhouette outline shape";
     inputs {
         /// What the pen did, in drawing order. Drawn in the viewport; stored in the head's own frame.
         gestures: Arc<Gestures> = Gestures::default(), words("pen strokes drawn edits");
@@ -115,6 +115,7 @@ fn after(hand: &Hand, before: &Sketch) -> Sketch {
             brush::brush(hand, &mut sketch);
         }
         Tool::Scatter => scatter::scatter(hand, &mut sketch),
+        Tool::Silhouette => grow::silhouette(hand, &mut sketch),
     }
     sketch.ended(before)
 }
@@ -127,7 +128,7 @@ pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scal
     let is = by_id(after);
     let same = |id: &u64| was.get(id).map(|(key, _)| key) == is.get(id).map(|(key, _)| key);
     match gesture.tool {
-        Tool::Implant => {
+        Tool::Implant | Tool::Silhouette => {
             let new = is.iter().find(|(id, _)| !was.contains_key(*id));
             if let Some((root, path)) = new.and_then(|(_, (_, all))| grow::kept(scalp, &[], all)) {
                 (out.root, out.path) = (Some(root), path);

@@ -29,6 +29,7 @@ mod relax;
 mod replay_laws;
 mod scatter;
 pub mod seen;
+mod silhouette;
 pub mod stroke_shape;
 mod twist;
 

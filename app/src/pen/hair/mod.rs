@@ -373,6 +373,7 @@ fn done(tool: Tool, curves: usize) -> String {
         Tool::Grab => "moved",
         Tool::Straighten => "straightened",
         Tool::Scatter => "scattered",
+        Tool::Silhouette => "outlined",
     };
     match curves {
         1 => format!("{verb} a cluster"),
