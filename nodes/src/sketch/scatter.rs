@@ -139,7 +139,8 @@ fn free(hand: &Hand, sketch: &Sketch, source: &Lock) -> Vec<(Root, f32)> {
             let Some(hit) = hand.seen.head(hand.scalp, at) else { continue };
             let root = hand.scalp.root(hit.triangle, hit.bary);
             let room = |(p, other): &(Vec3, f32)| {
-                p.distance_squared(root.point) > (APART * (disc + other)).powi(2)
+                let least = APART * (disc + other);
+                p.distance_squared(root.point) > least * least
             };
             if !discs.iter().all(room) {
                 continue;
