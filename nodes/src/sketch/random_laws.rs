@@ -157,7 +157,7 @@ impl Trial<'_> {
     }
 
     /// What a gesture resolved to makes what was drawn.
-    fn check_kept(&self, name: &str, before: &Curves, after: &Curves) {
+    fn check_kept(&self, name: &str, host: &dyn Host, before: &Curves, after: &Curves) {
         let gesture = self.all.last().unwrap();
         let kept = resolved(gesture, before, after, self.scalp);
         let set = [
@@ -165,7 +165,8 @@ impl Trial<'_> {
             ("curves", before.clone().into()),
             ("gestures", Value::from(Gestures(vec![kept]))),
         ];
-        let again = points(curves_of(&run(&hair_sketch::NODE, &set).0[0]));
+        let out = run_on(&hair_sketch::NODE, &set, host, &Log::default(), Quality::Final);
+        let again = points(curves_of(&out.unwrap()[0]));
         let drawn = points(after);
         let said = format!("{name}, {} {:?}", gesture.id - 1, gesture.tool);
         assert_eq!(drawn.keys().collect::<Vec<_>>(), again.keys().collect::<Vec<_>>(), "{said}");
@@ -269,7 +270,7 @@ fn hold(name: &str, scalp: &Arc<Scalp>, count: u64) {
             trial.check(name, &before, &after);
             let tool = trial.all[trial.all.len() - 1].tool;
             if matches!(tool, Tool::Scatter | Tool::Silhouette) {
-                trial.check_kept(name, &before, &after);
+                trial.check_kept(name, &host, &before, &after);
             }
             if keys(&before) != keys(&after) {
                 tools.insert(trial.all[trial.all.len() - 1].tool);
