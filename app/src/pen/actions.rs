@@ -264,6 +264,20 @@ pub(crate) const ACTIONS: &[Action] = &[
         "Draws hair under the brush straight between its root and its tip.",
         "iron flat"
     ),
+    hair!(
+        "hair.scatter",
+        Some(Tool::Scatter),
+        "Scatter clusters",
+        "Draw from a cluster over the skin: copies of it stand along the stroke wherever there is room.",
+        "copy duplicate clone paint plant fill many"
+    ),
+    hair!(
+        "hair.silhouette",
+        Some(Tool::Silhouette),
+        "Draw a cluster's silhouette",
+        "Draw an outline from the skin and back to it: a cluster grows along its middle, as wide as it.",
+        "outline shape leaf lock taper wide"
+    ),
     level!(
         "hair.level_1",
         Nearest,

@@ -83,6 +83,8 @@ pub(crate) const HAIR_TOOLS: &[(Option<Tool>, &str, &str)] = &[
     (Some(Tool::Puff), "Puff", "hair.puff"),
     (Some(Tool::Grab), "Grab", "hair.grab"),
     (Some(Tool::Straighten), "Straighten", "hair.straighten"),
+    (Some(Tool::Scatter), "Scatter", "hair.scatter"),
+    (Some(Tool::Silhouette), "Silhouette", "hair.silhouette"),
 ];
 
 impl PenTool {

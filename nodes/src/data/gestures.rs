@@ -70,6 +70,10 @@ pub enum Tool {
     Grab,
     /// Draws it straight between its root and its end.
     Straighten,
+    /// Copies of a cluster, where the pen paints.
+    Scatter,
+    /// A new cluster as wide as the outline that is drawn of it.
+    Silhouette,
 }
 
 impl Tool {
@@ -87,6 +91,8 @@ impl Tool {
         (Tool::Puff, "puff"),
         (Tool::Grab, "grab"),
         (Tool::Straighten, "straighten"),
+        (Tool::Scatter, "scatter"),
+        (Tool::Silhouette, "silhouette"),
     ];
     /// Its word in documents and messages.
     pub fn word(self) -> &'static str {
@@ -144,16 +150,18 @@ pub struct Gesture {
     pub view: View,
     /// At least one.
     pub samples: Vec<PenSample>,
-    /// Ids of the curves it acts on. Empty: found under the pen each time it is replayed.
+    /// Ids of the curves it acts on; of a scatter, the one that it copies. Empty: found under the pen each time it is replayed.
     pub curves: Vec<u64>,
-    /// Where an implant is rooted, in the head's frame and head units. None: where the ray through the first sample meets the head.
+    /// Where an implant or silhouette is rooted, in the head's frame and head units. None: where the ray through the first sample, or
+    /// between the ends of an outline, meets the head.
     pub root: Option<Vec3>,
-    /// The curve that an implant or lengthening drew, without its first point, in the frame of its root or old end, in head units
-    /// ([`RootFrame`]). Empty: made from the samples each time it is replayed.
+    /// The curve that an implant, silhouette or lengthening drew, without its first point, in the frame of its root or old end, in head units
+    /// ([`RootFrame`]). Of a scatter, where its copies are rooted, in the head's frame and head units. Empty: made from the samples
+    /// each time it is replayed.
     pub path: Vec<Vec3>,
     /// Colour of what is implanted, linear Rec.709. None: that of curves without one.
     pub colour: Option<Vec3>,
-    /// Reach of a brush, pixels; 0: the node's own.
+    /// Reach of a brush, pixels; 0: the node's own, and of a scatter its stroke alone.
     pub size: f32,
     /// How strongly a brush or comb acts, as a multiple of what it does by itself.
     pub strength: f32,

@@ -65,7 +65,8 @@ fn crossed(hand: &Hand, sketch: &Sketch, stroke: [Vec2; 2]) -> Vec<usize> {
     for (i, lock) in locks {
         let Some((k, t)) = crossing(hand, lock, stroke) else { continue };
         let at = lock.points[k].lerp(lock.points[k + 1], t);
-        let wide = lock.radius / hand.seen.cm_per_pixel(hand.seen.depth(at));
+        let wide =
+            lock.radii[k].max(lock.radii[k + 1]) / hand.seen.cm_per_pixel(hand.seen.depth(at));
         // Both ends beside the cluster as it is drawn.
         let Some(drawn) = hand.drawn(lock) else { continue };
         let drawn: Vec<Vec2> = drawn.into_iter().map(|(at, _)| at).collect();

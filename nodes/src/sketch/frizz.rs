@@ -20,7 +20,7 @@ pub(super) fn frizz(hand: &Hand, sketch: &mut Sketch) {
         };
         let near = (0..lock.points.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
         let depth = hand.seen.depth(lock.points[near]);
-        let diameter = 2.0 * lock.radius / hand.seen.cm_per_pixel(depth);
+        let diameter = 2.0 * lock.radii[near] / hand.seen.cm_per_pixel(depth);
         let frizz = of_amplitude(scribble.amplitude * hand.gesture.strength, diameter);
         if frizz != lock.frizz {
             lock.frizz = frizz;

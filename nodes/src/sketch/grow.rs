@@ -1,4 +1,4 @@
-//! Implant and lengthen: a stroke on the picture becomes a curve in space (the paper's 4.1 and 4.2).
+//! Implant, silhouette and lengthen: a stroke on the picture becomes a curve in space (the paper's 4.1 and 4.2).
 //!
 //! A picture does not say how far a stroke leads into it. Where curves near it run alike on the picture, it goes as deep as they do
 //! on the mean; elsewhere it keeps its depth.
@@ -11,6 +11,7 @@ use super::hand::{Hand, Sketch};
 use super::lock::{Implanted, Lock};
 use super::relax::{CLEARANCE, Rest};
 use super::seen::steps;
+use super::silhouette::Outline;
 use crate::data::gestures::RootFrame;
 use crate::data::scalp::{HeadFrame, Root, Scalp};
 use crate::maths::hash::curve_id;
@@ -28,6 +29,18 @@ const NOTHING: f32 = 1e-3;
 const ROUNDS: usize = 4;
 
 pub(super) fn implant(hand: &Hand, sketch: &mut Sketch) {
+    plant(hand, sketch, &hand.line(), |_| vec![hand.set.radius]);
+}
+
+pub(super) fn silhouette(hand: &Hand, sketch: &mut Sketch) {
+    match Outline::of(&hand.line(), hand.set.rho) {
+        Ok(drawn) => plant(hand, sketch, &drawn.line, |cvs| drawn.radii(&hand.seen, cvs)),
+        Err(fault) => sketch.say(fault),
+    }
+}
+
+/// A new cluster along a line on the picture, with the radii (cm) that its CVs have.
+fn plant(hand: &Hand, sketch: &mut Sketch, line: &[Vec2], radii: impl FnOnce(&[Vec3]) -> Vec<f32>) {
     let frame = hand.scalp.frame();
     let (root, drift) = match hand.gesture.root {
         Some(drawn) => {
@@ -37,17 +50,16 @@ pub(super) fn implant(hand: &Hand, sketch: &mut Sketch) {
                 None => return sketch.say("the head has no skin"),
             }
         }
-        None => match hand.on_head() {
+        None => match hand.seen.head(hand.scalp, line[0]).or_else(|| hand.on_head()) {
             Some(hit) => (hand.scalp.root(hit.triangle, hit.bary), 0.0),
             None => {
-                let text = "it begins beside the head: begin an implant on the skin";
-                return sketch.say(text);
+                return sketch.say("it begins beside the head: begin an implant on the skin");
             }
         },
     };
     let points = match hand.gesture.path.is_empty() {
         true => {
-            let drawn = stroke(hand, sketch, root.point, u64::MAX);
+            let drawn = stroke(hand, sketch, line, root.point, u64::MAX);
             let mut points = even(hand, root.point, drawn);
             clear(hand, &mut points, 0);
             points
@@ -73,8 +85,8 @@ pub(super) fn implant(hand: &Hand, sketch: &mut Sketch) {
     let density = density_about(hand, sketch, &root);
     sketch.locks.retain(|lock| !held(lock));
     let id = curve_id(hand.gesture.id, hand.set.seed, 0);
-    let asked =
-        Implanted { root, radius: hand.set.radius, density, colour: hand.gesture.colour, drift };
+    let radii = radii(&points);
+    let asked = Implanted { root, radii, density, colour: hand.gesture.colour, drift };
     sketch.now.drift = hand.gesture.root.map(|_| drift);
     sketch.now.changed = 1;
     sketch.locks.push(std::sync::Arc::new(Lock::implanted(id, points, &asked, hand.scalp)));
@@ -98,7 +110,7 @@ pub(super) fn lengthen(hand: &Hand, sketch: &mut Sketch) {
         let mut points = lock.points.clone();
         match hand.gesture.path.is_empty() {
             true => {
-                let more = even(hand, tip, stroke(hand, sketch, tip, lock.id));
+                let more = even(hand, tip, stroke(hand, sketch, &hand.line(), tip, lock.id));
                 points.extend(&more[1..]);
                 let lengths = points.windows(2).map(|w| w[0].distance(w[1])).collect();
                 Rest::new(lengths, last).relax(&mut points, &hand.skin);
@@ -120,13 +132,13 @@ pub(super) fn lengthen(hand: &Hand, sketch: &mut Sketch) {
 }
 
 /// The stroke in space from `start` on, which it is drawn as if it began at.
-fn stroke(hand: &Hand, sketch: &Sketch, start: Vec3, own: u64) -> Vec<Vec3> {
+fn stroke(hand: &Hand, sketch: &Sketch, line: &[Vec2], start: Vec3, own: u64) -> Vec<Vec3> {
     let seen = &hand.seen;
     let Some(first) = seen.pixel(start) else { return vec![start] };
     let mut depth = seen.depth(start);
     let step = (hand.set.segment / seen.cm_per_pixel(depth)).max(2.0);
-    let shift = first - hand.start();
-    let line: Vec<Vec2> = steps(&hand.line(), step).into_iter().map(|p| p + shift).collect();
+    let shift = first - line[0];
+    let line: Vec<Vec2> = steps(line, step).into_iter().map(|p| p + shift).collect();
     let mut points = vec![start];
     for pair in line.windows(2) {
         let way = pair[1] - pair[0];
@@ -184,7 +196,7 @@ fn even(hand: &Hand, start: Vec3, mut points: Vec<Vec3>) -> Vec<Vec3> {
 }
 
 /// All behind CV `held` out of the head, segments as long as they are.
-fn clear(hand: &Hand, points: &mut [Vec3], held: usize) {
+pub(super) fn clear(hand: &Hand, points: &mut [Vec3], held: usize) {
     if points[held + 1..].iter().any(|p| hand.skin.distance(*p) < CLEARANCE - NOTHING) {
         let lengths = points.windows(2).map(|pair| pair[0].distance(pair[1])).collect();
         Rest::new(lengths, held).lengthen(points, &hand.skin);

@@ -10,7 +10,7 @@
 use super::hand::{Hand, Settings, Sketch};
 use super::lock::Lock;
 use super::seen::Seen;
-use super::{brush, comb, cut, density, frizz, grow, pin, twist};
+use super::{brush, comb, cut, density, frizz, grow, pin, scatter, twist};
 use crate::data::curves::Curves;
 use crate::data::gestures::{Gesture, Gestures, Replayed, Tool};
 use crate::data::scalp::Scalp;
@@ -23,12 +23,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 node! {
-    /// Makes hair with the pen, and edits by hand whatever a graph made: implant, lengthen, cut, comb, pin, twist and more.
+    /// Makes hair with the pen, and edits by hand whatever a graph made: implant, lengthen, cut, comb, pin, twist, scatter, silhouette and more.
     ///
     /// Draw in the viewport. Without curves it begins on a bare head; behind other nodes a gesture is kept by the ids of the curves
     /// it acts on, so that more guides, another parting or another head keep it. Give the result to Cluster to strands.
     "hair_sketch", version 1, label "Hair sketch",
-        words "sketch pen tablet comb brush implant plant hairpin grab hand edit manual tweak sculpt";
+        words "sketch pen tablet comb brush implant plant hairpin grab hand edit manual tweak sculpt scatter copy silhouette outline shape";
     inputs {
         /// What the pen did, in drawing order. Drawn in the viewport; stored in the head's own frame.
         gestures: Arc<Gestures> = Gestures::default(), words("pen strokes drawn edits");
@@ -114,23 +114,35 @@ fn after(hand: &Hand, before: &Sketch) -> Sketch {
         Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten => {
             brush::brush(hand, &mut sketch);
         }
+        Tool::Scatter => scatter::scatter(hand, &mut sketch),
+        Tool::Silhouette => grow::silhouette(hand, &mut sketch),
     }
     sketch.ended(before)
 }
 
-/// A gesture with what it resolved to: the curves that it changed or replaced, and where an implant is rooted and what was drawn. Known
-/// from the node's curves `before` it and `after` it; what a document keeps once the pen is lifted.
+/// A gesture with what it resolved to: the curves that it changed, replaced or copied, where an implant or copies are rooted, and what
+/// was drawn. Known from the node's curves `before` it and `after` it; what a document keeps once the pen is lifted.
 pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scalp) -> Gesture {
     let mut out = gesture.clone();
     let was: BTreeMap<u64, (Key, Vec<Vec3>)> = by_id(before);
     let is = by_id(after);
     let same = |id: &u64| was.get(id).map(|(key, _)| key) == is.get(id).map(|(key, _)| key);
     match gesture.tool {
-        Tool::Implant => {
+        Tool::Implant | Tool::Silhouette => {
             let new = is.iter().find(|(id, _)| !was.contains_key(*id));
             if let Some((root, path)) = new.and_then(|(_, (_, all))| grow::kept(scalp, &[], all)) {
                 (out.root, out.path) = (Some(root), path);
                 out.curves = was.keys().filter(|id| !is.contains_key(*id)).copied().collect();
+            }
+        }
+        Tool::Scatter => {
+            let new = after.each().filter(|(tuft, i)| !was.contains_key(&tuft.id(*i)));
+            let roots = new.filter_map(|(tuft, i)| tuft.curve(i).first().copied());
+            let path: Vec<Vec3> = roots.map(|p| scalp.frame().head_from_point(p)).collect();
+            if !path.is_empty() {
+                out.path = path;
+                let source = scatter::source(gesture, scalp, &Lock::all(before));
+                out.curves = source.into_iter().collect();
             }
         }
         tool => {

@@ -172,13 +172,15 @@ impl Hand<'_> {
         let head = self.seen.head(self.scalp, pixel).map_or(f32::MAX, |hit| hit.distance);
         let mut met: Vec<(usize, f32)> = vec![];
         for (i, lock) in sketch.locks.iter().enumerate().filter(|(_, lock)| lock.is_curve()) {
-            let nearest = lock.points.windows(2).filter_map(|pair| {
+            let pieces = lock.points.windows(2).zip(lock.radii.windows(2));
+            let nearest = pieces.filter_map(|(pair, radii)| {
                 let (apart, far) = between(origin, direction, pair[0], pair[1]);
                 let touch =
                     TOUCH * self.seen.cm_per_pixel(self.seen.depth(origin + direction * far));
+                let wide = radii[0].max(radii[1]).max(touch);
                 // A cluster that lies on the head is before it with its nearer half.
-                let before = far > 0.0 && far - lock.radius.max(touch) < head;
-                (before && apart <= lock.radius.max(touch)).then_some(far)
+                let before = far > 0.0 && far - wide < head;
+                (before && apart <= wide).then_some(far)
             });
             if let Some(far) = nearest.min_by(f32::total_cmp) {
                 met.push((i, far));

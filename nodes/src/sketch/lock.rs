@@ -4,8 +4,8 @@
 //! that is touched keeps all else that it carried, by where along the old curve each CV comes from.
 
 use crate::data::attributes::{
-    COLOUR, CUT, Column, DENSITY, DRIFT, Domain, FRIZZ, ID, Item, PINNED, RADIUS, ROLL, ROOT_BARY,
-    ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION, default_of,
+    COLOUR, CUT, Column, DENSITY, DRIFT, Domain, FRIZZ, ID, Item, NORMAL, PINNED, RADIUS, ROLL,
+    ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION, default_of,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp};
@@ -27,6 +27,8 @@ pub(super) struct Lock {
     pub frizz: f32,
     /// Radius at the root, cm.
     pub radius: f32,
+    /// For each CV the radius there, cm.
+    pub radii: Vec<f32>,
     /// The plane in which its strands end, as its normal and the way the tip pointed when it was cut.
     pub cut: Option<[Vec3; 2]>,
     /// For each CV where in the curve that came in its other values come from, in CVs.
@@ -55,7 +57,7 @@ impl Lock {
     fn new(base: Arc<Tuft>) -> Self {
         let points = base.points().to_vec();
         let each = 0..points.len();
-        let (pinned, roll) = (base.view(PINNED), base.view(ROLL));
+        let (pinned, roll, radii) = (base.view(PINNED), base.view(ROLL), base.view(RADIUS));
         let number = |x: f32, other: f32| if x.is_finite() { x } else { other };
         let first = |view: crate::data::curves::View<f32>, other: f32| match points.is_empty() {
             true => other,
@@ -65,6 +67,7 @@ impl Lock {
             id: if points.is_empty() { 0 } else { base.id(0) },
             pinned: each.clone().map(|k| pinned.at(0, k) != 0).collect(),
             roll: each.clone().map(|k| number(roll.at(0, k), 0.0)).collect(),
+            radii: each.clone().map(|k| number(radii.at(0, k), RADIUS.default)).collect(),
             density: first(base.view(DENSITY), DENSITY.default),
             frizz: first(base.view(FRIZZ), FRIZZ.default),
             radius: first(base.view(RADIUS), RADIUS.default),
@@ -85,25 +88,37 @@ impl Lock {
         as_asked: &Implanted,
         scalp: &Scalp,
     ) -> Self {
-        let root = &as_asked.root;
         let mut b = TuftBuilder::new();
         b.push_curve(&points);
         b.set(ID, Domain::Curve, vec![id]);
-        b.set(RADIUS, Domain::Curve, vec![as_asked.radius]);
+        let each = if as_asked.radii.len() > 1 { Domain::Point } else { Domain::Curve };
+        b.set(RADIUS, each, as_asked.radii.clone());
         b.set(DENSITY, Domain::Curve, vec![as_asked.density]);
-        b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
-        b.set(ROOT_TRIANGLE, Domain::Curve, vec![root.triangle as i32]);
-        b.set(ROOT_BARY, Domain::Curve, vec![root.bary]);
-        b.set(DRIFT, Domain::Curve, vec![as_asked.drift]);
-        if scalp.uvs().is_some() {
-            b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
-        }
         if let Some(colour) = as_asked.colour {
             b.set(COLOUR, Domain::Curve, vec![colour]);
         }
-        if let Some(section) = scalp.sections().and_then(|s| s.id_at(root.point)) {
-            b.set(SECTION, Domain::Curve, vec![section]);
+        root(&mut b, &as_asked.root, as_asked.drift, scalp);
+        Self::new(Arc::new(b.build()))
+    }
+
+    /// The same with as many CVs elsewhere, at a root of its own. It is held by no pin.
+    pub(super) fn copied(
+        &self,
+        id: u64,
+        points: Vec<Vec3>,
+        at: &Root,
+        drift: f32,
+        scalp: &Scalp,
+    ) -> Self {
+        let mut copy = self.clone();
+        copy.points = points;
+        let mut b = copy.done().tuft.edit();
+        // What is known of its place alone.
+        for name in [PINNED.name, NORMAL.name, ROOT_UV.name, SECTION.name] {
+            b.remove(name);
         }
+        b.set(ID, Domain::Curve, vec![id]);
+        root(&mut b, at, drift, scalp);
         Self::new(Arc::new(b.build()))
     }
 
@@ -135,6 +150,8 @@ impl Lock {
             a + (b - a) * (at - k as f32).clamp(0.0, 1.0)
         };
         let roll = places.iter().map(|at| read(&self.roll, *at)).collect();
+        // (Its column is kept with all else, by `from`.)
+        let radii = places.iter().map(|at| read(&self.radii, *at)).collect();
         let from = places.iter().map(|at| read(&self.from, *at)).collect();
         // A pin stays with the CV nearest to where it was.
         let mut pinned = vec![false; points.len()];
@@ -146,6 +163,7 @@ impl Lock {
             }
         }
         (self.points, self.roll, self.from, self.pinned) = (points, roll, from, pinned);
+        self.radii = radii;
     }
 
     /// The same with its tuft made anew.
@@ -193,7 +211,21 @@ impl Lock {
 
     /// Bytes held beside what came in.
     pub(super) fn bytes(&self) -> usize {
-        size_of::<Self>() + self.points.len() * (12 + 4 + 4 + 1) + self.tuft.bytes()
+        size_of::<Self>() + self.points.len() * (12 + 4 + 4 + 4 + 1) + self.tuft.bytes()
+    }
+}
+
+/// Sets what is known of the one curve's root.
+fn root(b: &mut TuftBuilder, root: &Root, drift: f32, scalp: &Scalp) {
+    b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
+    b.set(ROOT_TRIANGLE, Domain::Curve, vec![root.triangle as i32]);
+    b.set(ROOT_BARY, Domain::Curve, vec![root.bary]);
+    b.set(DRIFT, Domain::Curve, vec![drift]);
+    if scalp.uvs().is_some() {
+        b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
+    }
+    if let Some(section) = scalp.sections().and_then(|s| s.id_at(root.point)) {
+        b.set(SECTION, Domain::Curve, vec![section]);
     }
 }
 
@@ -206,7 +238,8 @@ pub(super) fn way(points: &[Vec3]) -> Vec3 {
 /// What an implant is beside its CVs.
 pub(super) struct Implanted {
     pub root: Root,
-    pub radius: f32,
+    /// One, or one for each CV, cm.
+    pub radii: Vec<f32>,
     pub density: f32,
     pub colour: Option<Vec3>,
     /// How far the root lies from where it was drawn, cm.

@@ -27,7 +27,9 @@ mod random_laws;
 mod relax;
 #[cfg(test)]
 mod replay_laws;
+mod scatter;
 pub mod seen;
+mod silhouette;
 pub mod stroke_shape;
 mod twist;
 

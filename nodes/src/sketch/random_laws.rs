@@ -1,11 +1,11 @@
 //! Tests: laws that all gestures keep, on random gestures, on every head and animal at hand.
 
-use super::hair_sketch;
+use super::hair_sketch::{self, resolved};
 use super::hand::off_line;
 use super::laws::{length, points};
 use super::seen::Seen;
-use crate::data::attributes::PINNED;
-use crate::data::curves::Curves;
+use crate::data::attributes::{PINNED, RADIUS};
+use crate::data::curves::{Curves, Tuft};
 use crate::data::gestures::tests::gesture;
 use crate::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
 use crate::data::scalp::Scalp;
@@ -28,18 +28,27 @@ fn any(seed: u64, ids: &[u64]) -> Gesture {
     let way = Vec2::new(dice.signed(0, 4), dice.signed(0, 5)) * size;
     let tremor = dice.range(0, 6, 0.0, 0.3) * size;
     let turns = dice.signed(0, 7) * 4.0;
+    let tools = Tool::ALL.len() as u32;
+    let tool = Tool::ALL[dice.below(0, 9, tools) as usize].0;
+    // Most lines close nothing: of outlines half are ellipses drawn by a hand that trembles.
+    let ellipse = tool == Tool::Silhouette && dice.below(0, 15, 2) == 0;
+    let wide = dice.signed(0, 16);
     let samples = (0..count)
         .map(|k| {
             let t = k as f32 / count as f32;
             let (sin, cos) = sin_cos(std::f32::consts::TAU * turns * t);
             let jitter = Vec2::new(dice.signed(1, k), dice.signed(2, k)) * tremor;
             let round = Vec2::new(cos - 1.0, sin) * size * 0.3;
+            if ellipse {
+                let (sin, cos) = sin_cos(std::f32::consts::TAU * t);
+                let at = from + way * (0.5 - 0.5 * cos) + way.perp() * (wide * sin) + jitter * 0.1;
+                return PenSample { at, ..Default::default() };
+            }
             PenSample { at: from + way * t + jitter + round, ..Default::default() }
         })
         .collect();
-    let tools = Tool::ALL.len() as u32;
     let (sin, cos) = sin_cos(std::f32::consts::TAU * dice.unit(0, 8));
-    let base = gesture(seed + 1, Tool::ALL[dice.below(0, 9, tools) as usize].0);
+    let base = gesture(seed + 1, tool);
     let named = |k: u64| match ids.len() as u32 {
         0 => 1,
         most => ids[dice.below(3, k, most) as usize],
@@ -100,12 +109,21 @@ impl Trial<'_> {
                 (tuft.id(i), each.map(|k| tuft.view(PINNED).at(i, k) != 0).collect())
             })
             .collect();
+        let radii: BTreeMap<u64, Vec<f32>> = after
+            .each()
+            .map(|(tuft, i)| {
+                let each = 0..tuft.curve(i).len();
+                (tuft.id(i), each.map(|k| tuft.view(RADIUS).at(i, k)).collect())
+            })
+            .collect();
         let pushes =
             matches!(tool, Tool::Comb | Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten);
         for (id, cvs) in &is {
             assert!(cvs.iter().all(|p| p.is_finite()), "{said}: {cvs:?}");
+            assert!(radii[id].iter().all(|r| r.is_finite() && *r >= 0.0), "{said}: {radii:?}");
             let Some(old) = was.get(id) else {
-                assert_eq!(tool, Tool::Implant, "{said}: a new curve");
+                let makes = matches!(tool, Tool::Implant | Tool::Scatter | Tool::Silhouette);
+                assert!(makes, "{said}: a new curve");
                 let deep = cvs.iter().map(|p| out_of(self.scalp, *p)).fold(f32::MAX, f32::min);
                 assert!(deep > -2e-3, "{said}: {deep}");
                 continue;
@@ -138,6 +156,26 @@ impl Trial<'_> {
         self.check_taken(&said, before, after);
     }
 
+    /// What a gesture resolved to makes what was drawn.
+    fn check_kept(&self, name: &str, host: &dyn Host, before: &Curves, after: &Curves) {
+        let gesture = self.all.last().unwrap();
+        let kept = resolved(gesture, before, after, self.scalp);
+        let set = [
+            ("scalp", self.scalp.clone().into()),
+            ("curves", before.clone().into()),
+            ("gestures", Value::from(Gestures(vec![kept]))),
+        ];
+        let out = run_on(&hair_sketch::NODE, &set, host, &Log::default(), Quality::Final);
+        let again = points(curves_of(&out.unwrap()[0]));
+        let drawn = points(after);
+        let said = format!("{name}, {} {:?}", gesture.id - 1, gesture.tool);
+        assert_eq!(drawn.keys().collect::<Vec<_>>(), again.keys().collect::<Vec<_>>(), "{said}");
+        for (id, cvs) in &drawn {
+            let off = cvs.iter().zip(&again[id]).map(|(p, q)| p.distance(*q)).fold(0.0, f32::max);
+            assert!(cvs.len() == again[id].len() && off < 1e-4, "{said}: {id:x} is {off} off");
+        }
+    }
+
     /// What changed is what the gesture names or, where it names none, one curve on the nearest layer, and else what is drawn
     /// within its reach and not behind the head.
     fn check_taken(&self, said: &str, before: &Curves, after: &Curves) {
@@ -151,13 +189,21 @@ impl Trial<'_> {
             .filter(|(id, key)| is.get(id) != Some(key))
             .map(|(id, _)| id)
             .collect();
-        if gesture.tool == Tool::Implant {
-            // Replaced, and under its disc of a head unit.
+        if gesture.tool == Tool::Scatter {
+            assert!(changed.is_empty(), "{said}: {changed:x?}");
+            let twice = is.len() - tufts(before).len();
+            assert_eq!(twice, after.curve_count() - before.curve_count(), "{said}: ids");
+            return;
+        }
+        let discs: BTreeMap<u64, f32> =
+            before.each().map(|(tuft, i)| (tuft.id(i), tuft.view(RADIUS).at(i, 0))).collect();
+        if matches!(gesture.tool, Tool::Implant | Tool::Silhouette) {
+            // Replaced, and the new one under its disc.
             let new = points(after).into_iter().find(|(id, _)| !points(before).contains_key(id));
             let root = new.map(|(_, cvs)| cvs[0]);
             for id in &changed {
                 let off = root.unwrap().distance(points(before)[id][0]);
-                assert!(!is.contains_key(id) && off < 1.01 * self.scalp.frame().unit(), "{said}");
+                assert!(!is.contains_key(id) && off <= 1.01 * discs[id], "{said}");
             }
             return;
         }
@@ -175,6 +221,13 @@ impl Trial<'_> {
         let line =
             if gesture.tool == Tool::Cut { vec![line[0], line[line.len() - 1]] } else { line };
         let was = points(before);
+        let widest = |id: &u64| -> f32 {
+            let of = |(tuft, i): (&Tuft, usize)| {
+                let each = (0..tuft.curve(i).len()).map(|k| tuft.view(RADIUS).at(i, k));
+                (tuft.id(i) == *id).then(|| each.fold(0.0, f32::max))
+            };
+            before.each().find_map(of).unwrap_or_default()
+        };
         for id in &changed {
             let cvs = &was[id];
             let off = |p: Vec3| {
@@ -187,7 +240,7 @@ impl Trial<'_> {
             };
             let near = cvs.windows(2).any(|pair| {
                 (0..=8).map(|k| pair[0].lerp(pair[1], k as f32 / 8.0)).any(|p| {
-                    let cluster = 1.6 * self.scalp.frame().unit();
+                    let cluster = 1.6 * self.scalp.frame().unit().max(widest(id));
                     let wide = cluster / seen.cm_per_pixel(seen.depth(p));
                     off(p) <= inner + wide.max(gesture.size).max(60.0) + 10.0
                 })
@@ -215,6 +268,10 @@ fn hold(name: &str, scalp: &Arc<Scalp>, count: u64) {
             trial.all.push(any(seed, &ids));
             let after = trial.run(&host);
             trial.check(name, &before, &after);
+            let tool = trial.all[trial.all.len() - 1].tool;
+            if matches!(tool, Tool::Scatter | Tool::Silhouette) {
+                trial.check_kept(name, &host, &before, &after);
+            }
             if keys(&before) != keys(&after) {
                 tools.insert(trial.all[trial.all.len() - 1].tool);
             }

@@ -27,7 +27,7 @@ pub(super) fn twist(hand: &Hand, sketch: &mut Sketch) {
             let far = |k: &usize| line[*k].distance_squared(*at);
             let near = (1..line.len()).min_by(|a, b| far(a).total_cmp(&far(b)));
             let Some(k) = near else { continue };
-            let wide = lock.radius / hand.seen.cm_per_pixel(drawn[k].1);
+            let wide = lock.radii[k] / hand.seen.cm_per_pixel(drawn[k].1);
             if off_line(&line, *at) <= wide {
                 let turn = TURN * sign * hand.gesture.strength;
                 lock.roll[k..].iter_mut().for_each(|roll| *roll += turn);

@@ -44,7 +44,7 @@ enum Coming {
 impl Coming {
     fn of(tool: Tool) -> Self {
         match tool {
-            Tool::Implant => Self::Implant,
+            Tool::Implant | Tool::Scatter | Tool::Silhouette => Self::Implant,
             Tool::Lengthen => Self::Lengthen,
             Tool::Cut | Tool::Density => Self::Cut,
             Tool::Pin => Self::Pin,

@@ -428,6 +428,8 @@ fn done(tool: Tool, curves: usize) -> String {
         Tool::Puff => "puffed",
         Tool::Grab => "moved",
         Tool::Straighten => "straightened",
+        Tool::Scatter => "scattered",
+        Tool::Silhouette => "outlined",
     };
     match curves {
         1 => format!("{verb} a cluster"),
