@@ -171,7 +171,7 @@ fn a_pen_at_an_x_server_sketches_hair_with_both_its_ends() {
     tablet.tap(1000.0, 888.0);
     tablet.screen.key("h");
     // Down the side of the head that is seen; everything else happens near its root.
-    let (x, y) = (560.0, 195.0);
+    let (x, y) = (565.0, 235.0);
     let (light, middle, heavy) = (0.2, 0.5, 0.9);
     let line = |from: (f64, f64), to: (f64, f64), pressure: f64| -> Vec<(f64, f64, f64)> {
         let at = |k: i32| {
