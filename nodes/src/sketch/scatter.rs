@@ -116,6 +116,20 @@ fn kept(hand: &Hand) -> Vec<(Root, f32)> {
     hand.gesture.path.iter().take(MOST + 1).filter_map(root).collect()
 }
 
+/// A root that a document leads back to: what it keeps of it is rounded, and among folds of the skin the least rounding may turn
+/// the frame of a root.
+fn settled(scalp: &Scalp, mut root: Root) -> Root {
+    for _ in 0..8 {
+        let kept = scalp.frame().point_from_head(scalp.frame().head_from_point(root.point));
+        let Some(again) = scalp.closest_root(kept) else { break };
+        if again == root {
+            break;
+        }
+        root = again;
+    }
+    root
+}
+
 /// Places along the stroke, and then beside it row by row, where a copy has room.
 fn free(hand: &Hand, sketch: &Sketch, source: &Lock) -> Vec<(Root, f32)> {
     let disc = source.radius.max(0.0);
@@ -145,6 +159,7 @@ fn free(hand: &Hand, sketch: &Sketch, source: &Lock) -> Vec<(Root, f32)> {
             if !discs.iter().all(room) {
                 continue;
             }
+            let root = settled(hand.scalp, root);
             discs.push((root.point, disc));
             roots.push((root, 0.0));
             if roots.len() > MOST {
