@@ -153,7 +153,7 @@ impl Pen {
             let drag = egui::DragValue::new(value).range(range).speed(0.02);
             drag.prefix(prefix.to_owned()).suffix(unit.to_owned())
         };
-        if brush {
+        if brush || tool == Some(Tool::Scatter) {
             let drag = drag(&mut settings.hair_brush, 0.1..=50.0, "Size ", " cm");
             ui.add(drag).on_hover_text("Radius of the brush at the head.");
         }
@@ -161,7 +161,7 @@ impl Pen {
             let drag = drag(&mut settings.strength, 0.01..=1.0, "Strength ", "");
             ui.add(drag).on_hover_text("At 0.5 combed hair goes as far as the pen.");
         }
-        if matches!(tool, None | Some(Tool::Implant)) {
+        if matches!(tool, None | Some(Tool::Implant | Tool::Silhouette)) {
             let mut own = settings.hair_colour.is_some();
             let tip = "Implant clusters of a colour of their own; else they have that of the hair.";
             if ui.checkbox(&mut own, "Colour").on_hover_text(tip).changed() {

@@ -104,7 +104,7 @@ impl Pen {
                 target::number(&scene.state.document, target::of(scene.state).as_ref(), "radius")
                     * scene.scalp.frame().unit();
             let brush = match tool {
-                Some(Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten) => {
+                Some(Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten | Tool::Scatter) => {
                     Some(scene.state.settings.pen.hair_brush())
                 }
                 _ => None,
@@ -179,7 +179,7 @@ impl Hair {
         at: glam::Vec2,
     ) -> Option<Layer> {
         match (tool, self.level) {
-            (Some(Tool::Implant), _) => Some(Layer::Scalp),
+            (Some(Tool::Implant | Tool::Silhouette | Tool::Scatter), _) => Some(Layer::Scalp),
             (Some(Tool::Lengthen | Tool::Pin), _) => Some(Layer::Nearest),
             (None, None) if mouse => Some(super::level_of_mouse(ground, at, eraser)),
             (_, level) => level,

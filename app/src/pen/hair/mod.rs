@@ -366,8 +366,14 @@ impl Hair {
         };
         let (node, input) = (touch.node.clone(), target::GESTURES.to_owned());
         let known = resolved(&told, &touch.before, after, scene.scalp);
-        let planted = told.tool == Tool::Implant && after.key() != touch.before.key();
-        let changed = if planted { 1 } else { known.curves.len() };
+        let plants = matches!(told.tool, Tool::Implant | Tool::Silhouette | Tool::Scatter);
+        let planted = plants && after.key() != touch.before.key();
+        let more = after.curve_count().saturating_sub(touch.before.curve_count());
+        let changed = match plants {
+            // One that takes the place of another is none more.
+            true => more.max(usize::from(planted)),
+            false => known.curves.len(),
+        };
         if changed == 0 {
             scene.out.push(match touch.twin {
                 Some(_) => Event::Edit(Edit::RemoveGesture { node, input, id: told.id }),
@@ -468,7 +474,7 @@ impl Touch {
     /// How deep it reaches where its tool, a key or what a mouse touches says so.
     fn fixed_level(&self, level: Option<Layer>, at: Vec2, scene: &Scene) -> Option<Layer> {
         match (self.tool, level) {
-            (Some(Tool::Implant), _) => Some(Layer::Scalp),
+            (Some(Tool::Implant | Tool::Silhouette | Tool::Scatter), _) => Some(Layer::Scalp),
             (Some(Tool::Lengthen | Tool::Pin), _) => Some(Layer::Nearest),
             (None, None) if self.mouse => {
                 let rho = self.rho(scene.state);
@@ -524,7 +530,8 @@ impl Touch {
         let Guess::Is(tool) = self.guess else { return None };
         let settings = &scene.state.settings.pen;
         let brush = matches!(tool, Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten);
-        let size = if brush {
+        let sized = brush || tool == Tool::Scatter;
+        let size = if sized {
             let depth = scene.view.depth(scene.scalp.frame().origin);
             settings.hair_brush() / scene.view.cm_per_point(depth).max(1e-6)
         } else {
@@ -546,8 +553,10 @@ impl Touch {
             curves: vec![],
             root: None,
             path: vec![],
-            colour: settings.hair_colour().filter(|_| tool == Tool::Implant),
-            size: size.clamp(2.0, 1000.0) * f32::from(u8::from(brush)),
+            colour: settings
+                .hair_colour()
+                .filter(|_| matches!(tool, Tool::Implant | Tool::Silhouette)),
+            size: size.clamp(2.0, 1000.0) * f32::from(u8::from(sized)),
             strength,
         };
         let others = target::gestures(&scene.state.document, &self.node);

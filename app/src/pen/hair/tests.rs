@@ -415,3 +415,24 @@ fn a_colour_is_picked_beside_the_head_and_planted() {
     salon.draw(&[Pos2::new(60.0, 120.0), Pos2::new(60.0, 160.0), Pos2::new(60.0, 126.0)], MIDDLE);
     assert_eq!(salon.0.editor().state.settings.pen.hair_colour, None);
 }
+
+#[test]
+fn copies_and_outlined_locks_are_planted_in_one_step_each() {
+    let mut salon = Salon::open(head(), "hair.sketch");
+    salon.draw(&Salon::line([300.0, 130.0], [300.0, 330.0]), HEAVY);
+    salon.0.editor().act("hair.scatter");
+    salon.draw(&Salon::line([300.0, 135.0], [430.0, 190.0]), MIDDLE);
+    let count = salon.curves().curve_count();
+    assert!(count > 2, "{count}");
+    assert_eq!(salon.words(), format!("scattered {} clusters", count - 1));
+    // A leaf: down one side and back up the other.
+    salon.0.editor().act("hair.silhouette");
+    let leaf = |k: i32| {
+        let turn = std::f32::consts::TAU * k as f32 / 60.0;
+        Pos2::new(210.0 + 30.0 * turn.sin(), 260.0 - 90.0 * turn.cos())
+    };
+    salon.draw(&(0..=60).map(leaf).collect::<Vec<_>>(), MIDDLE);
+    assert_eq!(salon.curves().curve_count(), count + 1, "{:?}", salon.0.editor().pen.hair.said);
+    assert_eq!(salon.tools(), [Tool::Implant, Tool::Scatter, Tool::Silhouette]);
+    assert_eq!(salon.0.done(), 3);
+}
