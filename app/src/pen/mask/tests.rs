@@ -237,7 +237,7 @@ fn hair_follows_a_thousand_dabs_that_are_wired_to_its_length_and_density() {
             }
             document.nodes.insert(id.clone(), Arc::new(node));
             for (to, from) in wires {
-                document.links.insert(Socket::new(id.clone(), *to), vec![from.clone()]);
+                document.links.insert(Socket::new(id.clone(), to), vec![from.clone()]);
             }
             document.display = Some(id.clone());
             id
