@@ -431,7 +431,7 @@ fn a_gesture_on_one_cluster_makes_one_tuft_anew_and_taking_it_back_none() {
         tufts(&session.ran(), "hair")
     };
     assert_eq!(draw(vec![frizz(1, 60.0)]), Some(1));
-    assert_eq!(draw(vec![frizz(1, 60.0), frizz(2, 30.0)]), Some(1));
+    assert_eq!(draw(vec![frizz(1, 60.0), frizz(2, 18.0)]), Some(1));
     // What was made before is kept.
     assert_eq!(draw(vec![frizz(1, 60.0)]).unwrap_or(0), 0);
     assert_eq!(draw(vec![]).unwrap_or(0), 0);

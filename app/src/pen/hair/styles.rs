@@ -66,7 +66,7 @@ impl Hand {
             ("clump", Value::Float(0.15)),
             ("length_variation", Value::Float(0.4)),
             ("points", Value::Int(16)),
-            ("seed", Value::Int(3)),
+            ("seed", Value::Int(5)),
         ];
         let add =
             |name: &str, node, x, y| Edit::AddNode { id: id(name), node, at: Some(Point(x, y)) };
