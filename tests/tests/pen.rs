@@ -11,7 +11,7 @@ use coif_tests::tablet::Tablet;
 use coif_tests::{Folder, adapter, program};
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Child, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -54,6 +54,25 @@ fn settled(tablet: &Tablet, folder: &Folder) {
     }
 }
 
+/// Opens the window on a file, and waits for its picture.
+fn edit(tablet: &Tablet, folder: &Folder, path: &Path) -> Child {
+    // One sample a pixel: the picture is soon at rest, and the machine free for the window.
+    std::fs::create_dir_all(folder.path("home")).expect("a folder");
+    std::fs::write(folder.path("home/settings.ron"), "(samples: 1)").expect("settings are written");
+    let editor = program()
+        .args(["edit", &path.display().to_string()])
+        .env("DISPLAY", tablet.screen.display())
+        .env_remove("WAYLAND_DISPLAY")
+        .env("COIF_HOME", folder.path("home"))
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("the editor starts");
+    tablet.screen.focus("coif");
+    // The head is there when its picture is.
+    settled(tablet, folder);
+    editor
+}
+
 #[test]
 fn a_pen_at_an_x_server_draws_with_three_pressures() {
     const NAME: &str = "a_pen_at_an_x_server_draws_with_three_pressures";
@@ -64,20 +83,7 @@ fn a_pen_at_an_x_server_draws_with_three_pressures() {
     let folder = Folder::new(NAME);
     let path = folder.path("pen.ron");
     std::fs::write(&path, file::write(&document())).expect("a document is written");
-    // One sample a pixel: the picture is soon at rest, and the machine free for the window.
-    std::fs::create_dir_all(folder.path("home")).expect("a folder");
-    std::fs::write(folder.path("home/settings.ron"), "(samples: 1)").expect("settings are written");
-    let mut editor = program()
-        .args(["edit", &path.display().to_string()])
-        .env("DISPLAY", tablet.screen.display())
-        .env_remove("WAYLAND_DISPLAY")
-        .env("COIF_HOME", folder.path("home"))
-        .stdout(Stdio::null())
-        .spawn()
-        .expect("the editor starts");
-    tablet.screen.focus("coif");
-    // The head is there when its picture is.
-    settled(&tablet, &folder);
+    let mut editor = edit(&tablet, &folder, &path);
     // A tap on the first menu opens it: pens work on ordinary widgets. A tap elsewhere closes it.
     let closed = tablet.screen.shot(&folder.path("closed.png"));
     let under_it = 3 * 1440 * 30..3 * 1440 * 130;
@@ -156,18 +162,7 @@ fn a_pen_at_an_x_server_sketches_hair_with_both_its_ends() {
     let folder = Folder::new(NAME);
     let path = folder.path("sketch.ron");
     std::fs::write(&path, file::write(&bare())).expect("a document is written");
-    std::fs::create_dir_all(folder.path("home")).expect("a folder");
-    std::fs::write(folder.path("home/settings.ron"), "(samples: 1)").expect("settings are written");
-    let mut editor = program()
-        .args(["edit", &path.display().to_string()])
-        .env("DISPLAY", tablet.screen.display())
-        .env_remove("WAYLAND_DISPLAY")
-        .env("COIF_HOME", folder.path("home"))
-        .stdout(Stdio::null())
-        .spawn()
-        .expect("the editor starts");
-    tablet.screen.focus("coif");
-    settled(&tablet, &folder);
+    let mut editor = edit(&tablet, &folder, &path);
     tablet.tap(1000.0, 888.0);
     tablet.screen.key("h");
     // Down the side of the head that is seen; everything else happens near its root.

@@ -39,6 +39,7 @@ const PARTS: &[&[&[Action]]] = &[
     &[
         crate::viewport::actions::ACTIONS,
         crate::pen::actions::ACTIONS,
+        crate::pen::hair::actions::ACTIONS,
         crate::pen::mask::actions::ACTIONS,
     ],
 ];

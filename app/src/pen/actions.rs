@@ -12,7 +12,7 @@ use coif_graphs::document::edit::Edit;
 use coif_graphs::document::strokes::cvs;
 use coif_graphs::document::strokes::whole::{self, End};
 use coif_graphs::document::{NodeId, Setting};
-use coif_nodes::data::gestures::{Layer, Tool};
+use coif_nodes::data::gestures::Tool;
 use coif_nodes::data::strokes::{Mode, Stroke};
 use coif_nodes::define::Value;
 use std::collections::BTreeSet;
@@ -34,39 +34,6 @@ macro_rules! tool {
             menu: "Pen",
             when: always,
             run: $run,
-        }
-    };
-}
-
-/// A tool on hair that is taken up.
-macro_rules! hair {
-    ($id:literal, $tool:expr, $label:literal, $tip:literal, $words:literal) => {
-        Action {
-            id: $id,
-            label: $label,
-            tip: $tip,
-            words: $words,
-            menu: "Pen",
-            when: always,
-            run: |editor| editor.pen.tool = PenTool::Hair($tool),
-        }
-    };
-}
-
-/// How deep touches on hair reach; the same again: as the pressure says.
-macro_rules! level {
-    ($id:literal, $level:ident, $label:literal, $tip:literal) => {
-        Action {
-            id: $id,
-            label: $label,
-            tip: $tip,
-            words: "layer depth pressure light heavy",
-            menu: "",
-            when: on_hair,
-            run: |editor| {
-                let level = &mut editor.pen.hair.level;
-                *level = Some(Layer::$level).filter(|new| *level != Some(*new));
-            },
         }
     };
 }
@@ -100,13 +67,6 @@ fn sized(editor: &mut Editor, by: f32) {
         true => pen.hair_brush = (pen.hair_brush() * by).clamp(0.1, 50.0),
         false => pen.brush = (pen.brush() * by).clamp(0.05, 20.0),
     });
-}
-
-fn on_hair(editor: &Editor) -> Result<(), &'static str> {
-    match editor.pen.tool {
-        PenTool::Hair(_) => Ok(()),
-        _ => Err("take up a tool for hair first: H sketches"),
-    }
 }
 
 /// Takes up a tool on strokes, or on hair or a mask the one of the same name.
@@ -172,129 +132,6 @@ pub(crate) const ACTIONS: &[Action] = &[
         "Smooth with a brush",
         "Takes the wiggles out of strokes under the brush; ends stay. With a tool for hair in hand it smooths hair.",
         "relax even"
-    ),
-    hair!(
-        "hair.sketch",
-        None,
-        "Sketch with the pen",
-        "Draw on the head, and the stroke says what it is: from the skin it implants a cluster, from a tip it lengthens one, over hair it combs; loops twist, a scribble frizzes, two taps pin. The pen's eraser cuts across hair, and circles change its density.",
-        "gesture pen paper hairstyle groom implant"
-    ),
-    hair!(
-        "hair.implant",
-        Some(Tool::Implant),
-        "Implant clusters",
-        "Draw from the skin: a new cluster grows along the stroke. One begun on the root of another takes its place.",
-        "plant grow add hair lock"
-    ),
-    hair!(
-        "hair.lengthen",
-        Some(Tool::Lengthen),
-        "Lengthen clusters",
-        "Draw on from a tip: the cluster goes on along the stroke.",
-        "extend longer grow"
-    ),
-    hair!(
-        "hair.comb",
-        Some(Tool::Comb),
-        "Comb hair",
-        "Hair goes along with the pen; roots and lengths stay, and it stays out of the head.",
-        "brush style drag push groom"
-    ),
-    hair!(
-        "hair.cut",
-        Some(Tool::Cut),
-        "Cut hair",
-        "Draw straight across hair: it ends there, on a bias if the stroke has one. At level 3 what is rooted under the stroke is removed.",
-        "scissors trim shorten remove delete"
-    ),
-    hair!(
-        "hair.density",
-        Some(Tool::Density),
-        "Change density",
-        "Draw circles over clusters: each clockwise one fills them by 5 % more, the others by 5 % less.",
-        "fuller thinner fill count"
-    ),
-    hair!(
-        "hair.twist",
-        Some(Tool::Twist),
-        "Twist hair",
-        "Draw loops over a cluster: each turns it by 15 degrees, from there to its tip.",
-        "twirl curl roll turn"
-    ),
-    hair!(
-        "hair.frizz",
-        Some(Tool::Frizz),
-        "Frizz hair",
-        "Scribble to and fro across a cluster: the wider, the more its strands wander.",
-        "scribble flyaway noise messy"
-    ),
-    hair!(
-        "hair.pin",
-        Some(Tool::Pin),
-        "Pin hair",
-        "Tap on hair: its nearest point holds its place whatever combs it. Tap again to free it.",
-        "hairpin lock hold fix bobby"
-    ),
-    hair!(
-        "hair.smooth",
-        Some(Tool::Smooth),
-        "Smooth hair",
-        "Takes wiggles out of hair under the brush.",
-        "relax even"
-    ),
-    hair!(
-        "hair.puff",
-        Some(Tool::Puff),
-        "Puff hair",
-        "Lifts hair under the brush off the skin.",
-        "volume lift raise"
-    ),
-    hair!(
-        "hair.grab",
-        Some(Tool::Grab),
-        "Grab hair",
-        "Takes hold of hair under the brush and takes it along.",
-        "move pull drag"
-    ),
-    hair!(
-        "hair.straighten",
-        Some(Tool::Straighten),
-        "Straighten hair",
-        "Draws hair under the brush straight between its root and its tip.",
-        "iron flat"
-    ),
-    hair!(
-        "hair.scatter",
-        Some(Tool::Scatter),
-        "Scatter clusters",
-        "Draw from a cluster over the skin: copies of it stand along the stroke wherever there is room.",
-        "copy duplicate clone paint plant fill many"
-    ),
-    hair!(
-        "hair.silhouette",
-        Some(Tool::Silhouette),
-        "Draw a cluster's silhouette",
-        "Draw an outline from the skin and back to it: a cluster grows along its middle, as wide as it.",
-        "outline shape leaf lock taper wide"
-    ),
-    level!(
-        "hair.level_1",
-        Nearest,
-        "Level 1: nearest",
-        "Touches on hair reach the cluster nearest to the eye, whatever the pressure is. The same key again: as the pressure says."
-    ),
-    level!(
-        "hair.level_2",
-        Through,
-        "Level 2: through",
-        "Touches on hair reach all of it down to the head, whatever the pressure is. The same key again: as the pressure says."
-    ),
-    level!(
-        "hair.level_3",
-        Scalp,
-        "Level 3: scalp",
-        "Touches reach the skin, and what is rooted there, whatever the pressure is. The same key again: as the pressure says."
     ),
     Action {
         id: "pen.brush_smaller",

@@ -362,6 +362,25 @@ impl Pen {
         }
     }
 
+    /// Reports, each with whether a touch may begin there: on the picture, and not to turn the view. The last is hovered.
+    fn told(
+        &mut self,
+        inputs: Vec<Input>,
+        ctx: &egui::Context,
+        free: &dyn Fn(Pos2) -> bool,
+    ) -> Vec<(Input, bool)> {
+        let turns = turns_view(ctx);
+        let mut told = vec![];
+        for input in inputs {
+            let sample = input.sample;
+            let here = free(sample.pos);
+            self.hover = (sample.phase != Phase::Out && here).then_some(input);
+            let views = turns || sample.buttons.barrel || sample.buttons.second;
+            told.push((input, here && !views));
+        }
+        told
+    }
+
     /// One frame with a tool for hair in hand.
     fn on_hair(
         &mut self,
@@ -379,15 +398,7 @@ impl Pen {
         if ctx.input(|input| input.key_down(Key::Escape)) && self.hair.is_drawing() {
             self.hair.stop(scene.out);
         }
-        let turns = turns_view(ctx);
-        let mut told = vec![];
-        for input in inputs {
-            let sample = input.sample;
-            let here = free(sample.pos);
-            self.hover = (sample.phase != Phase::Out && here).then_some(input);
-            let views = turns || sample.buttons.barrel || sample.buttons.second;
-            told.push((input, here && !views));
-        }
+        let told = self.told(inputs, ctx, free);
         let now = ctx.input(|input| input.time);
         self.hair.ui(tool, told, &mut scene, now);
         self.paint_hair(ui, &scene, now);

@@ -8,6 +8,7 @@
 //! Guarantees: one touch is one step; Escape takes back one that is under way; a touch that does nothing changes nothing, and the
 //! place where it ended says why. A touch begins only on hair that is shown as it is: what comes sooner waits, and is not lost.
 
+pub(crate) mod actions;
 mod look;
 pub(super) mod target;
 mod wheel;
@@ -620,7 +621,5 @@ fn level_of_mouse(ground: &Ground, at: Vec2, eraser: bool) -> Layer {
     }
 }
 
-#[cfg(test)]
-mod styles;
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,7 @@
 //! The pen on hair in the editor: samples in, gestures, hair and undo steps out.
 
+mod styles;
+
 use super::super::sample::{Device, PenSample as Report, Phase, Tool as End};
 use super::super::tests::{Table, draw_on, head};
 use super::target;

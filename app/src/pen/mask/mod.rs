@@ -240,15 +240,7 @@ impl Pen {
         if ctx.input(|input| input.key_down(Key::Escape)) {
             self.mask.stop(scene.out);
         }
-        let turns = super::turns_view(ctx);
-        let mut told = vec![];
-        for input in inputs {
-            let sample = input.sample;
-            let here = free(sample.pos);
-            self.hover = (sample.phase != Phase::Out && here).then_some(input);
-            let views = turns || sample.buttons.barrel || sample.buttons.second;
-            told.push((input, here && !views));
-        }
+        let told = self.told(inputs, ctx, free);
         self.mask.ui(mode, told, &mut scene);
         self.paint_mask(mode, ui, &scene);
         if self.mask.is_drawing() {

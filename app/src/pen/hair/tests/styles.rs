@@ -3,9 +3,9 @@
 //! A style is a list of views and of strokes seen from them. `UPDATE_EXPECT=1` writes the grooms anew; else each must be what its
 //! script draws, to within what other windows and fonts make of it.
 
-use super::super::sample::{Device, PenSample as Report, Phase, Tool as End};
-use super::super::tests::{Table, draw_on, head};
-use super::target;
+use super::super::super::sample::{Device, PenSample as Report, Phase, Tool as End};
+use super::super::super::tests::{Table, draw_on, head};
+use super::super::target;
 use crate::editor::event::Event;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Node, NodeId, Point, Setting, Socket};
