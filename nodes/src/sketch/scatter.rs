@@ -116,18 +116,18 @@ fn kept(hand: &Hand) -> Vec<(Root, f32)> {
     hand.gesture.path.iter().take(MOST + 1).filter_map(root).collect()
 }
 
-/// A root that a document leads back to: what it keeps of it is rounded, and among folds of the skin the least rounding may turn
-/// the frame of a root.
-fn settled(scalp: &Scalp, mut root: Root) -> Root {
+/// A root that a document leads back to, near this one: what it keeps of it is rounded, and among folds of the skin the least
+/// rounding may turn the frame of a root. None where none was found.
+fn settled(scalp: &Scalp, mut root: Root) -> Option<Root> {
     for _ in 0..8 {
         let kept = scalp.frame().point_from_head(scalp.frame().head_from_point(root.point));
-        let Some(again) = scalp.closest_root(kept) else { break };
+        let again = scalp.closest_root(kept)?;
         if again == root {
-            break;
+            return Some(root);
         }
         root = again;
     }
-    root
+    None
 }
 
 /// Places along the stroke, and then beside it row by row, where a copy has room.
@@ -159,7 +159,7 @@ fn free(hand: &Hand, sketch: &Sketch, source: &Lock) -> Vec<(Root, f32)> {
             if !discs.iter().all(room) {
                 continue;
             }
-            let root = settled(hand.scalp, root);
+            let Some(root) = settled(hand.scalp, root) else { continue };
             discs.push((root.point, disc));
             roots.push((root, 0.0));
             if roots.len() > MOST {
