@@ -228,7 +228,7 @@ mod tests {
             &second("\"comb\"", "\"combe\""),
             3,
             "gesture 1: its tool \"combe\" is none of implant, lengthen, cut, density, twist, frizz, comb, \
-             pin, smooth, puff, grab, straighten, scatter, silhouette; did you mean \"comb\"?",
+             pin, smooth, puff, grab, straighten, point, redraw, scatter, silhouette; did you mean \"comb\"?",
         );
         check(
             &second("\"through\"", "\"skin\""),

@@ -70,6 +70,10 @@ pub enum Tool {
     Grab,
     /// Draws it straight between its root and its end.
     Straighten,
+    /// Takes one CV along.
+    Point,
+    /// Draws a curve anew from a place of it on.
+    Redraw,
     /// Copies of a cluster, where the pen paints.
     Scatter,
     /// A new cluster as wide as the outline that is drawn of it.
@@ -91,6 +95,8 @@ impl Tool {
         (Tool::Puff, "puff"),
         (Tool::Grab, "grab"),
         (Tool::Straighten, "straighten"),
+        (Tool::Point, "point"),
+        (Tool::Redraw, "redraw"),
         (Tool::Scatter, "scatter"),
         (Tool::Silhouette, "silhouette"),
     ];
@@ -155,8 +161,8 @@ pub struct Gesture {
     /// Where an implant or silhouette is rooted, in the head's frame and head units. None: where the ray through the first sample, or
     /// between the ends of an outline, meets the head.
     pub root: Option<Vec3>,
-    /// The curve that an implant, silhouette or lengthening drew, without its first point, in the frame of its root or old end, in head units
-    /// ([`RootFrame`]). Of a scatter, where its copies are rooted, in the head's frame and head units. Empty: made from the samples
+    /// The curve that an implant, silhouette, lengthening or re-drawing drew, without its first point, in the frame of its root or of the
+    /// place where it goes on, in head units ([`RootFrame`]). Of a scatter, where its copies are rooted, in the head's frame and head units. Empty: made from the samples
     /// each time it is replayed.
     pub path: Vec<Vec3>,
     /// Colour of what is implanted, linear Rec.709. None: that of curves without one.

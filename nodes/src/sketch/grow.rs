@@ -116,7 +116,7 @@ pub(super) fn lengthen(hand: &Hand, sketch: &mut Sketch) {
                 Rest::new(lengths, last).relax(&mut points, &hand.skin);
             }
             false => {
-                let own = at_tip(hand.scalp.frame(), &lock.points);
+                let own = onward(hand.scalp.frame(), &lock.points);
                 points.extend(hand.gesture.path.iter().map(|p| own.world(*p)));
                 let drawn = points[last..].to_vec();
                 clear(hand, &mut points, last);
@@ -132,7 +132,13 @@ pub(super) fn lengthen(hand: &Hand, sketch: &mut Sketch) {
 }
 
 /// The stroke in space from `start` on, which it is drawn as if it began at.
-fn stroke(hand: &Hand, sketch: &Sketch, line: &[Vec2], start: Vec3, own: u64) -> Vec<Vec3> {
+pub(super) fn stroke(
+    hand: &Hand,
+    sketch: &Sketch,
+    line: &[Vec2],
+    start: Vec3,
+    own: u64,
+) -> Vec<Vec3> {
     let seen = &hand.seen;
     let Some(first) = seen.pixel(start) else { return vec![start] };
     let mut depth = seen.depth(start);
@@ -177,7 +183,7 @@ fn slope(hand: &Hand, sketch: &Sketch, at: Vec3, way: Vec2, own: u64) -> Option<
 }
 
 /// The stroke without sharp turns, in segments of equal length.
-fn even(hand: &Hand, start: Vec3, mut points: Vec<Vec3>) -> Vec<Vec3> {
+pub(super) fn even(hand: &Hand, start: Vec3, mut points: Vec<Vec3>) -> Vec<Vec3> {
     for _ in 0..ROUNDS {
         for k in 1..points.len().saturating_sub(1) {
             let (a, b) = (points[k] - points[k - 1], points[k + 1] - points[k]);
@@ -206,8 +212,8 @@ pub(super) fn clear(hand: &Hand, points: &mut [Vec3], held: usize) {
     }
 }
 
-/// The frame in which what goes on from a tip is kept.
-fn at_tip(frame: &HeadFrame, points: &[Vec3]) -> RootFrame {
+/// The frame in which what goes on from the last of some CVs is kept.
+pub(super) fn onward(frame: &HeadFrame, points: &[Vec3]) -> RootFrame {
     let tip = points[points.len() - 1];
     RootFrame::of(frame, tip, tip - points[points.len() - 2])
 }
@@ -219,14 +225,14 @@ pub(super) fn kept(scalp: &Scalp, before: &[Vec3], after: &[Vec3]) -> Option<(Ve
     let own = match before {
         [] => RootFrame::at(scalp, &scalp.closest_root(*after.first()?)?),
         [_] => return None,
-        _ => at_tip(frame, before),
+        _ => onward(frame, before),
     };
     let new = after.get(before.len().max(1)..)?;
     Some((frame.head_from_point(after[0]), new.iter().map(|p| own.local(*p)).collect()))
 }
 
 /// How far one line of as many points runs from the way of another: the mean over its length, degrees.
-fn turned(drawn: &[Vec3], made: &[Vec3]) -> f32 {
+pub(super) fn turned(drawn: &[Vec3], made: &[Vec3]) -> f32 {
     let (mut sum, mut lengths) = (0.0, 0.0);
     for (a, b) in drawn.windows(2).zip(made.windows(2)) {
         let (a, b) = (a[1] - a[0], b[1] - b[0]);

@@ -10,7 +10,7 @@
 use super::hand::{Hand, Settings, Sketch};
 use super::lock::Lock;
 use super::seen::Seen;
-use super::{brush, comb, cut, density, frizz, grow, pin, scatter, twist};
+use super::{brush, comb, cut, density, frizz, grow, pin, point, redraw, scatter, twist};
 use crate::data::curves::Curves;
 use crate::data::gestures::{Gesture, Gestures, Replayed, Tool};
 use crate::data::scalp::Scalp;
@@ -23,12 +23,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 node! {
-    /// Makes hair with the pen, and edits by hand whatever a graph made: implant, lengthen, cut, comb, pin, twist, scatter, silhouette and more.
+    /// Makes hair with the pen, and edits by hand whatever a graph made: implant, lengthen, cut, comb, pin, twist, re-draw, scatter and more.
     ///
     /// Draw in the viewport. Without curves it begins on a bare head; behind other nodes a gesture is kept by the ids of the curves
     /// it acts on, so that more guides, another parting or another head keep it. Give the result to Cluster to strands.
     "hair_sketch", version 1, label "Hair sketch",
-        words "sketch pen tablet comb brush implant plant hairpin grab hand edit manual tweak sculpt scatter copy silhouette outline shape";
+        words "sketch pen tablet comb brush implant plant hairpin grab hand edit manual tweak sculpt points redraw strands scatter copy silhouette outline shape";
     inputs {
         /// What the pen did, in drawing order. Drawn in the viewport; stored in the head's own frame.
         gestures: Arc<Gestures> = Gestures::default(), words("pen strokes drawn edits");
@@ -114,6 +114,8 @@ fn after(hand: &Hand, before: &Sketch) -> Sketch {
         Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten => {
             brush::brush(hand, &mut sketch);
         }
+        Tool::Point => point::point(hand, &mut sketch),
+        Tool::Redraw => redraw::redraw(hand, &mut sketch),
         Tool::Scatter => scatter::scatter(hand, &mut sketch),
         Tool::Silhouette => grow::silhouette(hand, &mut sketch),
     }
@@ -147,9 +149,15 @@ pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scal
         }
         tool => {
             out.curves = was.keys().filter(|id| !same(id)).copied().collect();
-            let changed = out.curves.first().filter(|_| tool == Tool::Lengthen);
-            let kept = changed.and_then(|id| grow::kept(scalp, &was[id].1, &is.get(id)?.1));
-            if let Some((_, path)) = kept {
+            let path = out.curves.first().and_then(|id| {
+                let (was, is) = (&was[id].1, &is.get(id)?.1);
+                match tool {
+                    Tool::Lengthen => grow::kept(scalp, was, is).map(|(_, path)| path),
+                    Tool::Redraw => redraw::kept(gesture, scalp, was, is),
+                    _ => None,
+                }
+            });
+            if let Some(path) = path {
                 out.path = path;
             }
         }

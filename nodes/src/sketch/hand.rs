@@ -230,6 +230,12 @@ impl Hand<'_> {
         self.seen.head(self.scalp, self.start())
     }
 
+    /// The CV of a curve that is drawn nearest to the pen's start (the root never is), and how far off that is, pixels.
+    pub(super) fn nearest_cv(&self, lock: &Lock) -> Option<(usize, f32)> {
+        let off = |k: usize| Some((k, self.seen.pixel(lock.points[k])?.distance(self.start())));
+        (1..lock.points.len()).filter_map(off).min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
     /// A curve as it is drawn: pixels and depths of its CVs; none where a part of it is behind the eye.
     pub(super) fn drawn(&self, lock: &Lock) -> Option<Vec<(Vec2, f32)>> {
         lock.points.iter().map(|p| Some((self.seen.pixel(*p)?, self.seen.depth(*p)))).collect()

@@ -263,6 +263,71 @@ fn a_lengthened_cluster_goes_on_from_its_tip_and_keeps_what_was() {
 }
 
 #[test]
+fn a_point_goes_where_the_pen_puts_it_and_takes_none_along() {
+    let (before, _) = sketch(None, &[one_lock()]);
+    let was = only(&before);
+    let seen = super::seen::Seen::new(&one_lock().view, shared_ball().frame());
+    let at = seen.pixel(was[4]).unwrap();
+    // 50 pixels to the right, at its depth: as many cm as they cover there.
+    let (from, to) = ([at.x + 4.0, at.y], [at.x + 54.0, at.y]);
+    let pull = drawn(Tool::Point, Layer::Nearest, &line(from, to));
+    let (after, said) = sketch(None, &[one_lock(), pull.clone()]);
+    assert!(said.is_empty(), "{said:?}");
+    let cvs = only(&after);
+    let by = 50.0 * seen.cm_per_pixel(seen.depth(was[4]));
+    assert!((cvs[4] - was[4]).distance(Vec3::X * by) < 1e-3, "{} {}", cvs[4], was[4]);
+    assert!((0..was.len()).all(|k| k == 4 || cvs[k] == was[k]));
+    // Not into the head, not through a pin, and nothing where nothing is.
+    let deep = drawn(Tool::Point, Layer::Nearest, &line(from, [at.x, at.y - 60.0]));
+    let (after, _) = sketch(None, &[one_lock(), deep]);
+    assert!(super::random_laws::out_of(&shared_ball(), only(&after)[4]) > 0.0);
+    let pin = drawn(Tool::Pin, Layer::Nearest, &[seen.pixel(was[5]).unwrap()]);
+    let (same, said) = sketch(None, &[one_lock(), pin, pull]);
+    assert!(only(&same) == was && said[0].contains("tap the pin"), "{said:?}");
+    let beside = drawn(Tool::Point, Layer::Nearest, &line([200.0, 0.0], [260.0, 0.0]));
+    let (same, said) = sketch(None, &[one_lock(), beside]);
+    assert!(only(&same) == was && said[0].contains("no point of a curve"), "{said:?}");
+}
+
+#[test]
+fn a_curve_drawn_anew_keeps_what_lies_before_and_follows_the_stroke() {
+    let lock = one_lock();
+    let taper = drawn(Tool::Twist, Layer::Nearest, &circle([0.0, -20.0], 15.0, 3.0));
+    let (before, _) = sketch(None, &[lock.clone(), taper.clone()]);
+    let was = only(&before);
+    let seen = super::seen::Seen::new(&lock.view, shared_ball().frame());
+    // From between its third and fourth CV on, 200 pixels to the left and a little down.
+    let at = seen.pixel(was[2].lerp(was[3], 0.5)).unwrap();
+    let anew = drawn(Tool::Redraw, Layer::Nearest, &line(at.into(), [at.x - 200.0, at.y + 60.0]));
+    let (after, said) = sketch(None, &[lock.clone(), taper.clone(), anew.clone()]);
+    assert!(said.is_empty(), "{said:?}");
+    let cvs = only(&after);
+    assert_eq!(cvs[..=2], was[..=2]);
+    assert!(cvs[3].distance(was[2].lerp(was[3], 0.5)) < 0.1, "{}", cvs[3]);
+    // Its tip is under the end of the stroke.
+    let tip = seen.pixel(cvs[cvs.len() - 1]).unwrap();
+    assert!(tip.distance(Vec2::new(at.x - 200.0, at.y + 60.0)) < 20.0, "{tip}");
+    // Its twist still ends as it ended.
+    let roll = |curves: &Curves| {
+        let tuft = &curves.tufts()[0];
+        tuft.view(ROLL).at(0, tuft.points().len() - 1)
+    };
+    assert!(roll(&before) > 0.0 && roll(&after) == roll(&before));
+    // Kept with its path it comes out the same, and on a larger head as much larger.
+    let all = |last: &Gesture| vec![lock.clone(), taper.clone(), last.clone()];
+    let kept = resolved(&anew, &before, &after, &shared_ball());
+    assert_eq!((kept.curves.len(), kept.path.len()), (1, cvs.len() - 4));
+    let again = only(&sketch(None, &all(&kept)).0);
+    let off = cvs.iter().zip(&again).map(|(p, q)| p.distance(*q)).fold(0.0, f32::max);
+    assert!(off < 1e-4 && cvs.len() == again.len(), "{off}");
+    // Behind a pin alone.
+    let pin = drawn(Tool::Pin, Layer::Nearest, &[seen.pixel(was[4]).unwrap()]);
+    let (same, said) = sketch(None, &[lock.clone(), pin.clone(), anew]);
+    assert!(only(&same) == only(&sketch(None, &[lock, pin]).0), "{said:?}");
+    assert!(said[0].contains("behind its last pin"), "{said:?}");
+}
+
+#[test]
 fn a_cut_ends_the_nearest_all_or_takes_out_what_is_rooted_there() {
     // Three clusters beside each other, 2.6 cm apart, one behind the head's other side.
     let row: Vec<Gesture> =

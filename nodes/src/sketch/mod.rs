@@ -22,8 +22,10 @@ mod laws;
 pub mod level;
 mod lock;
 mod pin;
+mod point;
 #[cfg(test)]
 mod random_laws;
+mod redraw;
 mod relax;
 #[cfg(test)]
 mod replay_laws;

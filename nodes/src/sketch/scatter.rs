@@ -26,6 +26,8 @@ const MOST: usize = 1000;
 /// The most steps of the stroke that are looked at, and the most places in all, beside it too.
 const MOST_STEPS: f32 = 2000.0;
 const MOST_PLACES: usize = 20_000;
+/// What lies a head unit from a root moves by no more than this (cm) where the root is kept and read again.
+const ROUNDING: f32 = 3e-6;
 /// Places nearer than this (pixels) are the same.
 const LEAST: f32 = 2.0;
 
@@ -122,12 +124,21 @@ fn settled(scalp: &Scalp, mut root: Root) -> Option<Root> {
     for _ in 0..8 {
         let kept = scalp.frame().point_from_head(scalp.frame().head_from_point(root.point));
         let again = scalp.closest_root(kept)?;
-        if again == root {
+        if again == root || alike(scalp, &root, &again) {
             return Some(root);
         }
         root = again;
     }
     None
+}
+
+/// Whether what stands at two roots is the same but for rounding.
+fn alike(scalp: &Scalp, a: &Root, b: &Root) -> bool {
+    let ends = |root: &Root| {
+        let own = RootFrame::at(scalp, root);
+        [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|axis| own.world(axis))
+    };
+    ends(a).iter().zip(ends(b)).all(|(a, b)| a.distance(b) < ROUNDING)
 }
 
 /// Places along the stroke, and then beside it row by row, where a copy has room.

@@ -1,0 +1,39 @@
+//! Point: one CV goes along with the pen, and no other moves; beyond the paper, for the last touch.
+//!
+//! Guarantees: roots, pins and what lies before a pin stay; the CV keeps its depth in the picture, but ends over the skin. Lengths are
+//! not kept: the point is where the pen put it.
+
+use super::hand::{Hand, Sketch};
+use super::relax::CLEARANCE;
+
+pub(super) fn point(hand: &Hand, sketch: &mut Sketch) {
+    let nearest = |hand: &Hand, sketch: &Sketch| -> Vec<usize> {
+        let seen = |i: usize| {
+            let lock = &sketch.locks[i];
+            let (k, off) = hand.nearest_cv(lock).filter(|(_, off)| *off <= hand.set.rho)?;
+            hand.seen.sees(hand.scalp, lock.points[k]).then_some((i, off))
+        };
+        let all = (0..sketch.locks.len()).filter_map(seen);
+        all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i).into_iter().collect()
+    };
+    let taken = hand.takes(sketch, nearest, "no point of a curve is here: begin on one");
+    let line = hand.line();
+    let way = line[line.len() - 1] - line[0];
+    for i in taken {
+        let mut lock = (*sketch.locks[i]).clone();
+        let Some((k, _)) = hand.nearest_cv(&lock) else { continue };
+        let held = lock.held();
+        if held > 0 && k <= held {
+            sketch.say("a pin holds this point: tap the pin to free it");
+            continue;
+        }
+        let p = lock.points[k];
+        let Some(at) = hand.seen.pixel(p) else { continue };
+        let height = hand.skin.distance(p).min(CLEARANCE);
+        let to = hand.seen.at(at + way, hand.seen.depth(p));
+        lock.points[k] = hand.skin.lift_exactly(to, height).0;
+        if lock.points[k] != p {
+            sketch.locks[i] = lock.done();
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! Re-draw: from where the stroke begins on a curve, the curve follows the stroke to its end; beyond the paper.
+//!
+//! It goes as deep as curves about it do, as an implant would. Guarantees: what lies before that place stays, and so do pins: a curve
+//! is re-drawn behind its last one. Its values (radius, twist and all it carried) keep their places from there to the tip. What was
+//! drawn is kept in a frame at that place, which is found on each head where the stroke begins.
+
+use super::grow::{clear, even, onward, stroke, turned};
+use super::hand::{Hand, Sketch, off_line};
+use super::lock::Lock;
+use super::relax::{CLEARANCE, Rest};
+use super::seen::Seen;
+use crate::data::gestures::{Gesture, RootFrame};
+use crate::data::scalp::{Scalp, Skin};
+use glam::{Vec2, Vec3};
+
+/// A place nearer to a CV than this part of a segment is that CV.
+const AT_CV: f32 = 0.1;
+
+pub(super) fn redraw(hand: &Hand, sketch: &mut Sketch) {
+    let nearest = |hand: &Hand, sketch: &Sketch| -> Vec<usize> {
+        let seen = |i: usize| {
+            let lock = &sketch.locks[i];
+            let (place, off) = place(&hand.seen, &lock.points, hand.start())?;
+            let p = at(&lock.points, place);
+            (off <= hand.set.rho && hand.seen.sees(hand.scalp, p)).then_some((i, off))
+        };
+        let curves = (0..sketch.locks.len()).filter(|i| sketch.locks[*i].is_curve());
+        let all = curves.filter_map(seen);
+        all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i).into_iter().collect()
+    };
+    let taken = hand.takes(sketch, nearest, "no curve is here: begin on the one to draw anew");
+    for i in taken {
+        let mut lock = (*sketch.locks[i]).clone();
+        let Some(begin) = begin(&hand.seen, &lock.points, hand.start(), &hand.skin) else {
+            continue;
+        };
+        let held = lock.held();
+        if begin.place < held as f32 {
+            sketch.say("a pin holds the curve here: begin behind its last pin");
+            continue;
+        }
+        if let Some(points) = redrawn(hand, sketch, &lock, &begin) {
+            let (first, last) = (begin.kept.len() - 1, lock.points.len() - 1);
+            let more = (points.len() - 1 - first).max(1) as f32;
+            let along = |k: usize| match k < first {
+                true => k as f32,
+                false => begin.place + (last as f32 - begin.place) * (k - first) as f32 / more,
+            };
+            let places: Vec<f32> = (0..points.len()).map(along).collect();
+            lock.set_points(points, &places);
+            sketch.locks[i] = lock.done();
+        }
+    }
+}
+
+/// The CVs that a stroke gives a curve; none where it has no length.
+fn redrawn(hand: &Hand, sketch: &mut Sketch, lock: &Lock, begin: &Begin) -> Option<Vec<Vec3>> {
+    let (mut points, first) = (begin.kept.clone(), begin.kept.len() - 1);
+    let from = points[first];
+    match hand.gesture.path.is_empty() {
+        true => {
+            let more = even(hand, from, stroke(hand, sketch, &hand.line(), from, lock.id));
+            if more.len() < 2 || more.last().is_some_and(|end| end.distance(from) < 1e-3) {
+                sketch.say("it has no length: draw on from the curve");
+                return None;
+            }
+            points.extend(&more[1..]);
+            let lengths = points.windows(2).map(|w| w[0].distance(w[1])).collect();
+            Rest::new(lengths, first).relax(&mut points, &hand.skin);
+        }
+        false => {
+            let own = begin.frame(hand.scalp)?;
+            points.extend(hand.gesture.path.iter().map(|p| own.world(*p)));
+            let drawn = points[first..].to_vec();
+            clear(hand, &mut points, first);
+            let more = turned(&drawn, &points[first..]);
+            sketch.now.turned = Some(sketch.now.turned.map_or(more, |most| most.max(more)));
+        }
+    }
+    Some(points)
+}
+
+/// Where a curve is drawn anew.
+struct Begin {
+    /// In CVs from the root.
+    place: f32,
+    /// The CVs that stay, the last one at that place.
+    kept: Vec<Vec3>,
+}
+
+impl Begin {
+    /// The frame in which what goes on from there is kept.
+    fn frame(&self, scalp: &Scalp) -> Option<RootFrame> {
+        match self.kept[..] {
+            [root] => Some(RootFrame::at(scalp, &scalp.closest_root(root)?)),
+            _ => Some(onward(scalp.frame(), &self.kept)),
+        }
+    }
+}
+
+/// Where a stroke from `start` begins on a curve.
+fn begin(seen: &Seen, points: &[Vec3], start: Vec2, skin: &Skin) -> Option<Begin> {
+    let (mut place, _) = place(seen, points, start)?;
+    if (place - place.round()).abs() <= AT_CV {
+        place = place.round();
+    }
+    // (From the very tip on it would be a lengthening.)
+    let mut kept = points[..=place as usize].to_vec();
+    if place.fract() > 0.0 {
+        kept.push(skin.lift_exactly(at(points, place), CLEARANCE).0);
+    }
+    Some(Begin { place, kept })
+}
+
+/// The place of a curve (in CVs) that is drawn nearest to a pixel, and how far off it is, pixels; none where all is behind the eye.
+fn place(seen: &Seen, points: &[Vec3], to: Vec2) -> Option<(f32, f32)> {
+    let mut best: Option<(f32, f32)> = None;
+    for (k, pair) in points.windows(2).enumerate() {
+        let (Some(a), Some(b)) = (seen.pixel(pair[0]), seen.pixel(pair[1])) else { continue };
+        let off = off_line(&[a, b], to);
+        if best.is_none_or(|(_, least)| off < least) {
+            let along = b - a;
+            let t = (to - a).dot(along) / along.length_squared().max(1e-12);
+            best = Some((k as f32 + t.clamp(0.0, 1.0), off));
+        }
+    }
+    best
+}
+
+/// A place of a curve.
+fn at(points: &[Vec3], place: f32) -> Vec3 {
+    let k = (place as usize).min(points.len() - 2);
+    points[k].lerp(points[k + 1], place - k as f32)
+}
+
+/// What a re-drawn curve keeps of the stroke: its new CVs, in the frame of the place where it begins.
+pub(super) fn kept(
+    gesture: &Gesture,
+    scalp: &Scalp,
+    before: &[Vec3],
+    after: &[Vec3],
+) -> Option<Vec<Vec3>> {
+    let seen = Seen::new(&gesture.view, scalp.frame());
+    let begin = begin(&seen, before, gesture.samples[0].at, &scalp.skin())?;
+    let own = begin.frame(scalp)?;
+    Some(after.get(begin.kept.len()..)?.iter().map(|p| own.local(*p)).collect())
+}
