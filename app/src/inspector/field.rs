@@ -47,7 +47,7 @@ fn source(field: &Field) -> usize {
         Field::Ramp(_) => 1,
         Field::Attribute(_) => 2,
         // (What is painted comes by wire alone.)
-        Field::Mask(_) | Field::Painted(_) => 3,
+        Field::Mask(_) | Field::Painted(_) | Field::Texture(_) => 3,
         Field::Product(_) => 4,
     }
 }
@@ -149,7 +149,7 @@ impl FieldEditor<'_> {
                 let new = self.name_field(ui, "mask", name, &self.known.masks, width)?;
                 Some((Field::Mask(new), How::Once))
             }
-            Field::Painted(_) => None,
+            Field::Painted(_) | Field::Texture(_) => None,
             Field::Product(parts) => self.product(ui, parts, width, depth),
         }
     }

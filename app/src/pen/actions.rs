@@ -69,10 +69,15 @@ fn sized(editor: &mut Editor, by: f32) {
     });
 }
 
-/// Takes up a tool on strokes, or on hair or a mask the one of the same name.
+/// Takes up a tool on strokes, or on hair or a mask the one of the same name. Where hair was sketched and no stroke was drawn it is
+/// hair that is meant.
 fn same_on_hair(editor: &mut Editor, strokes: PenTool, hair: Tool) {
+    let state = &editor.state;
+    let sketched = target::of(state).is_none() && super::hair::target::of(state).is_some();
     editor.pen.tool = match editor.pen.tool {
+        PenTool::Mask(_) if matches!(hair, Tool::Point | Tool::Redraw) => strokes,
         PenTool::Hair(_) => PenTool::Hair(Some(hair)),
+        PenTool::Select | PenTool::Draw if sketched => PenTool::Hair(Some(hair)),
         PenTool::Mask(mode) => PenTool::Mask(match hair {
             Tool::Cut => Mode::Erase,
             Tool::Smooth => Mode::Smooth,
@@ -98,16 +103,30 @@ pub(crate) const ACTIONS: &[Action] = &[
         "Draw on the scalp, or in space where the node says so. Makes a stroke input where there is none.",
         "pencil sketch row guide line brush"
     ),
+    Action {
+        id: "pen.hairline",
+        label: "Hairline",
+        tip: "Draw one closed stroke on the head: hair grows inside it, on the crown's side, with the soft edge that the head says. Again: done.",
+        words: "region outline scalp grow closed where",
+        menu: "Pen",
+        when: a_head,
+        run: |editor| {
+            let head = target::head(&editor.state.document);
+            let off = head.is_some() && editor.state.pinned == head;
+            editor.pen.tool = if off { PenTool::Select } else { PenTool::Draw };
+            editor.apply(Event::Pin(head.filter(|_| !off)));
+        },
+    },
     tool!(
         "pen.points",
-        Points,
+        Points or Point,
         "Edit points",
         "Click, box or (with Ctrl) lasso points of strokes, and drag them. Double click a line to add a point.",
         "cv cvs vertex move handles control"
     ),
     tool!(
         "pen.redraw",
-        Redraw,
+        Redraw or Redraw,
         "Re-draw a part",
         "Draw a part of a stroke anew, from where you begin beside it to where you end.",
         "redraw correct fix overdraw"

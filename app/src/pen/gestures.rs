@@ -13,10 +13,11 @@ use super::{Pen, PenTool, Picked, Scene};
 use crate::editor::event::Event;
 use crate::editor::notes::Note;
 use crate::editor::state::Select;
-use coif_graphs::document::NodeId;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::strokes::{cvs, whole};
+use coif_graphs::document::{NodeId, Setting};
 use coif_nodes::data::strokes::Stroke;
+use coif_nodes::define::Value;
 use egui::{Pos2, Rect};
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -25,6 +26,10 @@ use std::collections::{BTreeMap, BTreeSet};
 const CLICK: f32 = 4.0;
 /// How far from a stroke the line that re-draws a part of it may begin and end, head units.
 const REDRAW: f32 = 2.0;
+
+/// The input of a head that says where hair grows, and its word for the hairline that is drawn.
+const REGION: &str = "region";
+const HAIRLINE: &str = "hairline";
 
 /// What a touch does.
 pub(super) enum Work {
@@ -406,8 +411,20 @@ impl Gesture {
         }
         self.flush(scene);
         if self.begun {
+            scene.out.extend(self.grows_inside(scene).map(Event::Edit));
             scene.out.push(Event::End);
         }
+    }
+
+    /// A head takes its region from the hairline that is drawn on it.
+    fn grows_inside(&self, scene: &Scene) -> Option<Edit> {
+        let (document, node) = (&scene.state.document, &self.node);
+        let on_head = document.node(node.as_str()).is_some_and(|held| held.kind == target::HEAD);
+        let drawn = on_head && matches!(self.work, Work::Draw(_));
+        let other = target::choice(document, node, REGION).is_none_or(|word| word != HAIRLINE);
+        let setting = Setting::Known(Value::Text(HAIRLINE.into()));
+        let input = REGION.to_owned();
+        (drawn && other).then(|| Edit::SetInput { node: node.clone(), input, setting })
     }
 
     /// The touch never was.

@@ -83,6 +83,8 @@ pub(crate) const HAIR_TOOLS: &[(Option<Tool>, &str, &str)] = &[
     (Some(Tool::Puff), "Puff", "hair.puff"),
     (Some(Tool::Grab), "Grab", "hair.grab"),
     (Some(Tool::Straighten), "Straighten", "hair.straighten"),
+    (Some(Tool::Point), "Points", "hair.point"),
+    (Some(Tool::Redraw), "Re-draw", "hair.redraw"),
     (Some(Tool::Scatter), "Scatter", "hair.scatter"),
     (Some(Tool::Silhouette), "Silhouette", "hair.silhouette"),
 ];
@@ -205,6 +207,8 @@ pub struct Holds {
     pub wheel: bool,
     /// A pen is near, so that buttons beside the first are its barrel's.
     pub near: bool,
+    /// It works on the skin: hair is to be seen through.
+    pub skin: bool,
 }
 
 /// What a gesture reads.
@@ -242,12 +246,19 @@ impl Pen {
             pointer: self.is_drawing() || (self.tool != PenTool::Select && !turns_view(ctx)),
             wheel: self.is_drawing(),
             near: self.devices.is_near(),
+            skin: self.is_on_skin(),
         }
     }
 
     /// Whether a touch is under way.
     pub fn is_drawing(&self) -> bool {
         self.gesture.is_some() || self.hair.is_drawing() || self.mask.is_drawing()
+    }
+
+    /// Whether the pen, on the picture or over it, will reach the skin under hair.
+    fn is_on_skin(&self) -> bool {
+        let PenTool::Hair(tool) = self.tool else { return false };
+        self.hair.reaches_skin(tool).unwrap_or(false) && (self.is_drawing() || self.hover.is_some())
     }
 
     /// Outputs that it must see besides what is displayed.

@@ -25,6 +25,8 @@ impl Pen {
                 "Tools that draw and change strokes, which become rows and guides.",
             );
             self.tools(&tools[1..], ui, out);
+            let head = state.pinned.is_some() && state.pinned == target::head(&state.document);
+            act(ui, head, "pen.hairline", out);
             ui.separator();
             let menu = ui.menu_button("Recipes", |ui| {
                 for recipe in &recipes::ALL {
@@ -56,6 +58,7 @@ impl Pen {
             if let PenTool::Hair(tool) = self.tool {
                 ui.separator();
                 self.hair_settings(tool, &mut settings, ui);
+                act(ui, settings.strands, "hair.strands", out);
                 act(ui, settings.symmetry, "pen.symmetry", out);
             } else if on_strokes {
                 ui.separator();
@@ -240,6 +243,10 @@ impl Pen {
                     }
                 }
                 ui.separator();
+                ui.checkbox(&mut settings.level_by_mean, "Level by the first 2 pixels")
+                    .on_hover_text(
+                        "How deep a touch on hair reaches is told by the mean pressure of its first 2 pixels, instead of the highest of its first 80 ms or 12 pixels.",
+                    );
                 ui.checkbox(&mut settings.fingers_draw, "Fingers draw")
                     .on_hover_text("A finger works as a pen does, unless a pen is near.");
                 ui.label("Last touch");

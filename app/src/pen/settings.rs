@@ -29,6 +29,12 @@ pub struct Settings {
     pub hair_brush: f32,
     /// Colour of clusters that are implanted, sRGB; none: that of the hair downstream.
     pub hair_colour: Option<[u8; 3]>,
+    /// Whether the level of a touch on hair is told by the mean pressure of its first 2 pixels, as in the paper, instead of the
+    /// highest of its beginning.
+    pub level_by_mean: bool,
+    /// Whether the pen works on single strands instead of what they grow from. Not kept.
+    #[serde(skip)]
+    pub strands: bool,
 }
 
 impl Default for Settings {
@@ -44,6 +50,8 @@ impl Default for Settings {
             along: Along::Scalp,
             hair_brush: 3.0,
             hair_colour: None,
+            level_by_mean: false,
+            strands: false,
         }
     }
 }

@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// The kind of node that drawing makes.
 pub(crate) const KIND: &str = "stroke_input";
 /// The kind that strokes are drawn on.
-const HEAD: &str = "head";
+pub(crate) const HEAD: &str = "head";
 /// Free space between nodes that are placed here, in units of the canvas.
 const STEP: Point = Point(260.0, 140.0);
 

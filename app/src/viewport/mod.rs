@@ -31,8 +31,8 @@ use crate::pen::Holds;
 use crate::scene::Show;
 use coif_graphs::document::Socket;
 use coif_nodes::data::curves::Curves;
-use coif_shaders::Camera;
 use coif_shaders::camera::PORTRAIT_FOCAL;
+use coif_shaders::{Camera, Look};
 use drawing::{Drawing, Drawn, HairHit, Picked, Wanted};
 use egui::{PointerButton, Pos2, Rect, Sense, TextureHandle, TextureOptions, Vec2};
 use glam::Vec3;
@@ -50,6 +50,8 @@ use std::time::Instant;
 /// Longest side and number of pixels of a picture: larger windows are drawn a little softer.
 const LONGEST: f32 = 4096.0;
 const MOST_PIXELS: f32 = 6.0e6;
+/// Coverage of hair while the pen works on the skin under it.
+const SEE_THROUGH: f32 = 0.2;
 /// After a step of the view it still counts as moving, seconds.
 const CALM: f64 = 0.25;
 /// The pointer is taken to be where it was asked about within so many points.
@@ -289,6 +291,8 @@ impl Viewport {
         let show = self.options.shown();
         let followed = self.followed(state, shown);
         let moving = state.drags_hair() || self.drag.is_some() || self.moves_until.is_some();
+        let through = if self.pen.skin { SEE_THROUGH } else { 1.0 };
+        let look = self.options.look();
         let wanted = Wanted {
             revision: shown.revision,
             hair: shown.curves.clone(),
@@ -302,7 +306,7 @@ impl Viewport {
             rig: self.options.rig(),
             exposure: self.options.exposure,
             transform: self.options.transform(),
-            look: self.options.look(),
+            look: Look { opacity: look.opacity * through, ..look },
             camera: self.camera,
             size: pixels(self.rect.size(), ui.ctx().pixels_per_point()),
             samples: state.settings.samples.clamp(1, 1024),

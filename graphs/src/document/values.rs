@@ -32,8 +32,8 @@ pub fn fit(ty: Type, value: Value) -> Result<Value, String> {
         (Type::Field, Value::Ramp(ramp)) => Value::Field(Arc::new(Field::Ramp((*ramp).clone()))),
         (Type::Field, Value::Field(field)) => match *field {
             Field::Constant(x) => Value::Float(x),
-            _ if field.is_painted() => {
-                return Err("painted masks come by wire: connect a node".to_owned());
+            _ if field.is_wired() => {
+                return Err("painted masks and textures come by wire: connect a node".to_owned());
             }
             _ if depth(&field) > DEEPEST_FIELD => {
                 return Err(format!("products are nested deeper than {DEEPEST_FIELD}"));

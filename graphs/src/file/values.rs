@@ -359,7 +359,7 @@ fn write_field(out: &mut String, field: &Field) {
             out.push(')');
         }
         // Never in a document: it comes by wire.
-        Field::Painted(_) => out.push_str("0.0"),
+        Field::Painted(_) | Field::Texture(_) => out.push_str("0.0"),
         Field::Product(parts) => {
             out.push_str("Product(");
             write_list(out, parts, None, write_field);

@@ -1,11 +1,13 @@
-//! A number that may vary over the hair: constant, ramp, attribute, mask, painted mask, or a product of these.
+//! A number that may vary over the hair: constant, ramp, attribute, mask, painted mask, texture, or a product of these.
 
 use super::attributes::{ALONG, Declared, ROOT_BARY, ROOT_TRIANGLE};
 use super::curves::{Tuft, View};
 use super::painted::Painted;
 use super::ramp::Ramp;
-use super::scalp::Scalp;
+use super::scalp::{Root, Scalp};
+use super::texture::Texture;
 use crate::maths::hash::KeyBuilder;
+use glam::Vec2;
 use std::sync::Arc;
 
 /// Where a field's number comes from.
@@ -21,6 +23,8 @@ pub enum Field {
     Mask(String),
     /// What is painted on the head, under the curve's root. Comes by wire alone.
     Painted(Arc<Painted>),
+    /// A picture on the head, under the curve's root. Comes by wire alone.
+    Texture(Arc<Texture>),
     /// All of them multiplied.
     Product(Vec<Field>),
 }
@@ -114,20 +118,22 @@ impl Field {
             Field::Painted(painted) => {
                 let own = painted.scalp();
                 let base = painted.base().on(tuft, Some(own), (0.0, 1.0))?;
-                let (triangle, bary) = (tuft.view(ROOT_TRIANGLE), tuft.view(ROOT_BARY));
-                // Roots are told by triangles of the head that the curves grow on.
-                let known = match scalp {
-                    Some(scalp) if scalp.whole() != own.whole() => 0,
-                    _ => own.surface().triangles.len(),
-                };
+                let places = Places::of(tuft, own, scalp);
                 let value = |i: usize| {
-                    let root = tuft.offsets()[i] as usize;
-                    let at = u32::try_from(triangle.at(i, root)).ok();
-                    let base = base.at(i, root, 0.0);
-                    Some(match at.filter(|at| (*at as usize) < known) {
-                        Some(at) => painted.on_triangle(at, bary.at(i, root), base),
-                        None => painted.at(&own.closest_root(*tuft.curve(i).first()?)?, base),
+                    let base = base.at(i, tuft.offsets()[i] as usize, 0.0);
+                    Some(match places.known(i) {
+                        Some((at, bary)) => painted.on_triangle(at, bary, base),
+                        None => painted.at(&places.nearest(i)?, base),
                     })
+                };
+                Part::Roots((0..tuft.len()).map(|i| value(i).unwrap_or(0.0)).collect())
+            }
+            Field::Texture(texture) => {
+                let own = texture.scalp();
+                let places = Places::of(tuft, own, scalp);
+                let value = |i: usize| {
+                    let known = places.known(i).map(|(at, bary)| own.root(at, bary));
+                    Some(texture.at(&known.or_else(|| places.nearest(i))?))
                 };
                 Part::Roots((0..tuft.len()).map(|i| value(i).unwrap_or(0.0)).collect())
             }
@@ -143,15 +149,15 @@ impl Field {
             Field::Mask(_) => true,
             Field::Painted(painted) => painted.reads_sections(),
             Field::Product(parts) => parts.iter().any(Field::has_mask),
-            Field::Constant(_) | Field::Ramp(_) | Field::Attribute(_) => false,
+            Field::Constant(_) | Field::Ramp(_) | Field::Attribute(_) | Field::Texture(_) => false,
         }
     }
 
-    /// Whether something painted is part of it.
-    pub fn is_painted(&self) -> bool {
+    /// Whether something that comes by wire alone is part of it: what is painted, or a texture.
+    pub fn is_wired(&self) -> bool {
         match self {
-            Field::Painted(_) => true,
-            Field::Product(parts) => parts.iter().any(Field::is_painted),
+            Field::Painted(_) | Field::Texture(_) => true,
+            Field::Product(parts) => parts.iter().any(Field::is_wired),
             _ => false,
         }
     }
@@ -160,6 +166,7 @@ impl Field {
     pub fn bytes(&self) -> usize {
         match self {
             Field::Painted(painted) => painted.bytes(),
+            Field::Texture(texture) => texture.bytes(),
             Field::Product(parts) => parts.iter().map(Field::bytes).sum(),
             _ => 64,
         }
@@ -173,6 +180,7 @@ impl Field {
             Field::Attribute(name) => key.text("attribute").text(name),
             Field::Mask(name) => key.text("mask").text(name),
             Field::Painted(painted) => key.text("painted").key(painted.key()),
+            Field::Texture(texture) => key.text("texture").key(texture.key()),
             Field::Product(parts) => parts
                 .iter()
                 .fold(key.text("product").int(parts.len() as u64), |key, part| part.add_to(key)),
@@ -194,6 +202,39 @@ fn declared_number(name: &str) -> Option<f32> {
     let numbers: [Declared<f32>; 8] =
         [a::RADIUS, a::WIDTH, a::ROLL, a::FRIZZ, a::DENSITY, a::ALLOW_DEPTH, a::PHASE, a::FIBRE];
     numbers.iter().find(|d| d.name == name).map(|d| d.default)
+}
+
+/// Where the roots of a tuft's curves are on a head.
+struct Places<'a> {
+    tuft: &'a Tuft,
+    own: &'a Scalp,
+    triangle: View<'a, i32>,
+    bary: View<'a, Vec2>,
+    /// How many triangles of the head roots may be told by.
+    known: usize,
+}
+
+impl<'a> Places<'a> {
+    /// Of the head that something lies on, for curves that grow on `scalp`.
+    fn of(tuft: &'a Tuft, own: &'a Scalp, scalp: Option<&Scalp>) -> Self {
+        // Roots are told by triangles of the head that the curves grow on.
+        let known = match scalp {
+            Some(scalp) if scalp.whole() != own.whole() => 0,
+            _ => own.surface().triangles.len(),
+        };
+        let (triangle, bary) = (tuft.view(ROOT_TRIANGLE), tuft.view(ROOT_BARY));
+        Self { tuft, own, triangle, bary, known }
+    }
+    /// The root of a curve as it says itself.
+    fn known(&self, i: usize) -> Option<(u32, Vec2)> {
+        let root = self.tuft.offsets()[i] as usize;
+        let at = u32::try_from(self.triangle.at(i, root)).ok()?;
+        ((at as usize) < self.known).then(|| (at, self.bary.at(i, root)))
+    }
+    /// The place nearest to it.
+    fn nearest(&self, i: usize) -> Option<Root> {
+        self.own.closest_root(*self.tuft.curve(i).first()?)
+    }
 }
 
 /// A field bound to the curves of one tuft.

@@ -21,4 +21,5 @@ pub mod shapes;
 mod skin;
 pub(crate) mod spread;
 pub mod strokes;
+pub mod texture;
 mod way_round;

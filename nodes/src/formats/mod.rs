@@ -10,6 +10,7 @@ pub mod hair;
 mod mend;
 pub mod mesh_in;
 pub mod obj;
+pub mod picture_in;
 pub mod usd;
 
 pub use chunks::Chunks;

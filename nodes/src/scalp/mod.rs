@@ -17,7 +17,9 @@ mod posed_heads;
 pub(crate) mod region;
 mod scalp_projection;
 mod sketch;
+mod texture_mask;
 
 use crate::define::NodeDef;
 
-pub(crate) const NODES: &[&NodeDef] = &[&head::NODE, &paint_mask::NODE, &scalp_projection::NODE];
+pub(crate) const NODES: &[&NodeDef] =
+    &[&head::NODE, &paint_mask::NODE, &scalp_projection::NODE, &texture_mask::NODE];

@@ -27,7 +27,7 @@ node! {
         strokes: Arc<Strokes> = Strokes::default(), words("pen dabs brush painted");
         /// The head. Strokes that keep to a section need the parted one.
         scalp: Arc<Scalp>;
-        /// What the mask is before the first stroke: a number, a mask of the head, or another painted mask.
+        /// What the mask is before the first stroke: a number, a mask of the head, a texture mask, or another painted mask.
         base: FieldInput = 0.0, hard(0.0, 1.0), unit(Ratio), words("start texture fill background vertex colour");
         /// The share of the brush over which a dab fades: 0 is a hard edge, 1 fades from the middle on.
         softness: f32 = 1.0, hard(0.0, 1.0), unit(Ratio), words("hardness falloff feather blur");
@@ -75,7 +75,7 @@ fn reads_hair(field: &Field) -> bool {
     match field {
         Field::Attribute(_) | Field::Ramp(_) => true,
         Field::Product(parts) => parts.iter().any(reads_hair),
-        Field::Constant(_) | Field::Mask(_) | Field::Painted(_) => false,
+        Field::Constant(_) | Field::Mask(_) | Field::Painted(_) | Field::Texture(_) => false,
     }
 }
 

@@ -14,7 +14,7 @@ use super::lock::Lock;
 use super::seen::{Seen, steps};
 use crate::data::gestures::{Gesture, RootFrame};
 use crate::data::scalp::{Root, Scalp};
-use crate::maths::frame::smallest_rotation;
+use crate::maths::frame::{any_normal, smallest_rotation};
 use crate::maths::hash::curve_id;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
@@ -26,8 +26,9 @@ const MOST: usize = 1000;
 /// The most steps of the stroke that are looked at, and the most places in all, beside it too.
 const MOST_STEPS: f32 = 2000.0;
 const MOST_PLACES: usize = 20_000;
-/// What lies a head unit from a root moves by no more than this (cm) where the root is kept and read again.
-const ROUNDING: f32 = 3e-6;
+/// How far beside a place (cm) another is tried where a root does not keep, and how often.
+const BESIDE: f32 = 5e-4;
+const TRIES: usize = 24;
 /// Places nearer than this (pixels) are the same.
 const LEAST: f32 = 2.0;
 
@@ -118,27 +119,25 @@ fn kept(hand: &Hand) -> Vec<(Root, f32)> {
     hand.gesture.path.iter().take(MOST + 1).filter_map(root).collect()
 }
 
-/// A root that a document leads back to, near this one: what it keeps of it is rounded, and among folds of the skin the least
-/// rounding may turn the frame of a root. None where none was found.
-fn settled(scalp: &Scalp, mut root: Root) -> Option<Root> {
-    for _ in 0..8 {
-        let kept = scalp.frame().point_from_head(scalp.frame().head_from_point(root.point));
-        let again = scalp.closest_root(kept)?;
-        if again == root || alike(scalp, &root, &again) {
-            return Some(root);
+/// A root that a document leads back to, at this one or a hair's breadth beside it: what it keeps of it is rounded, and among folds
+/// of the skin the least rounding may turn what stands there. None where none was found.
+fn settled(scalp: &Scalp, root: Root) -> Option<Root> {
+    let aside = any_normal(root.normal) * BESIDE;
+    (0..TRIES).find_map(|k| {
+        let mut root = match k {
+            0 => root,
+            k => scalp.closest_root(root.point + aside * k as f32)?,
+        };
+        for _ in 0..4 {
+            let kept = scalp.frame().point_from_head(scalp.frame().head_from_point(root.point));
+            let again = scalp.closest_root(kept)?;
+            if again == root {
+                return Some(root);
+            }
+            root = again;
         }
-        root = again;
-    }
-    None
-}
-
-/// Whether what stands at two roots is the same but for rounding.
-fn alike(scalp: &Scalp, a: &Root, b: &Root) -> bool {
-    let ends = |root: &Root| {
-        let own = RootFrame::at(scalp, root);
-        [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|axis| own.world(axis))
-    };
-    ends(a).iter().zip(ends(b)).all(|(a, b)| a.distance(b) < ROUNDING)
+        None
+    })
 }
 
 /// Places along the stroke, and then beside it row by row, where a copy has room.

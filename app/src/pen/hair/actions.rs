@@ -3,6 +3,7 @@
 use super::super::PenTool;
 use crate::editor::Editor;
 use crate::editor::actions::{Action, always};
+use crate::editor::event::Event;
 use coif_nodes::data::gestures::{Layer, Tool};
 
 /// A tool on hair that is taken up.
@@ -139,6 +140,20 @@ pub(crate) const ACTIONS: &[Action] = &[
         "iron flat"
     ),
     hair!(
+        "hair.point",
+        Some(Tool::Point),
+        "Move points of hair",
+        "Takes the nearest point of a cluster and puts it where you like; no other point moves.",
+        "cv vertex handle tweak"
+    ),
+    hair!(
+        "hair.redraw",
+        Some(Tool::Redraw),
+        "Re-draw hair",
+        "Draw on from anywhere on a cluster: from there to its tip it follows the stroke.",
+        "redraw correct fix overdraw"
+    ),
+    hair!(
         "hair.scatter",
         Some(Tool::Scatter),
         "Scatter clusters",
@@ -152,6 +167,19 @@ pub(crate) const ACTIONS: &[Action] = &[
         "Draw an outline from the skin and back to it: a cluster grows along its middle, as wide as it.",
         "outline shape leaf lock taper wide"
     ),
+    Action {
+        id: "hair.strands",
+        label: "Strands",
+        tip: "Work on single strands instead of the clusters or guides that they grow from: a fine comb, for the last touch. Each strand keeps what was done to it.",
+        words: "fine comb hairs single flyaway detail",
+        menu: "Pen",
+        when: on_hair,
+        run: |editor| {
+            let mut settings = editor.state.settings.clone();
+            settings.pen.strands = !settings.pen.strands;
+            editor.apply(Event::Settings(settings.into()));
+        },
+    },
     level!(
         "hair.level_1",
         Nearest,

@@ -100,6 +100,9 @@ impl Pen {
             {
                 tint(&painter, scene, &curves, id);
             }
+            if tool == Some(Tool::Point) {
+                points(&painter, scene, &curves, input.sample.pos, rho);
+            }
             let radius =
                 target::number(&scene.state.document, target::of(scene.state).as_ref(), "radius")
                     * scene.scalp.frame().unit();
@@ -180,7 +183,9 @@ impl Hair {
     ) -> Option<Layer> {
         match (tool, self.level) {
             (Some(Tool::Implant | Tool::Silhouette | Tool::Scatter), _) => Some(Layer::Scalp),
-            (Some(Tool::Lengthen | Tool::Pin), _) => Some(Layer::Nearest),
+            (Some(Tool::Lengthen | Tool::Pin | Tool::Point | Tool::Redraw), _) => {
+                Some(Layer::Nearest)
+            }
             (None, None) if mouse => Some(super::level_of_mouse(ground, at, eraser)),
             (_, level) => level,
         }
@@ -310,6 +315,28 @@ fn paint_pins(painter: &Painter, scene: &Scene, curves: &Curves) {
                 hairpin(painter, at, if before { HOLD } else { HOLD.gamma_multiply(0.3) });
             }
         }
+    }
+}
+
+/// The points of the curve of which one is nearest to the pen, and that one, within a reach (points of the screen).
+fn points(painter: &Painter, scene: &Scene, curves: &Curves, pen: Pos2, reach: f32) {
+    let places = |(tuft, i): (&Tuft, usize)| -> Vec<Option<Pos2>> {
+        tuft.curve(i)[1..].iter().map(|p| scene.view.screen(*p)).collect()
+    };
+    let nearest = |places: &Vec<Option<Pos2>>| {
+        let off = |at: &Option<Pos2>| at.map_or(f32::MAX, |at| at.distance(pen));
+        places.iter().map(off).fold(f32::MAX, f32::min)
+    };
+    let all = curves.each().filter(|(tuft, i)| tuft.curve(*i).len() > 1).map(places);
+    let all = all.map(|places| (nearest(&places), places));
+    let Some((off, places)) = all.min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+    if off > reach {
+        return;
+    }
+    for at in places.into_iter().flatten() {
+        let own = at.distance(pen) <= off;
+        let colour = if own { STYLE } else { theme::TEXT };
+        painter.circle(at, if own { 5.0 } else { 3.0 }, colour, Stroke::new(1.0, EDGE));
     }
 }
 

@@ -85,6 +85,8 @@ struct Touch {
     guess: Guess,
     /// How deep it reaches, whatever the pressure is.
     fixed: Option<Layer>,
+    /// How the pressure tells it else.
+    rule: Rule,
     /// Id of the gesture, once it has one.
     id: u64,
     told: Option<Gesture>,
@@ -122,6 +124,16 @@ impl Hair {
     /// Whether a touch is under way or waits.
     pub(in super::super) fn is_busy(&self) -> bool {
         self.touch.is_some() || !self.waiting.is_empty()
+    }
+
+    /// Whether a touch reaches the skin, or would with this tool in hand; none where pressure will tell.
+    pub(super) fn reaches_skin(&self, tool: Option<Tool>) -> Option<bool> {
+        match (&self.touch, tool) {
+            (Some(touch), _) if !touch.samples.is_empty() => Some(touch.layer() == Layer::Scalp),
+            (_, Some(Tool::Implant | Tool::Silhouette | Tool::Scatter)) => Some(true),
+            (_, Some(Tool::Lengthen | Tool::Pin | Tool::Point | Tool::Redraw)) => Some(false),
+            _ => self.level.map(|level| level == Layer::Scalp),
+        }
     }
 
     /// A touch under way never was; one that was lifted stays as it is.
@@ -320,6 +332,10 @@ impl Hair {
             tap,
             guess: Guess::Unsure(""),
             fixed: None,
+            rule: match state.settings.pen.level_by_mean {
+                true => Rule::Mean,
+                false => Rule::Highest,
+            },
             id: 0,
             told: None,
             lifted: false,
@@ -356,6 +372,7 @@ impl Hair {
     fn settle(&mut self, mut touch: Touch, scene: &mut Scene, now: f64) {
         let Some(told) = touch.told.take() else { return };
         let document = &scene.state.document;
+        let strands = scene.state.settings.pen.strands;
         let shown =
             scene.state.shown.as_ref().filter(|shown| shown.revision == scene.state.revision);
         let value = |socket| shown.and_then(|shown| shown.curves_of(&socket));
@@ -381,7 +398,7 @@ impl Hair {
                 None => Event::Abort,
             });
             match touch.twin {
-                Some(first) => scene.out.push(Event::EndAs(done(told.tool, first))),
+                Some(first) => scene.out.push(Event::EndAs(done(told.tool, first, strands))),
                 None => {
                     let why = nothing_done(scene.state, &touch.node, told.id);
                     self.said = Some((touch.end(), now + TELLS, why));
@@ -409,7 +426,7 @@ impl Hair {
             }
             None => {
                 let all = touch.twin.unwrap_or_default() + changed;
-                scene.out.push(Event::EndAs(done(told.tool, all)));
+                scene.out.push(Event::EndAs(done(told.tool, all, strands)));
             }
         }
     }
@@ -421,7 +438,7 @@ fn may_begin((input, free): (Input, bool)) -> Option<Input> {
 }
 
 /// What a step is called.
-fn done(tool: Tool, curves: usize) -> String {
+fn done(tool: Tool, curves: usize, strands: bool) -> String {
     let verb = match tool {
         Tool::Implant => "implanted",
         Tool::Lengthen => "lengthened",
@@ -435,12 +452,15 @@ fn done(tool: Tool, curves: usize) -> String {
         Tool::Puff => "puffed",
         Tool::Grab => "moved",
         Tool::Straighten => "straightened",
+        Tool::Point => "moved a point of",
+        Tool::Redraw => "re-drew",
         Tool::Scatter => "scattered",
         Tool::Silhouette => "outlined",
     };
+    let of = if strands { "strand" } else { "cluster" };
     match curves {
-        1 => format!("{verb} a cluster"),
-        _ => format!("{verb} {curves} clusters"),
+        1 => format!("{verb} a {of}"),
+        _ => format!("{verb} {curves} {of}s"),
     }
 }
 
@@ -476,7 +496,9 @@ impl Touch {
     fn fixed_level(&self, level: Option<Layer>, at: Vec2, scene: &Scene) -> Option<Layer> {
         match (self.tool, level) {
             (Some(Tool::Implant | Tool::Silhouette | Tool::Scatter), _) => Some(Layer::Scalp),
-            (Some(Tool::Lengthen | Tool::Pin), _) => Some(Layer::Nearest),
+            (Some(Tool::Lengthen | Tool::Pin | Tool::Point | Tool::Redraw), _) => {
+                Some(Layer::Nearest)
+            }
             (None, None) if self.mouse => {
                 let rho = self.rho(scene.state);
                 let ground = Ground::new(&self.view, scene.scalp, &self.before, rho);
@@ -488,7 +510,7 @@ impl Touch {
 
     /// How deep it reaches.
     fn layer(&self) -> Layer {
-        self.fixed.unwrap_or_else(|| level(&self.samples, Rule::Highest))
+        self.fixed.unwrap_or_else(|| level(&self.samples, self.rule))
     }
 
     /// The next sample.

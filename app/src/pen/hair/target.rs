@@ -2,7 +2,8 @@
 //!
 //! The pinned or active *Hair sketch*, else the one nearest upstream of what is displayed. Where there is none, the first touch
 //! makes one: behind the guides or clusters that the displayed hair grows from, wired into all that took them, or on the bare
-//! head, with nodes that fill it with hair. It is part of the touch's undo step.
+//! head, with nodes that fill it with hair. It is part of the touch's undo step. While the pen works on single strands
+//! (`settings.pen.strands`) the sketch is one behind the hair itself, and a new one goes there.
 
 use super::super::target;
 use crate::editor::evaluation::first_output;
@@ -13,7 +14,7 @@ use coif_graphs::document::graph::upstream;
 use coif_graphs::document::{Document, NodeId, Setting, Socket};
 use coif_nodes::data::gestures::Gestures;
 use coif_nodes::define::{Type, Value};
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 
 /// The kind of node that holds gestures.
@@ -23,23 +24,46 @@ pub(crate) const GESTURES: &str = "gestures";
 const CURVES: &str = "curves";
 /// Displayed curves that grow from no others are edited themselves when there are no more of them than this.
 const MOST: usize = 5000;
+/// Strands are edited one by one when there are no more of them than this: each becomes a tuft of its own.
+const MOST_STRANDS: usize = 200_000;
 
-fn is_sketch(document: &Document, id: &NodeId) -> bool {
-    document.node(id.as_str()).is_some_and(|node| node.kind == KIND)
+/// Whether a node is a sketch of what the pen works on: of strands, or of what they grow from.
+struct Sketches<'a> {
+    document: &'a Document,
+    strands: bool,
+    /// What hair grows from, and all before it; empty where what is displayed grows from nothing.
+    below: BTreeSet<NodeId>,
+}
+
+impl<'a> Sketches<'a> {
+    fn of(state: &'a State, displayed: &[NodeId]) -> Self {
+        let document = &state.document;
+        let grown = feeders(document, displayed);
+        let below = upstream(document, grown.iter().map(|socket| &socket.node));
+        let below = below.into_iter().chain(grown.iter().map(|socket| socket.node.clone()));
+        Self { document, strands: state.settings.pen.strands, below: below.collect() }
+    }
+    fn has(&self, id: &NodeId) -> bool {
+        let is_sketch = self.document.node(id.as_str()).is_some_and(|node| node.kind == KIND);
+        let of_strands = !self.below.is_empty() && !self.below.contains(id);
+        is_sketch && (self.below.is_empty() || of_strands == self.strands)
+    }
 }
 
 /// The node that takes gestures; none where the first one will make it.
 pub(crate) fn of(state: &State) -> Option<NodeId> {
     let document = &state.document;
+    let displayed = displayed(state);
+    let sketches = Sketches::of(state, &displayed);
     let chosen = [state.pinned.as_ref(), state.active()];
-    let chosen = chosen.into_iter().flatten().find(|id| is_sketch(document, id));
+    let chosen = chosen.into_iter().flatten().find(|id| sketches.has(id));
     if let Some(chosen) = chosen {
         return Some(chosen.clone());
     }
-    let mut open: VecDeque<NodeId> = displayed(state).into();
-    let mut seen = std::collections::BTreeSet::new();
+    let mut open: VecDeque<NodeId> = displayed.into();
+    let mut seen = BTreeSet::new();
     while let Some(id) = open.pop_front() {
-        if is_sketch(document, &id) {
+        if sketches.has(&id) {
             return Some(id);
         }
         if seen.insert(id.clone()) {
@@ -79,10 +103,12 @@ pub(crate) fn sources(state: &State) -> Vec<Socket> {
         wires.any(|(to, from)| way.contains(&to.node) && from.contains(socket))
     };
     let grown: Vec<Socket> = feeders(document, &displayed).into_iter().filter(taken).collect();
-    if !grown.is_empty() {
+    let strands = state.settings.pen.strands;
+    if !grown.is_empty() && !strands {
         return grown;
     }
-    let few = state.shown.as_ref().is_none_or(|shown| shown.curves.curve_count() <= MOST);
+    let most = if strands { MOST_STRANDS } else { MOST };
+    let few = state.shown.as_ref().is_none_or(|shown| shown.curves.curve_count() <= most);
     let own = displayed.iter().filter_map(|id| {
         let ends = document.links.iter().filter(|(to, _)| to.node == *id);
         first_output(document, id).or_else(|| ends.flat_map(|(_, from)| from).next().cloned())
