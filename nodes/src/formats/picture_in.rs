@@ -1,9 +1,10 @@
-//! Pictures read as masks: one channel of a PNG, JPEG or TIFF file, 16 bits a pixel.
+//! Pictures read as masks: one channel of a PNG or TIFF file, 16 bits a pixel.
 //!
 //! Guarantees: numbers as they stand in the file, without colour spaces; a picture that asks for more than it may is refused before
-//! room for it is made. Read by the `image` crate, whose readers are the kept ones of each format.
+//! room for it is made. Read by the `image` crate, whose readers are the kept ones of each format. JPEG is refused: its standard leaves last bits to the
+//! reader, and readers to the machine.
 
-use image::{DynamicImage, ImageReader, Limits};
+use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 
 /// The widest and highest picture, pixels.
@@ -37,8 +38,13 @@ pub fn read_picture(bytes: &[u8], channel: Channel) -> Result<Grey, String> {
     let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|err| format!("it cannot be read: {err}"))?;
-    if reader.format().is_none() {
-        return Err("it is no picture: give a PNG, JPEG or TIFF file".to_owned());
+    match reader.format() {
+        Some(ImageFormat::Png | ImageFormat::Tiff) => {}
+        Some(ImageFormat::Jpeg) => {
+            let reason = "it is a JPEG, which no two programs read alike: save it as PNG or TIFF";
+            return Err(reason.to_owned());
+        }
+        _ => return Err("it is no picture that can be read: give a PNG or TIFF file".to_owned()),
     }
     let mut limits = Limits::default();
     limits.max_image_width = Some(WIDEST);
@@ -77,7 +83,7 @@ fn number(rgba: [u16; 4], channel: Channel) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use image::{ImageBuffer, ImageFormat, Rgba};
+    use image::{ImageBuffer, Rgba};
 
     fn png(pixels: Vec<u16>, width: u32) -> Vec<u8> {
         let height = pixels.len() as u32 / 4 / width;
@@ -109,6 +115,7 @@ mod tests {
         for (bytes, wanted) in [
             (&b""[..], "no picture"),
             (b"solid cube", "no picture"),
+            (b"\xff\xd8\xff\xe0\0\x10JFIF", "JPEG"),
             (&whole[..40], "cannot be read"),
             (&whole[..whole.len() / 2], "cannot be read"),
         ] {

@@ -14,9 +14,9 @@ use std::sync::Arc;
 node! {
     /// A picture as a mask: one channel of it, read on the head by its uvs. Wire it to any field, or to a painted mask as its base.
     "texture_mask", version 1, label "Texture mask",
-        words "texture map image picture png jpeg tiff uv paint weight density length mari substance ptex grey";
+        words "texture map image picture png tiff tif uv paint weight density length mari substance ptex grey";
     inputs {
-        /// A PNG, JPEG or TIFF file of 8 or 16 bits. No colour space is applied: a mask is data.
+        /// A PNG or TIFF file of 8 or 16 bits. No colour space is applied: a mask is data.
         file: Option<Arc<FileData>>, words("image picture map path");
         /// The head, with uvs.
         scalp: Arc<Scalp>;
@@ -49,7 +49,7 @@ choice! {
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let Some(file) = &inputs.file else {
-        return Err(NodeError::failed("no picture is given: set file to a PNG, JPEG or TIFF"));
+        return Err(NodeError::failed("no picture is given: set file to a PNG or TIFF"));
     };
     let refused = |reason: String| NodeError::Refused { file: file.path.clone(), reason };
     let Some(uvs) = inputs.scalp.uvs() else {

@@ -109,9 +109,12 @@ pub(crate) fn sources(state: &State) -> Vec<Socket> {
     }
     let most = if strands { MOST_STRANDS } else { MOST };
     let few = state.shown.as_ref().is_none_or(|shown| shown.curves.curve_count() <= most);
-    let own = displayed.iter().filter_map(|id| {
-        let ends = document.links.iter().filter(|(to, _)| to.node == *id);
-        first_output(document, id).or_else(|| ends.flat_map(|(_, from)| from).next().cloned())
+    let is_end =
+        |id: &NodeId| document.node(id.as_str()).is_some_and(|node| node.kind == "groom_output");
+    let own = displayed.iter().flat_map(|id| match first_output(document, id) {
+        Some(socket) if !is_end(id) => vec![socket],
+        // Behind an end nothing takes what it gives.
+        _ => document.wires(id, CURVES).to_vec(),
     });
     own.filter(|socket| few && output_type(document, socket) == Some(Type::Curves)).collect()
 }

@@ -1,11 +1,12 @@
 //! The pen on hair in the editor: samples in, gestures, hair and undo steps out.
 
+mod fine;
 mod styles;
 
 use super::super::sample::{Device, PenSample as Report, Phase, Tool as End};
 use super::super::tests::{Table, draw_on, head};
 use super::target;
-use coif_graphs::document::{Document, NodeId};
+use coif_graphs::document::{Document, NodeId, Socket};
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::result::content_hash;
