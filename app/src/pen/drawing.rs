@@ -16,6 +16,10 @@ use std::sync::Arc;
 
 /// A stroke that stays this near to the middle of the head, in head units, is drawn on it.
 pub(crate) const MIDLINE: f32 = 0.3;
+/// A stroke begins on the head or beside it, this near to it at most, points of the screen.
+const BESIDE: f32 = 40.0;
+/// How far over the skin a stroke in space glides, head units.
+const OVER: f32 = 0.1;
 /// The most samples of one stroke: four minutes at 1,000 a second. What comes after is not drawn.
 const MOST: usize = 240_000;
 
@@ -24,7 +28,7 @@ const MOST: usize = 240_000;
 pub(crate) enum Lie {
     /// On the scalp.
     Scalp,
-    /// In the plane of the view through the root, which is on the scalp.
+    /// In the plane of the view through the last point, the root on the scalp; before the head it glides over the skin.
     Space,
 }
 
@@ -47,7 +51,7 @@ pub(crate) struct Line {
     /// Whether strokes along the middle are put on it.
     snap: bool,
     began: f64,
-    /// The root, or the last point on the scalp.
+    /// The last point.
     last: Vec3,
     id: u64,
     samples: Vec<Sample>,
@@ -67,6 +71,10 @@ impl Line {
     ) -> Option<Self> {
         let middle = scalp.frame().origin;
         let root = on_scalp(scalp, view, sample.pos, middle)?;
+        let off = view.screen(root).map_or(f32::MAX, |at| at.distance(sample.pos));
+        if off > BESIDE {
+            return None;
+        }
         let mut line = Self {
             scalp: scalp.clone(),
             lie,
@@ -87,13 +95,28 @@ impl Line {
     pub(crate) fn add(&mut self, view: &Projection, sample: &PenSample) {
         let at = match self.lie {
             Lie::Scalp => on_scalp(&self.scalp, view, sample.pos, self.last),
-            Lie::Space => view.on_plane(sample.pos, self.last, view.axes()[2]),
+            Lie::Space => self.in_space(view, sample.pos),
         };
         let Some(at) = at.filter(|_| self.samples.len() < MOST) else { return };
-        if self.lie == Lie::Scalp {
-            self.last = at;
-        }
+        self.last = at;
         self.push(at, sample);
+    }
+
+    /// As deep as the last point, or over the skin where the head is before that: so it leaves the head at its outline, no deeper than
+    /// that is.
+    fn in_space(&self, view: &Projection, at: Pos2) -> Option<Vec3> {
+        let ahead = view.axes()[2];
+        let beside = view.on_plane(at, self.last, ahead)?;
+        let ray = view.ray(at);
+        let over = OVER * self.scalp.frame().unit();
+        let surface = self.scalp.surface();
+        let reach = (beside - ray.origin).dot(ray.direction) + over;
+        let met = surface.ray(ray.origin, ray.direction, reach);
+        Some(
+            met.map_or(beside, |hit| {
+                hit.point + surface.smooth_normal(hit.triangle, hit.bary) * over
+            }),
+        )
     }
 
     fn push(&mut self, at: Vec3, sample: &PenSample) {

@@ -11,7 +11,6 @@ use super::shapes::{Place, Shapes};
 use super::target::{self, Fresh};
 use super::{Pen, PenTool, Picked, Scene};
 use crate::editor::event::Event;
-use crate::editor::notes::Note;
 use crate::editor::state::Select;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::strokes::{cvs, whole};
@@ -70,14 +69,31 @@ pub(super) struct Gesture {
 }
 
 impl Pen {
-    /// What a touch begins; none when there is nothing to do there.
+    /// What a touch begins; none where it picks, and why where there is nothing that it could do.
     pub(super) fn begin(
         &mut self,
         input: &super::devices::Input,
         scene: &mut Scene,
+    ) -> Result<Option<Gesture>, &'static str> {
+        let eraser = input.sample.tool == Tool::Eraser;
+        let tool = if eraser { PenTool::Erase } else { self.tool };
+        if let Some(why) = no_strokes(tool).filter(|_| scene.strokes.0.is_empty()) {
+            return Err(why);
+        }
+        match (self.begun(tool, input, scene), tool) {
+            (None, PenTool::Draw) => Err("A stroke begins on the head: draw from the skin"),
+            (None, PenTool::Redraw) => Err("Begin beside the stroke to draw anew"),
+            (begun, _) => Ok(begun),
+        }
+    }
+
+    fn begun(
+        &mut self,
+        tool: PenTool,
+        input: &super::devices::Input,
+        scene: &mut Scene,
     ) -> Option<Gesture> {
         let sample = &input.sample;
-        let tool = if sample.tool == Tool::Eraser { PenTool::Erase } else { self.tool };
         let (node, document) = (scene.node.cloned(), &scene.state.document);
         let gesture = |words: &str, work: Work| {
             let node = node?;
@@ -153,13 +169,7 @@ impl Pen {
             Some(node) => (node.clone(), vec![]),
             None => {
                 let mirror = scene.state.settings.pen.symmetry;
-                let made = target::make(document, Fresh { free: self.free, mirror });
-                let Some(made) = made else {
-                    let note = "there is no head to draw on: add a head to the graph";
-                    scene.out.push(Event::Say(Note::warning(note)));
-                    return None;
-                };
-                made
+                target::make(document, Fresh { free: self.free, mirror })?
             }
         };
         let fresh = !make.is_empty();
@@ -427,6 +437,14 @@ impl Gesture {
         (drawn && other).then(|| Edit::SetInput { node: node.clone(), input, setting })
     }
 
+    /// Whether it has drawn a stroke that nobody would see.
+    pub(super) fn too_short(&self, scene: &Scene) -> bool {
+        let Work::Draw(line) = &self.work else { return false };
+        let places = || line.world().iter().filter_map(|p| scene.view.screen(*p));
+        let first = places().next();
+        first.is_some_and(|first| places().all(|at| at.distance(first) < CLICK))
+    }
+
     /// The touch never was.
     pub(super) fn abort(self, scene: &mut Scene) {
         if self.begun {
@@ -439,6 +457,18 @@ impl Gesture {
         self.begun
             && (!scene.state.gesture
                 || !scene.state.document.nodes.contains_key(self.node.as_str()))
+    }
+}
+
+/// What a tool says where no stroke is drawn yet; none of one that needs none.
+fn no_strokes(tool: PenTool) -> Option<&'static str> {
+    match tool {
+        PenTool::Points => Some("No stroke has points yet: draw one with P"),
+        PenTool::Redraw => Some("No stroke is there to draw anew: draw one with P"),
+        PenTool::Erase => Some("No stroke is there to erase: H, then K, cuts hair"),
+        PenTool::Comb => Some("No stroke is there to comb: H, then C, combs hair"),
+        PenTool::Smooth => Some("No stroke is there to smooth: H, then S, smooths hair"),
+        PenTool::Select | PenTool::Draw | PenTool::Hair(_) | PenTool::Mask(_) => None,
     }
 }
 

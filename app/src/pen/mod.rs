@@ -28,6 +28,7 @@ mod tests;
 mod x11;
 
 use crate::editor::event::Event;
+use crate::editor::notes::Note;
 use crate::editor::state::State;
 use crate::viewport::projection::Projection;
 use coif_graphs::document::{NodeId, Socket};
@@ -185,6 +186,8 @@ pub struct Pen {
     /// What it paints.
     pub(crate) mask: mask::Mask,
     gesture: Option<Gesture>,
+    /// What a touch on strokes had to say.
+    said: Option<Said>,
     /// What ended in this frame: it is painted until the document, in the next one, has it.
     ended: Option<Work>,
     hover: Option<Input>,
@@ -196,6 +199,23 @@ pub struct Pen {
     followed: BTreeSet<u64>,
     /// Pressure of the last touch, for the test strip.
     strip: Vec<f32>,
+}
+
+/// How long the pen's place tells why a touch did nothing, seconds.
+const TELLS: f64 = 4.0;
+
+/// Why a touch did nothing, where it ended, and until when that is told.
+#[derive(Clone, Debug)]
+struct Said {
+    at: Pos2,
+    until: f64,
+    text: String,
+}
+
+impl Said {
+    fn new(at: Pos2, now: f64, text: impl Into<String>) -> Self {
+        Self { at, until: now + TELLS, text: text.into() }
+    }
 }
 
 /// What the pen has hold of.
@@ -308,6 +328,12 @@ impl Pen {
             self.shapes.clear();
             self.hair.stop(out);
             self.mask.stop(out);
+            let down = |input: &Input| input.sample.phase == Phase::Down && free(input.sample.pos);
+            let current = state.run.reports.revision == state.revision;
+            if self.tool != PenTool::Select && current && inputs.iter().any(down) {
+                let note = "there is no head to draw on: add a head to the graph";
+                out.push(Event::Say(Note::warning(note)));
+            }
             return;
         };
         if let PenTool::Mask(mode) = self.tool {
@@ -354,8 +380,9 @@ impl Pen {
             gesture.abort(&mut scene);
         }
         let turns = turns_view(ctx);
+        let now = ctx.input(|input| input.time);
         for input in inputs {
-            self.take(input, &mut scene, turns, &free);
+            self.take(input, &mut scene, turns, &free, now);
         }
         if let Some(gesture) = &mut self.gesture {
             if gesture.is_orphaned(&scene) {
@@ -412,7 +439,7 @@ impl Pen {
         let told = self.told(inputs, ctx, free);
         let now = ctx.input(|input| input.time);
         self.hair.ui(tool, told, &mut scene, now);
-        self.paint_hair(ui, &scene, now);
+        self.paint_hair(ui, &scene);
         if self.hair.is_busy() {
             ctx.request_repaint();
         }
@@ -442,6 +469,7 @@ impl Pen {
         scene: &mut Scene,
         turns_view: bool,
         free: &dyn Fn(Pos2) -> bool,
+        now: f64,
     ) {
         let sample = input.sample;
         self.hover = (sample.phase != Phase::Out && free(sample.pos)).then_some(input);
@@ -450,7 +478,12 @@ impl Pen {
                 // Barrel buttons, and the keys that turn the view, are the view's.
                 let views = turns_view || sample.buttons.barrel || sample.buttons.second;
                 if !views && free(sample.pos) {
-                    self.gesture = self.begin(&input, scene);
+                    self.said = None;
+                    let begun = self.begin(&input, scene);
+                    self.gesture = begun.unwrap_or_else(|why| {
+                        self.said = Some(Said::new(sample.pos, now, why));
+                        None
+                    });
                 }
             }
             (Phase::Move, Some(gesture)) => {
@@ -459,8 +492,17 @@ impl Pen {
             (Phase::Up, Some(_)) => {
                 if let Some(mut gesture) = self.gesture.take() {
                     gesture.go_on(&sample, scene, &self.shapes, &mut self.picked);
-                    gesture.end(scene, &self.shapes, &mut self.picked);
-                    self.ended = Some(gesture.work);
+                    match gesture.too_short(scene) {
+                        true => {
+                            gesture.abort(scene);
+                            let why = "The stroke is too short: draw it longer";
+                            self.said = Some(Said::new(sample.pos, now, why));
+                        }
+                        false => {
+                            gesture.end(scene, &self.shapes, &mut self.picked);
+                            self.ended = Some(gesture.work);
+                        }
+                    }
                 }
             }
             (Phase::Out, Some(_)) => {

@@ -5,7 +5,7 @@
 
 use super::gestures::Work;
 use super::shapes::{Place, Shape};
-use super::{Pen, PenTool, Scene};
+use super::{Pen, PenTool, Said, Scene};
 use crate::editor::theme;
 use crate::viewport::projection::Projection;
 use coif_nodes::data::scalp::Scalp;
@@ -55,6 +55,7 @@ impl Pen {
             _ => {}
         }
         self.paint_cursor(ui, &painter, scene);
+        tell(ui, &painter, scene.view.rect, self.said.as_ref());
         if self.tool != PenTool::Select {
             let name = scene.node.map(|node| scene.state.document.name_of(node));
             let words = format!("{}: {}", self.tool.label(), name.unwrap_or("new stroke input"));
@@ -211,6 +212,17 @@ fn outline(painter: &Painter, places: &[Pos2], lasso: bool) {
         }
         _ => {}
     }
+}
+
+/// Why a touch did nothing, where it ended, for as long as that is told.
+pub(super) fn tell(ui: &egui::Ui, painter: &Painter, rect: egui::Rect, said: Option<&Said>) {
+    let now = ui.input(|input| input.time);
+    let Some(Said { at, until, text }) = said.filter(|said| said.until > now) else { return };
+    let left = at.x < rect.center().x;
+    let align = if left { Align2::LEFT_TOP } else { Align2::RIGHT_TOP };
+    let aside = Vec2::new(if left { 16.0 } else { -16.0 }, 14.0);
+    label(painter, rect.clamp(*at) + aside, align, text);
+    ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(*until - now));
 }
 
 pub(super) fn label(painter: &Painter, at: Pos2, align: Align2, words: &str) {

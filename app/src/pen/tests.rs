@@ -250,6 +250,74 @@ fn a_touch_that_draws_nothing_changes_nothing() {
 }
 
 #[test]
+fn a_touch_that_hits_nothing_makes_nothing_and_says_why() {
+    let mut table = draw_on(head());
+    let before = table.editor().state.document.clone();
+    let touch = |table: &mut Table, action: &str, places: &[(Pos2, f32)]| {
+        table.editor().act(action);
+        table.draw(places);
+        table.step();
+        table.rest();
+        assert_eq!(table.editor().state.document, before, "{action}");
+        assert_eq!(table.done(), 0, "{action}");
+        table.editor().pen.said.take().map_or_else(String::new, |said| said.text)
+    };
+    // On the background, and where the hand hardly moves.
+    let at = |x: f32, y: f32| (Pos2::new(x, y), 0.5);
+    let beside = [at(30.0, 300.0), at(40.0, 420.0)];
+    assert!(touch(&mut table, "pen.draw", &beside).contains("begins on the head"));
+    let still = [at(300.0, 300.0), at(301.0, 300.0)];
+    assert!(touch(&mut table, "pen.draw", &still).contains("too short"));
+    // Tools that have nothing to work on offer what would.
+    let over = [at(280.0, 300.0), at(320.0, 300.0)];
+    for (action, why) in [
+        ("pen.points", "draw one with P"),
+        ("pen.redraw", "draw one with P"),
+        ("pen.erase", "H, then K"),
+        ("pen.comb", "H, then C"),
+        ("pen.smooth_brush", "H, then S"),
+    ] {
+        let said = touch(&mut table, action, &over);
+        assert!(said.contains(why), "{action}: {said}");
+    }
+}
+
+#[test]
+fn a_stroke_in_space_glides_over_the_face_and_leaves_it_at_the_outline() {
+    let mut table = draw_on(head());
+    let state = &table.editor().state;
+    let scalp = state.shown.as_ref().and_then(|shown| shown.scalp()).expect("a head").clone();
+    let frame = *scalp.frame();
+    let middle = frame.origin;
+    table.editor().viewport.look(Camera {
+        eye: middle + Vec3::new(0.0, 8.0, 80.0),
+        target: middle,
+        up: Vec3::Y,
+        focal_mm: 85.0,
+        orthographic: None,
+    });
+    table.editor().pen.free = true;
+    // From the crown over the forehead, an eye and a cheek, and aside off the head.
+    let down = (0..30).map(|k| (Pos2::new(330.0, 110.0 + 8.0 * k as f32), 0.5));
+    let off = (0..30).map(|k| (Pos2::new(330.0 + 8.0 * k as f32, 350.0), 0.5));
+    table.draw(&down.chain(off).collect::<Vec<_>>());
+    table.rest();
+    let strokes = table.strokes();
+    let [stroke] = &strokes.0[..] else { panic!("{} strokes", strokes.0.len()) };
+    let places: Vec<Vec3> =
+        stroke.samples.iter().map(|sample| frame.point_from_head(sample.position)).collect();
+    let skin = scalp.skin();
+    let deep = places[1..].iter().map(|p| skin.distance(*p)).fold(f32::MAX, f32::min);
+    assert!(deep > 0.0, "{deep}");
+    // It lay on the face, which is far before the crown where it began, and goes on as deep as it left it.
+    let forward = |p: &Vec3| frame.head_from_point(*p).z;
+    let most = places.iter().map(forward).fold(f32::MIN, f32::max);
+    let last = places[places.len() - 1];
+    assert!(most > forward(&places[0]) + 2.0, "{most}");
+    assert!(skin.distance(last) > 2.0 && forward(&last) > -2.0, "{last}");
+}
+
+#[test]
 fn undo_in_the_middle_of_a_stroke_ends_it() {
     let mut table = draw_on(head());
     table.pen(Phase::Down, Pos2::new(300.0, 300.0), 0.5);

@@ -51,7 +51,7 @@ use std::time::Instant;
 const LONGEST: f32 = 4096.0;
 const MOST_PIXELS: f32 = 6.0e6;
 /// Coverage of hair while the pen works on the skin under it.
-const SEE_THROUGH: f32 = 0.2;
+const SEE_THROUGH: f32 = 0.12;
 /// After a step of the view it still counts as moving, seconds.
 const CALM: f64 = 0.25;
 /// The pointer is taken to be where it was asked about within so many points.

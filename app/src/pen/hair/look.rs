@@ -3,7 +3,7 @@
 //!
 //! Each coming action has a shape of its own beside its colour. Nothing here changes anything.
 
-use super::super::overlay::{EDGE, disc, label, line};
+use super::super::overlay::{EDGE, disc, label, line, tell};
 use super::super::{Pen, PenTool, Scene};
 use super::{Hair, target, wheel};
 use crate::editor::state::State;
@@ -74,7 +74,7 @@ pub(super) fn curves(state: &State) -> Option<Curves> {
 
 impl Pen {
     /// Paints over the picture while the pen works on hair.
-    pub(in super::super) fn paint_hair(&self, ui: &egui::Ui, scene: &Scene, now: f64) {
+    pub(in super::super) fn paint_hair(&self, ui: &egui::Ui, scene: &Scene) {
         let PenTool::Hair(tool) = self.tool else { return };
         let painter = ui.painter_at(scene.view.rect);
         let curves = curves(scene.state).unwrap_or_default();
@@ -132,17 +132,7 @@ impl Pen {
         if let Some((middle, pen)) = self.hair.wheel {
             wheel::paint(&painter, scene, middle, Some(pen));
         }
-        if let Some((at, until, text)) = &self.hair.said
-            && *until > now
-        {
-            let rect = scene.view.rect;
-            let left = at.x < rect.center().x;
-            let align = if left { Align2::LEFT_TOP } else { Align2::RIGHT_TOP };
-            let aside = Vec2::new(if left { 16.0 } else { -16.0 }, 14.0);
-            label(&painter, rect.clamp(*at) + aside, align, text);
-            let left = std::time::Duration::from_secs_f64(*until - now);
-            ui.ctx().request_repaint_after(left);
-        }
+        tell(ui, &painter, scene.view.rect, self.hair.said.as_ref());
         let name = target::of(scene.state);
         let name = name.as_ref().map(|node| scene.state.document.name_of(node));
         let words = format!("{}: {}", self.tool.label(), name.unwrap_or("new hair sketch"));

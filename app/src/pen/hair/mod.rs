@@ -13,9 +13,9 @@ mod look;
 pub(super) mod target;
 mod wheel;
 
-use super::Scene;
 use super::devices::Input;
 use super::sample::{PenSample as Report, Phase, Tool as End};
+use super::{Said, Scene};
 use crate::editor::event::Event;
 use crate::editor::notes::Note;
 use crate::editor::settings::Evaluate;
@@ -37,8 +37,6 @@ use glam::Vec2;
 
 /// A touch that stays this near to where it began is no stroke for a tool of the shelf, points.
 const STILL: f32 = 3.0;
-/// How long the pen's place tells why a touch did nothing, seconds.
-const TELLS: f64 = 4.0;
 /// So many frames after the evaluator has answered, what it has not shown will not come.
 const PATIENCE: usize = 3;
 /// An implant nearer to the middle of the head than this (head units) has no twin on the other side.
@@ -55,12 +53,14 @@ pub(crate) struct Hair {
     /// The tap before, with when it began: the first of two.
     tap: Option<(f64, Vec<PenSample>)>,
     /// What a touch had to say, where, and until when.
-    said: Option<(Pos2, f64, String)>,
+    said: Option<Said>,
     /// Where the colour wheel was pressed down, and where the pen is on it.
     wheel: Option<(Pos2, Pos2)>,
     /// Reports that came before the hair was shown as it is.
     waiting: Vec<Input>,
     answered: usize,
+    /// What the pen must see, and whether it is there.
+    wanted: (Vec<Socket>, bool),
 }
 
 /// A touch under way, or one that was lifted and learns what it did.
@@ -159,7 +159,14 @@ impl Hair {
             self.touch = None;
         }
         let current = scene.state.run.reports.revision == scene.state.revision;
-        self.answered = if current { self.answered + 1 } else { 0 };
+        let wanted = target::wanted(scene.state);
+        let shown = scene.state.shown.as_ref();
+        let known = |socket| shown.is_some_and(|shown| shown.curves_of(socket).is_some());
+        let known = wanted.iter().all(known);
+        let waits = !current || wanted != self.wanted.0;
+        let runs = !known && scene.state.run.since.is_some();
+        self.answered = if waits || runs { 0 } else { self.answered + 1 };
+        self.wanted = (wanted, known);
         if self.touch.as_ref().is_some_and(|touch| touch.lifted) && self.is_current(scene.state) {
             let touch = self.touch.take();
             touch.into_iter().for_each(|touch| self.settle(touch, scene, now));
@@ -186,7 +193,7 @@ impl Hair {
 
     /// Whether the hair is shown as the document says, or will not be.
     fn is_current(&self, state: &State) -> bool {
-        self.answered > PATIENCE || self.answered > 0 && !state.stale()
+        self.answered > PATIENCE || self.answered > 0 && self.wanted.1 && !state.stale()
     }
 
     fn take(&mut self, tool: Option<Tool>, input: Input, free: bool, scene: &mut Scene, now: f64) {
@@ -290,7 +297,7 @@ impl Hair {
                 let after = sources.iter().find(under).or(sources.first());
                 if after.is_none() && shown.is_some_and(|shown| shown.curves.curve_count() > 0) {
                     let text = "This hair grows from no guides that the pen could edit: display guides or clusters";
-                    self.said = Some((report.pos, now + TELLS, text.to_owned()));
+                    self.said = Some(Said::new(report.pos, now, text));
                     return;
                 }
                 // On a bare head what is sketched is filled with hair, or it would hardly be seen.
@@ -312,7 +319,7 @@ impl Hair {
             Some(Some(curves)) => curves.clone(),
             Some(None) => {
                 let text = "the hair to work on is not there: see Messages";
-                self.said = Some((report.pos, now + TELLS, text.to_owned()));
+                self.said = Some(Said::new(report.pos, now, text));
                 return;
             }
         };
@@ -363,7 +370,7 @@ impl Hair {
         let rho = touch.rho(scene.state);
         let tap = touch.tool.is_none() && !touch.eraser && is_tap(&touch.samples, rho);
         if let (Guess::Unsure(why), false) = (touch.guess, tap) {
-            self.said = Some((touch.end(), now + TELLS, why.to_owned()));
+            self.said = Some(Said::new(touch.end(), now, why));
         }
         self.tap = tap.then_some((touch.began, touch.samples));
     }
@@ -401,7 +408,7 @@ impl Hair {
                 Some(first) => scene.out.push(Event::EndAs(done(told.tool, first, strands))),
                 None => {
                     let why = nothing_done(scene.state, &touch.node, told.id);
-                    self.said = Some((touch.end(), now + TELLS, why));
+                    self.said = Some(Said::new(touch.end(), now, why));
                 }
             }
             return;

@@ -264,7 +264,7 @@ fn a_touch_that_does_nothing_changes_nothing_and_says_why() {
         (Salon::line([200.0, 300.0], [150.0, 300.0]), MIDDLE, End::Eraser, "crosses no hair"),
     ] {
         salon.draw_with(&places, pressure, end);
-        let said = salon.0.editor().pen.hair.said.clone().expect("a word").2;
+        let said = salon.0.editor().pen.hair.said.clone().expect("a word").text;
         assert!(said.contains(why), "{said}");
         assert_eq!(salon.0.editor().state.document, before, "{why}");
         assert_eq!(salon.0.done(), 1, "{why}");
