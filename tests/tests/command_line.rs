@@ -132,6 +132,38 @@ fn usage_errors_are_exit_2() {
 }
 
 #[test]
+fn check_opens_the_files_and_with_strict_lets_no_warning_pass() {
+    let good = graph(&[HEAD, GUIDES, OUT].concat(), WIRES);
+    let mesh = |name: &str| {
+        let with = format!("kind: \"head\",\n            inputs: {{\n                \"mesh\": \"{name}\",\n            }},");
+        good.replace("kind: \"head\",", &with)
+    };
+    let twice = good
+        .replace(OUT, &format!("{OUT}{}", OUT.replace("\"out\"", "\"out_2\"")))
+        .replace("        \"out.curves\"", "        \"out_2.curves\": \"hair.curves\",\n        \"out.curves\"");
+    for (test, text, strict, code, said) in [
+        ("good", good.clone(), true, 0, &[][..]),
+        ("missing", mesh("none.obj"), false, 2, &["head.mesh: none.obj", "no such file"]),
+        ("broken", mesh("broken.obj"), false, 2, &["head.mesh: broken.obj"]),
+        ("clamped", good.replace("\"count\": 50", "\"count\": -50"), false, 0, &["warning"]),
+        ("clamped", good.replace("\"count\": 50", "\"count\": -50"), true, 2, &["--strict"]),
+        ("twice", twice.clone(), false, 0, &["out_2.name", "that of out, too"]),
+        ("twice", twice, true, 2, &["that of out, too", "--strict"]),
+    ] {
+        let folder = Folder::new(&format!("check-{test}-{strict}"));
+        std::fs::write(folder.path("graph.ron"), text).unwrap();
+        std::fs::write(folder.path("broken.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
+        let path = folder.path("graph.ron").display().to_string();
+        let ran = run([&["check", &path][..], if strict { &["--strict"] } else { &[] }].concat());
+        assert_eq!(ran.code, code, "{test}: {}", ran.err);
+        for words in said {
+            assert!(ran.err.contains(words), "{test}: {words:?} is not in\n{}", ran.err);
+        }
+        assert!(!said.is_empty() || ran.err.is_empty(), "{test}: {}", ran.err);
+    }
+}
+
+#[test]
 fn what_is_wrong_is_quoted_in_short() {
     let long = "spacing".repeat(10_000);
     for set in [

@@ -1,15 +1,23 @@
 //! `coif check`: what is wrong with graphs, without evaluating them (or, with a target, what that target would refuse).
+//!
+//! Files that a graph names are opened and read as its nodes would read them. What only an evaluation finds is not found here.
 
 use super::{Exit, complain, ending, groom, print, unreal};
 use clap::{Args, ValueEnum};
-use coif_graphs::document::graph::{Severity, check};
-use std::path::PathBuf;
+use coif_graphs::document::Document;
+use coif_graphs::document::graph::{Severity, check, targets, upstream};
+use coif_graphs::schedule::files::{DiskFiles, Files, named};
+use coif_nodes::formats::read_mesh;
+use std::path::{Path, PathBuf};
 
 #[derive(Args)]
 pub(crate) struct CheckArgs {
     /// Graphs: .ron files, or names of shipped grooms
     #[arg(required = true)]
     graphs: Vec<PathBuf>,
+    /// Warnings are errors too (exit code 2): for farms
+    #[arg(long)]
+    strict: bool,
     /// Also evaluate, and tell what a program would cut off (exit code 2), and what it would make up (a note)
     #[arg(long, value_enum)]
     target: Option<Target>,
@@ -23,6 +31,31 @@ pub(crate) struct CheckArgs {
 pub(crate) enum Target {
     /// Unreal Engine's groom asset
     Unreal,
+}
+
+/// What is wrong with files that a document names, each with whether that keeps it from being evaluated.
+fn files(document: &Document, folder: &Path) -> Vec<(bool, String)> {
+    let needed = upstream(document, &targets(document));
+    let disk = DiskFiles::new(folder);
+    let fault = |path: &str| -> Option<String> {
+        let file = match disk.read(path) {
+            Ok(file) => file,
+            Err(why) => return Some(why),
+        };
+        let side = |name: &str| file.sides.get(name).cloned();
+        match &*file.extension {
+            "obj" | "gltf" | "glb" => {
+                read_mesh(&file.extension, &file.bytes, &side).err().map(|err| err.to_string())
+            }
+            _ => None,
+        }
+    };
+    let all = named(document).into_iter();
+    let told = all.filter_map(|(node, input, path)| {
+        let why = fault(&path)?;
+        Some((needed.contains(node), format!("{node}.{input}: {path}: {why}")))
+    });
+    told.collect()
 }
 
 pub(crate) fn run(args: CheckArgs) -> Exit {
@@ -41,12 +74,18 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
         };
         warnings.iter().for_each(|w| complain(format!("warning: {w}")));
         let problems = check(&document);
-        let errors = problems.iter().filter(|p| p.severity == Severity::Error).count();
-        for problem in &problems {
-            let kind = if problem.severity == Severity::Error { "" } else { "warning: " };
+        let told = problems.iter().map(|p| (p.severity == Severity::Error, p.to_string()));
+        let told: Vec<(bool, String)> = told.chain(files(&document, &folder)).collect();
+        for (is_error, problem) in &told {
+            let kind = if *is_error { "" } else { "warning: " };
             complain(format!("{kind}{shown}: {problem}"));
         }
-        if errors > 0 {
+        let errors = told.iter().filter(|(is_error, _)| *is_error).count();
+        let strict = args.strict && warnings.len() + told.len() > errors;
+        if strict && errors == 0 {
+            complain(format!("{shown}: has warnings, which --strict does not let pass"));
+        }
+        if errors > 0 || strict {
             exit = Exit::Refused;
             continue;
         }

@@ -20,6 +20,8 @@ pub(crate) const MIDLINE: f32 = 0.3;
 const BESIDE: f32 = 40.0;
 /// How far over the skin a stroke in space glides, head units.
 const OVER: f32 = 0.1;
+/// The skin goes on where it is no farther from the last point than this (head units), and four times as far as the pen has moved.
+const STEP: f32 = 0.5;
 /// The most samples of one stroke: four minutes at 1,000 a second. What comes after is not drawn.
 const MOST: usize = 240_000;
 
@@ -102,21 +104,23 @@ impl Line {
         self.push(at, sample);
     }
 
-    /// As deep as the last point, or over the skin where the head is before that: so it leaves the head at its outline, no deeper than
-    /// that is.
+    /// Over the skin for as long as that goes on under the pen, and from its outline on as deep as it was there; where a head, an ear
+    /// or a shoulder is before that, over it.
     fn in_space(&self, view: &Projection, at: Pos2) -> Option<Vec3> {
-        let ahead = view.axes()[2];
-        let beside = view.on_plane(at, self.last, ahead)?;
+        let beside = view.on_plane(at, self.last, view.axes()[2])?;
         let ray = view.ray(at);
-        let over = OVER * self.scalp.frame().unit();
+        let unit = self.scalp.frame().unit();
         let surface = self.scalp.surface();
-        let reach = (beside - ray.origin).dot(ray.direction) + over;
-        let met = surface.ray(ray.origin, ray.direction, reach);
-        Some(
-            met.map_or(beside, |hit| {
-                hit.point + surface.smooth_normal(hit.triangle, hit.bary) * over
-            }),
-        )
+        let Some(hit) = surface.ray(ray.origin, ray.direction, f32::MAX) else {
+            return Some(beside);
+        };
+        let over = hit.point + surface.smooth_normal(hit.triangle, hit.bary) * (OVER * unit);
+        let far = |p: Vec3| (p - ray.origin).dot(ray.direction);
+        let skin = surface.closest(self.last);
+        let lies = skin.is_some_and(|near| near.point.distance(self.last) < 2.0 * OVER * unit);
+        let step = STEP * unit + 4.0 * beside.distance(self.last);
+        let goes_on = lies && over.distance(self.last) < step;
+        Some(if goes_on || far(over) < far(beside) { over } else { beside })
     }
 
     fn push(&mut self, at: Vec3, sample: &PenSample) {

@@ -314,7 +314,9 @@ fn a_stroke_in_space_glides_over_the_face_and_leaves_it_at_the_outline() {
     let most = places.iter().map(forward).fold(f32::MIN, f32::max);
     let last = places[places.len() - 1];
     assert!(most > forward(&places[0]) + 2.0, "{most}");
-    assert!(skin.distance(last) > 2.0 && forward(&last) > -2.0, "{last}");
+    let over = places.iter().filter(|p| skin.distance(**p) < 0.3).count();
+    assert!(over > places.len() / 2, "{over} of {}", places.len());
+    assert!(skin.distance(last) > 0.5 && forward(&last).abs() < 6.0, "{last}");
 }
 
 #[test]

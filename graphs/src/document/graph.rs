@@ -42,6 +42,8 @@ pub enum Fault {
     BadValue,
     /// A value that will be clamped.
     OutOfRange,
+    /// An output has the name of another.
+    SameName,
 }
 
 /// Something wrong with a document.
@@ -266,6 +268,7 @@ pub fn check_for(document: &Document, targets: &BTreeSet<NodeId>) -> Vec<Problem
     for (to, from) in &document.links {
         check_wires(document, to, from, &mut problems);
     }
+    same_names(document, &mut problems);
     for problem in &mut problems {
         problem.needed = needed.contains(&problem.node);
         if problem.fault == Fault::Missing && !problem.needed {
@@ -326,9 +329,31 @@ fn problem(
     text: String,
     remedy: &str,
 ) -> Problem {
-    let severity = if fault == Fault::OutOfRange { Severity::Warning } else { Severity::Error };
+    let harmless = matches!(fault, Fault::OutOfRange | Fault::SameName);
+    let severity = if harmless { Severity::Warning } else { Severity::Error };
     let (node, socket) = (node.clone(), socket.map(str::to_owned));
     Problem { severity, needed: true, fault, node, socket, text, remedy: remedy.to_owned() }
+}
+
+/// Outputs of one name: files would number them, and nobody knows which is which.
+fn same_names(document: &Document, problems: &mut Vec<Problem>) {
+    let mut known: BTreeMap<&str, &NodeId> = BTreeMap::new();
+    for (id, node) in document.nodes.iter().filter(|(_, node)| node.kind == "groom_output") {
+        let name = match node.inputs.get("name") {
+            Some(Setting::Known(Value::Text(name))) => name,
+            _ => continue,
+        };
+        match known.get(&**name) {
+            Some(first) => {
+                let text = format!("its name {name:?} is that of {first}, too");
+                let remedy = "give each output a name of its own: files tell them apart by it";
+                problems.push(problem(Fault::SameName, id, Some("name"), text, remedy));
+            }
+            None => {
+                known.insert(name, id);
+            }
+        }
+    }
 }
 
 fn unknown_kind(id: &NodeId, kind: &str) -> Problem {

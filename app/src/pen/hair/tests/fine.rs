@@ -51,13 +51,13 @@ fn single_strands_are_combed_behind_the_hair_and_keep_it_by_their_ids() {
     salon.draw(&Salon::line([300.0, 120.0], [380.0, 150.0]), MIDDLE);
     let node = salon.node().expect("a sketch");
     let document = salon.0.editor().state.document.clone();
-    assert_eq!(document.wires(&node, "curves")[0].to_string(), "hair.curves");
+    assert_eq!(document.wires(&node, "curves")[0].to_string(), "colour.curves");
     assert_eq!(document.wires(&NodeId::new("out").expect("an id"), "curves")[0].node, node);
     let named = salon.gestures().0[0].curves.clone();
     assert!(!named.is_empty() && named.len() < 1000, "{}", named.len());
     assert_eq!(salon.words(), format!("combed {} strands", named.len()));
     let shown = salon.0.editor().state.shown.clone().expect("a result");
-    let hair = Socket::new(NodeId::new("hair").expect("an id"), "curves");
+    let hair = Socket::new(NodeId::new("colour").expect("an id"), "curves");
     let was = shown.curves_of(&hair).expect("hair").clone();
     let ids: std::collections::BTreeSet<u64> = was.each().map(|(t, i)| t.id(i)).collect();
     assert!(named.iter().all(|id| ids.contains(id)));
