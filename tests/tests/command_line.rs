@@ -135,12 +135,16 @@ fn usage_errors_are_exit_2() {
 fn check_opens_the_files_and_with_strict_lets_no_warning_pass() {
     let good = graph(&[HEAD, GUIDES, OUT].concat(), WIRES);
     let mesh = |name: &str| {
-        let with = format!("kind: \"head\",\n            inputs: {{\n                \"mesh\": \"{name}\",\n            }},");
+        let with = format!(
+            "kind: \"head\",\n            inputs: {{\n                \"mesh\": \"{name}\",\n            }},"
+        );
         good.replace("kind: \"head\",", &with)
     };
-    let twice = good
-        .replace(OUT, &format!("{OUT}{}", OUT.replace("\"out\"", "\"out_2\"")))
-        .replace("        \"out.curves\"", "        \"out_2.curves\": \"hair.curves\",\n        \"out.curves\"");
+    let twice =
+        good.replace(OUT, &format!("{OUT}{}", OUT.replace("\"out\"", "\"out_2\""))).replace(
+            "        \"out.curves\"",
+            "        \"out_2.curves\": \"hair.curves\",\n        \"out.curves\"",
+        );
     for (test, text, strict, code, said) in [
         ("good", good.clone(), true, 0, &[][..]),
         ("missing", mesh("none.obj"), false, 2, &["head.mesh: none.obj", "no such file"]),

@@ -340,7 +340,7 @@ fn same_names(document: &Document, problems: &mut Vec<Problem>) {
     let mut known: BTreeMap<&str, &NodeId> = BTreeMap::new();
     for (id, node) in document.nodes.iter().filter(|(_, node)| node.kind == "groom_output") {
         let name = match node.inputs.get("name") {
-            Some(Setting::Known(Value::Text(name))) => name,
+            Some(Setting::Known(Value::Text(name))) if !name.is_empty() => name,
             _ => continue,
         };
         match known.get(&**name) {
