@@ -140,11 +140,13 @@ fn check_opens_the_files_and_with_strict_lets_no_warning_pass() {
         );
         good.replace("kind: \"head\",", &with)
     };
-    let twice =
-        good.replace(OUT, &format!("{OUT}{}", OUT.replace("\"out\"", "\"out_2\""))).replace(
-            "        \"out.curves\"",
-            "        \"out_2.curves\": \"hair.curves\",\n        \"out.curves\"",
-        );
+    let named = OUT.replace(
+        "\"groom_output\",",
+        "\"groom_output\",\n            inputs: {\n                \"name\": \"hair\",\n            },",
+    );
+    let both = [HEAD, GUIDES, &named, &named.replace("\"out\"", "\"out_2\"")].concat();
+    let wires = format!("{WIRES}        \"out_2.curves\": \"hair.curves\",\n");
+    let twice = graph(&both, &wires);
     for (test, text, strict, code, said) in [
         ("good", good.clone(), true, 0, &[][..]),
         ("missing", mesh("none.obj"), false, 2, &["head.mesh: none.obj", "no such file"]),
