@@ -14,7 +14,7 @@ use crate::data::attributes::{
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
-use crate::define::{FieldInput, NodeError, choice, node};
+use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Size};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Key, curve_id};
@@ -51,10 +51,12 @@ node! {
         /// Which way curves leave their roots.
         flow: Flow = Flow::Sides, words("direction part comb");
         /// The direction, for the flows that have one, in the head frame (x to the head's left, y up, z forward).
-        direction: Vec3 = Vec3::new(1.0, -0.2, -0.35);
+        direction: Vec3 = Vec3::new(1.0, -0.2, -0.35),
+            idle(|of| matches!(of("flow"), Some(Value::Text(is)) if !["sides", "direction"].contains(&&*is)).then_some("curves leave their roots another way"));
         /// Where hair is parted when it falls to both sides: 0 in the middle, positive nearer to the head's left ear. Within
         /// 1.5 cm of there a parting of the scalp decides, and hair falls away from it.
-        parted_at: f32 = 0.0, hard(-20.0, 20.0), soft(-6.0, 6.0), unit(Length), words("part side middle centre");
+        parted_at: f32 = 0.0, hard(-20.0, 20.0), soft(-6.0, 6.0), unit(Length), words("part side middle centre"),
+            idle(|of| unless(of, "flow", "sides", "hair does not fall to both sides"));
         /// How far curves that lie on the head keep to the way they are laid, before they just slide down.
         hold: f32 = 5.0, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), words("style set friction");
         /// What pulls besides gravity, in the head frame, as a share of it: (0.2, 0, 0) leans to the head's left.
