@@ -88,11 +88,11 @@ pub(super) fn window(
         .default_size(place.size())
         .default_pos(place.min)
         .show(ctx, |ui| {
-            // The last line stays in sight.
-            let rest = panel::room(ctx).height() - 130.0;
-            ScrollArea::vertical().max_height(rest.max(12.0)).min_scrolled_height(12.0).show(
-                ui,
-                |ui| {
+            panel::body(ui, 140.0, |ui| {
+                // The last line stays in sight, where there is room for more.
+                let room = panel::room(ctx).height();
+                let rest = if room < 240.0 { f32::INFINITY } else { room - 130.0 };
+                ScrollArea::vertical().max_height(rest).show(ui, |ui| {
                     ui.heading("Begin with");
                     ui.horizontal_wrapped(|ui| {
                         let button = ui.button("Empty head").on_hover_text("A head without hair");
@@ -132,10 +132,10 @@ pub(super) fn window(
                             }
                         }
                     });
-                },
-            );
-            ui.separator();
-            ui.checkbox(&mut shows, "Show this at every start");
+                });
+                ui.separator();
+                ui.checkbox(&mut shows, "Show this at every start");
+            })
         });
     if tour {
         said.push(FileEvent::New(Some("cornrows")));
