@@ -381,7 +381,13 @@ fn number(x: f64) -> String {
     if x == 0.0 || !x.is_finite() || x.abs() >= 1000.0 {
         return format!("{x:.0}");
     }
-    let decimals = (2.0 - x.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    let (mut decimals, mut size) = (2usize, x.abs());
+    while size < 1.0 && decimals < 9 {
+        (decimals, size) = (decimals + 1, size * 10.0);
+    }
+    while size >= 10.0 && decimals > 0 {
+        (decimals, size) = (decimals - 1, size / 10.0);
+    }
     let text = format!("{x:.decimals$}");
     if !text.contains('.') {
         return text;
