@@ -77,18 +77,20 @@ pub fn paste(
         Some(to).filter(|point| point.is_finite())
     };
     let mut edits = vec![];
-    let mut labels: BTreeSet<String> =
+    // Nodes that had one label among them keep it; only what the document calls so gets a number.
+    let there: BTreeSet<String> =
         document.nodes.values().filter_map(|node| node.label.clone()).collect();
+    let mut taken = there.clone();
     for (old, node) in &part.nodes {
         let at = part.layout.get(old).and_then(moved);
         let node = match &node.label {
-            Some(label) if labels.contains(label) => {
-                let label = Some(free_label(&labels, label));
+            Some(label) if there.contains(label) => {
+                let label = Some(free_label(&taken, label));
                 Node { label, ..(**node).clone() }.into()
             }
             _ => Arc::clone(node),
         };
-        labels.extend(node.label.clone());
+        taken.extend(node.label.clone());
         edits.push(Edit::AddNode { id: ids[old].clone(), node, at });
     }
     for (to, wires) in &part.links {
