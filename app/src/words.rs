@@ -13,6 +13,12 @@ pub(crate) fn grouped(number: usize) -> String {
     text
 }
 
+/// So many of something, whose plural ends in s: "1 strand", "1,204 strands".
+#[cfg(feature = "editor")]
+pub(crate) fn counted(number: usize, one: &str) -> String {
+    format!("{} {one}{}", grouped(number), if number == 1 { "" } else { "s" })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

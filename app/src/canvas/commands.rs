@@ -169,8 +169,13 @@ impl Canvas {
     }
 
     pub(super) fn copy(&mut self, state: &State, faces: &Faces, ctx: &egui::Context) {
-        if !state.selection.nodes.is_empty() {
-            ctx.copy_text(edits::placed_copy(&state.document, faces, &state.selection.nodes));
+        // A frame is copied with what it holds.
+        let frame = self.memory.frame.as_ref().and_then(|name| state.document.frames.get(name));
+        let framed = frame.map(|frame| edits::framed(frame, faces)).unwrap_or_default();
+        let selected = &state.selection.nodes;
+        let nodes = if selected.is_empty() { &framed } else { selected };
+        if !nodes.is_empty() {
+            ctx.copy_text(edits::placed_copy(&state.document, faces, nodes));
         }
     }
 
@@ -247,7 +252,7 @@ impl Canvas {
 
     pub(super) fn rename(&mut self, state: &State) -> Vec<Event> {
         if let Some(id) = state.active() {
-            let name = state.document.name_of(id).to_owned();
+            let name = state.document.name_of(id).into_owned();
             self.memory.name_node(id.clone(), &name);
         } else if let Some(name) = self.memory.frame.clone()
             && let Some(frame) = state.document.frames.get(&name)

@@ -4,8 +4,8 @@ use super::arrange::{self, point};
 use super::faces::{Faces, Plug};
 use super::wires::{Wire, last_first};
 use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{Document, Frame, NodeId, Point, Socket, graph, part, wiring};
-use coif_nodes::define::{Arity, NodeDef, Type};
+use coif_graphs::document::{Document, Frame, NodeId, Point, Setting, Socket, graph, part, wiring};
+use coif_nodes::define::{Arity, NodeDef, Type, Value};
 use egui::{Pos2, Rect, Vec2, vec2};
 use std::collections::BTreeSet;
 
@@ -121,7 +121,29 @@ pub(super) fn add(
             edits.push(Edit::Connect { from, to, at: None });
         }
     }
+    if let Some(Link::From(from)) = link {
+        edits.extend(display_along(document, &from.node, def, &id));
+    }
     (Edit::Several(edits), id)
+}
+
+/// A node that comes behind the displayed one is displayed in its place, where it gives something to look at.
+fn display_along(document: &Document, from: &NodeId, def: &NodeDef, id: &NodeId) -> Option<Edit> {
+    let gives = |ty: Type| def.outputs.iter().any(|output| output.ty == ty);
+    let along =
+        document.display.as_ref() == Some(from) && (gives(Type::Curves) || gives(Type::Scalp));
+    along.then(|| Edit::SetDisplay(Some(id.clone())))
+}
+
+/// The same edit, with an input of the node set to a choice.
+pub(super) fn and_set(edit: Edit, id: &NodeId, set: Option<(&str, &str)>) -> Edit {
+    let Some((input, word)) = set else { return edit };
+    let setting = Setting::Known(Value::Text(word.into()));
+    let set = Edit::SetInput { node: id.clone(), input: input.to_owned(), setting };
+    match edit {
+        Edit::Several(edits) => Edit::Several(edits.into_iter().chain([set]).collect()),
+        other => Edit::Several(vec![other, set]),
+    }
 }
 
 /// Adds a node of a kind between the ends of a wire; gives its id.
@@ -142,21 +164,46 @@ pub(super) fn insert_new(
     Ok((Edit::Several(vec![added, inserted]), id))
 }
 
-/// The scalp that a node beside `near` stands on: the one it stands on itself, or the only one
-/// there is.
+/// The scalp that a node beside `near` stands on: the nearest upstream of it, itself included. Beside none, or one that
+/// stands on nothing: the last of the only head there is, where partings and the like made others of it.
 fn the_head(document: &Document, near: Option<&NodeId>) -> Option<Socket> {
-    let scalps = |nodes: &mut dyn Iterator<Item = &NodeId>| -> Vec<Socket> {
-        nodes
-            .filter_map(|id| {
-                let def = coif_nodes::by_id(&document.node(id.as_str())?.kind)?;
-                let output = def.outputs.iter().find(|output| output.ty == Type::Scalp)?;
-                Some(Socket::new(id.clone(), output.name))
-            })
-            .collect()
+    let scalp = |id: &NodeId| {
+        let def = coif_nodes::by_id(&document.node(id.as_str())?.kind)?;
+        let output = def.outputs.iter().find(|output| output.ty == Type::Scalp)?;
+        Some(Socket::new(id.clone(), output.name))
     };
-    let one = |mut found: Vec<Socket>| if found.len() == 1 { found.pop() } else { None };
-    let upstream = graph::upstream(document, near);
-    one(scalps(&mut upstream.iter())).or_else(|| one(scalps(&mut document.nodes.keys())))
+    let mut ring: Vec<NodeId> = near.cloned().into_iter().collect();
+    let mut seen: BTreeSet<NodeId> = ring.iter().cloned().collect();
+    while !ring.is_empty() {
+        // Of two as near, the one that stands on the other.
+        let found: Vec<Socket> = ring.iter().filter_map(scalp).collect();
+        if let Some(last) = last_of(document, found) {
+            return Some(last);
+        }
+        let feeders = ring.iter().flat_map(|id| graph::inputs_of(document, id));
+        let next = feeders.flat_map(|(_, from)| from.iter().map(|from| from.node.clone()));
+        ring = next
+            .collect::<BTreeSet<_>>()
+            .into_iter()
+            .filter(|id| seen.insert(id.clone()))
+            .collect();
+    }
+    let all: Vec<Socket> = document.nodes.keys().filter_map(scalp).collect();
+    let is_head = |socket: &&Socket| !graph::inputs_of(document, &socket.node).any(|_| true);
+    if all.iter().filter(is_head).count() > 1 {
+        return None;
+    }
+    last_of(document, all)
+}
+
+/// The one that stands on the most of the others.
+fn last_of(document: &Document, scalps: Vec<Socket>) -> Option<Socket> {
+    let depth = |socket: &Socket| {
+        let above = graph::upstream(document, [&socket.node]);
+        scalps.iter().filter(|other| above.contains(&other.node)).count()
+    };
+    let deepest = scalps.iter().rev().max_by_key(|socket| depth(socket));
+    deepest.cloned()
 }
 
 /// Copies nodes beside themselves; gives the copies.
@@ -320,6 +367,34 @@ mod tests {
         let (edit, new) = add(&document, def("head"), Pos2::ZERO, Some(&from));
         let after = apply(&document, &edit);
         assert!(graph::inputs_of(&after, &new).next().is_none());
+    }
+
+    #[test]
+    fn of_several_scalps_the_nearest_upstream_is_wired() {
+        let text = r#"(format: 1, title: "x", nodes: {
+            "bust": (kind: "head"), "cut": (kind: "partings"), "again": (kind: "partings"),
+            "guides": (kind: "scatter_guides"), "long": (kind: "resample"), "bare": (kind: "resample"),
+        }, links: {
+            "cut.scalp": "bust.scalp", "again.scalp": "cut.scalp",
+            "guides.scalp": "cut.scalp", "long.curves": "guides.curves",
+        })"#;
+        let mut document = coif_graphs::file::read(text).unwrap().document;
+        let def = |kind: &str| coif_nodes::by_id(kind).unwrap();
+        let wired = |document: &Document, link: Option<Link>| {
+            let (edit, new) = add(document, def("interpolate"), Pos2::ZERO, link.as_ref());
+            apply(document, &edit).wires(&new, "scalp").to_vec()
+        };
+        let from = |text: &str| Some(Link::From(socket(text)));
+        // Two steps up, and not the head behind it nor the one that stands on it.
+        assert_eq!(wired(&document, from("long.curves")), [socket("cut.scalp")]);
+        // Beside nothing, and beside what stands on nothing: the last of the only head.
+        assert_eq!(wired(&document, None), [socket("again.scalp")]);
+        assert_eq!(wired(&document, from("bare.curves")), [socket("again.scalp")]);
+        // Of two heads nobody knows which.
+        let head = document.fresh_node("head", &id("other"));
+        document.nodes.insert(id("other"), head.into());
+        assert_eq!(wired(&document, None), []);
+        assert_eq!(wired(&document, from("long.curves")), [socket("cut.scalp")]);
     }
 
     #[test]

@@ -196,7 +196,7 @@ fn face(
     let stages = coif_nodes::STAGES.iter();
     let stage = stages.take_while(|(_, nodes)| !nodes.iter().any(|n| n.id == node.kind)).count();
     let kind = def.map_or_else(|| words(&node.kind), |def| def.label.to_owned());
-    let label = document.name_of(id).to_owned();
+    let label = document.name_of(id).into_owned();
     Face {
         id: id.clone(),
         key: egui_graph::NodeId::new(id.as_str()),
@@ -314,7 +314,7 @@ fn troubles(document: &Document, reports: &Reports) -> BTreeMap<NodeId, Trouble>
     for id in errors.keys() {
         let name = document.name_of(id);
         for behind in graph::downstream(document, [id]) {
-            let upstream = Trouble::Upstream(name.to_owned());
+            let upstream = Trouble::Upstream(name.clone().into_owned());
             troubles.entry(behind).or_insert(upstream);
         }
     }
@@ -330,7 +330,8 @@ fn troubles(document: &Document, reports: &Reports) -> BTreeMap<NodeId, Trouble>
 fn footer(report: &coif_graphs::schedule::result::NodeReport) -> String {
     let mut parts = vec![if report.cached { "cached".to_owned() } else { time(report.ms) }];
     if report.curves > 0 {
-        parts.push(format!("{} curves", count(report.curves)));
+        let plural = if report.curves == 1 { "" } else { "s" };
+        parts.push(format!("{} curve{plural}", count(report.curves)));
         parts.push(format!("{} pts", count(report.points)));
     }
     parts.join("  ·  ")
@@ -450,7 +451,7 @@ mod tests {
         let faces = faces(&document);
         let trouble = |node: &str| faces.all[node].trouble.clone();
         assert!(matches!(trouble("braid"), Some(Trouble::Error(_))), "{:?}", trouble("braid"));
-        let label = document.name_of(&id("braid")).to_owned();
+        let label = document.name_of(&id("braid")).into_owned();
         assert_eq!(trouble("fill"), Some(Trouble::Upstream(label)));
         assert_eq!(trouble("head"), None);
     }

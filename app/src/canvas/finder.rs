@@ -3,7 +3,7 @@
 
 use super::edits::Link;
 use super::faces::{Faces, words};
-use super::search::{self, Entry, Hints};
+use super::search::{self, Entry, Hints, Why};
 use super::text::{self, line};
 use super::wires::Wire;
 use crate::editor::theme;
@@ -35,8 +35,8 @@ pub(super) enum Task {
 /// What was picked.
 #[derive(Clone)]
 pub(super) enum Pick {
-    /// A kind of node, and whether it is wired as the task says.
-    Kind(&'static NodeDef, bool),
+    /// A kind of node, whether it is wired as the task says, and an input that is set: what was typed is a choice of it.
+    Kind(&'static NodeDef, bool, Option<(&'static str, &'static str)>),
     /// A wire from an output to an input, by its node and its number among the node's plugs.
     Plug(Socket, NodeId, usize),
 }
@@ -120,8 +120,8 @@ impl Finder {
         if enter {
             picked = lines.get(self.chosen).map(|line| line.pick.clone());
         }
-        if let (true, Some(Pick::Kind(def, _))) = (alone, &picked) {
-            return Outcome::Done(Some(Pick::Kind(def, false)));
+        if let (true, Some(Pick::Kind(def, _, set))) = (alone, &picked) {
+            return Outcome::Done(Some(Pick::Kind(def, false, *set)));
         }
         let outside = !self.fresh
             && ctx.input(|i| i.pointer.any_pressed())
@@ -144,9 +144,10 @@ impl Finder {
             .id(Id::new("canvas search field"))
             .hint_text(hint)
             .desired_width(f32::INFINITY);
+        // Before it is shown, so that it takes what was typed since it was asked for.
+        ui.memory_mut(|memory| memory.request_focus(Id::new("canvas search field")));
         let response = ui.add(field);
         ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
-        response.request_focus();
         if response.changed() {
             self.chosen = 0;
         }
@@ -216,7 +217,7 @@ impl Finder {
                 if !dropped && self.typed.trim().is_empty() {
                     found.sort_by_key(|def| !fits(def));
                 }
-                found.into_iter().take(MOST).map(kind_line).collect()
+                found.into_iter().take(MOST).map(|def| kind_line(def, &self.typed)).collect()
             }
             Task::Insert(wire, _) => {
                 let Some(from) = wire.from(document) else { return vec![] };
@@ -227,14 +228,14 @@ impl Finder {
                 };
                 let hints = Hints { recent, after: followers(document, near) };
                 let found = search::find(&self.typed, coif_nodes::all().filter(fits), &hints);
-                found.into_iter().take(MOST).map(kind_line).collect()
+                found.into_iter().take(MOST).map(|def| kind_line(def, &self.typed)).collect()
             }
             Task::Swap(id) => {
                 let old = document.node(id.as_str()).map_or("", |node| node.kind.as_str());
                 let among = coif_nodes::all().filter(|def| def.id != old);
                 let hints = Hints { recent, after: BTreeMap::new() };
                 let found = search::find(&self.typed, among, &hints).into_iter();
-                found.take(MOST).map(kind_line).collect()
+                found.take(MOST).map(|def| kind_line(def, &self.typed)).collect()
             }
         }
     }
@@ -261,14 +262,22 @@ fn row(ui: &mut egui::Ui, shown: &Line, chosen: bool) -> egui::Response {
     row
 }
 
-fn kind_line(def: &'static NodeDef) -> Line {
+fn kind_line(def: &'static NodeDef, typed: &str) -> Line {
+    let why = search::why(typed, def);
+    let set = match why {
+        Some(Why::Choice(input, word)) => Some((input, word)),
+        _ => None,
+    };
     let stage = coif_nodes::STAGES.iter().find(|(_, nodes)| nodes.iter().any(|n| n.id == def.id));
     let doc = def.doc();
     Line {
-        label: def.label.to_owned(),
+        label: match why {
+            Some(why) => format!("{}: {}", def.label, why.text()),
+            None => def.label.to_owned(),
+        },
         beside: stage.map_or("", |(stage, _)| stage).to_owned(),
         tip: doc.split("\n\n").next().unwrap_or_default().to_owned(),
-        pick: Pick::Kind(def, true),
+        pick: Pick::Kind(def, true, set),
     }
 }
 

@@ -73,13 +73,44 @@ pub(super) fn show(
 
 const MAP: Vec2 = vec2(168.0, 108.0);
 
-/// Draws the map in the lower right of `area`; gives the place of the canvas that was pressed on it.
+/// The map's widget.
+pub(super) fn map_id() -> egui::Id {
+    egui::Id::new("canvas map")
+}
+
+/// The corner of `area` in which the map hides least: the one it was in while nothing comes under it, else that with the
+/// smallest part of nodes under it, the lower right first.
+fn corner(area: Rect, nodes: &[Rect], last: usize) -> (usize, Pos2) {
+    let room = area.shrink(10.0);
+    let corners = [
+        room.max - MAP,
+        pos2(room.left(), room.bottom() - MAP.y),
+        pos2(room.right() - MAP.x, room.top()),
+        room.min,
+    ];
+    let hidden = |at: usize| -> f32 {
+        let map = Rect::from_min_size(corners[at], MAP).expand(4.0);
+        nodes
+            .iter()
+            .map(|node| node.intersect(map))
+            .filter(Rect::is_positive)
+            .map(|r| r.area())
+            .sum()
+    };
+    let order = [last % 4, 0, 1, 2, 3];
+    let least = order.into_iter().min_by(|a, b| hidden(*a).total_cmp(&hidden(*b))).unwrap_or(0);
+    (least, corners[least])
+}
+
+/// Draws the map in a corner of `area` where it hides no node; gives the place of the canvas that was pressed on it.
+/// `onto_screen` leads there from the canvas.
 pub(super) fn map(
     ui: &Ui,
     area: Rect,
     faces: &Faces,
     corners: &BTreeMap<NodeId, Pos2>,
     seen: Rect,
+    onto_screen: &dyn Fn(Pos2) -> Pos2,
 ) -> Option<Pos2> {
     if area.width() < MAP.x * 2.2 || area.height() < MAP.y * 1.8 {
         return None;
@@ -97,10 +128,20 @@ pub(super) fn map(
         return None;
     }
     let all = all.union(seen.intersect(all.expand(all.size().max_elem()))).expand(20.0);
-    let at = area.max - MAP - vec2(10.0, 10.0);
-    let id = egui::Id::new("canvas map");
+    let id = map_id();
+    let last = ui.data(|data| data.get_temp::<usize>(id)).unwrap_or(0);
+    // Under the hand it stays.
+    let held =
+        ui.ctx().read_response(id.with("face")).is_some_and(|r| r.is_pointer_button_down_on());
+    let on_screen = |(rect, ..): &(Rect, usize, bool)| {
+        Rect::from_two_pos(onto_screen(rect.min), onto_screen(rect.max))
+    };
+    let nodes: Vec<Rect> = boxes.iter().filter(|_| !held).map(on_screen).collect();
+    let (number, at) = corner(area, &nodes, last);
+    ui.data_mut(|data| data.insert_temp(id, number));
     let shown = egui::Area::new(id).order(egui::Order::Middle).fixed_pos(at).show(ui.ctx(), |ui| {
-        let (rect, response) = ui.allocate_exact_size(MAP, Sense::click_and_drag());
+        let (rect, _) = ui.allocate_exact_size(MAP, Sense::hover());
+        let response = ui.interact(rect, id.with("face"), Sense::click_and_drag());
         response.widget_info(|| {
             egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "Map of the canvas")
         });
@@ -138,4 +179,29 @@ pub(super) fn map(
         Some(((pointer - shift) / scale).to_pos2())
     });
     shown.inner
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_map_stands_where_it_hides_no_node_and_stays_there() {
+        let area = Rect::from_min_size(Pos2::ZERO, vec2(800.0, 400.0));
+        let node = |x: f32, y: f32| Rect::from_min_size(pos2(x, y), vec2(172.0, 100.0));
+        // Corners: 0 lower right, 1 lower left, 2 upper right, 3 upper left.
+        let check = |nodes: &[Rect], last: usize, expected: usize| {
+            let (at, place) = corner(area, nodes, last);
+            assert_eq!(at, expected, "{nodes:?} after {last}");
+            assert!(area.contains_rect(Rect::from_min_size(place, MAP)));
+        };
+        check(&[], 0, 0);
+        check(&[node(600.0, 280.0)], 0, 1);
+        check(&[node(600.0, 280.0), node(20.0, 290.0)], 0, 2);
+        // It does not leap back while its place is free.
+        check(&[node(20.0, 10.0)], 2, 2);
+        // Where all are taken, the one with the least under it.
+        let all = [node(600.0, 280.0), node(20.0, 290.0), node(700.0, 10.0), node(20.0, 10.0)];
+        check(&all, 0, 2);
+    }
 }

@@ -3,6 +3,7 @@
 
 use crate::editor::actions;
 use crate::editor::event::Event;
+use crate::editor::panel;
 use egui::Response;
 
 /// Actions on nodes; empty lines part them.
@@ -50,16 +51,18 @@ pub(super) fn background(response: &Response, out: &mut Vec<Event>) {
 
 fn menu(response: &Response, ids: &[&str], out: &mut Vec<Event>) {
     response.context_menu(|ui| {
-        for id in ids {
-            if id.is_empty() {
-                ui.separator();
-                continue;
+        panel::list(ui, |ui| {
+            for id in ids {
+                if id.is_empty() {
+                    ui.separator();
+                    continue;
+                }
+                let Some(action) = actions::by_id(id) else { continue };
+                if ui.button(action.label).on_hover_text(action.tip).clicked() {
+                    out.push(Event::Act(action.id));
+                    ui.close();
+                }
             }
-            let Some(action) = actions::by_id(id) else { continue };
-            if ui.button(action.label).on_hover_text(action.tip).clicked() {
-                out.push(Event::Act(action.id));
-                ui.close();
-            }
-        }
+        })
     });
 }

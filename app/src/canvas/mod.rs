@@ -144,6 +144,31 @@ fn graph_id() -> egui::Id {
 }
 
 impl Canvas {
+    /// Whether a search is open.
+    pub(crate) fn searches(&self) -> bool {
+        self.memory.finder.is_some()
+    }
+
+    /// Whether a search or a field takes what is typed.
+    pub(crate) fn types(&self) -> bool {
+        self.searches() || self.memory.naming.is_some()
+    }
+
+    /// Closes the search, or the field of a name, which is not kept; whether there was one.
+    pub(crate) fn close_search(&mut self) -> bool {
+        self.memory.finder.take().is_some() || self.memory.naming.take().is_some()
+    }
+
+    /// What stands over the canvas and belongs to it.
+    pub(crate) fn owns(id: egui::Id) -> bool {
+        id == frames::map_id()
+    }
+
+    /// Whether the hand holds something.
+    pub(crate) fn holds(&self) -> bool {
+        !matches!(self.memory.hand, Hand::Empty)
+    }
+
     /// One frame of the room.
     pub fn ui(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         let area = ui.available_rect_before_wrap();
@@ -401,6 +426,11 @@ impl Canvas {
             && let Ok(edit) = wiring::insert_on_wire(&state.document, id, &wire.to, wire.at)
         {
             edits.push(edit);
+            // Behind what is displayed it takes the display along, as an added node does.
+            let behind = wire.from(&state.document).map(|from| &from.node);
+            if behind.is_some() && behind == state.document.display.as_ref() {
+                edits.push(Edit::SetDisplay(Some(id.clone())));
+            }
         }
         out.push(Event::Edit(Edit::Several(edits)));
     }

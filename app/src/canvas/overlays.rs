@@ -33,7 +33,9 @@ impl Canvas {
             let font = FontId::proportional(14.0);
             ui.painter().text(area.center(), Align2::CENTER_CENTER, text, font, theme::QUIET);
         }
-        if let Some(to) = frames::map(ui, area, faces, &found.corners, self.seen()) {
+        if let Some(to) =
+            frames::map(ui, area, faces, &found.corners, self.seen(), &|at| self.to_screen(at))
+        {
             self.center_on(to);
         }
         if let Some((wire, at)) = self.memory.insert_at.take() {
@@ -67,28 +69,28 @@ impl Canvas {
     ) {
         let document = &state.document;
         match (task, pick) {
-            (Task::Add { at, link, dropped }, Pick::Kind(def, wired)) => {
+            (Task::Add { at, link, dropped }, Pick::Kind(def, wired, set)) => {
                 let link = link.as_ref().filter(|_| wired);
                 let at = commands::place_new(faces, def, *at, link, *dropped);
                 let (edit, id) = edits::add(document, def, at, link);
                 self.memory.used(def);
-                out.push(Event::Edit(edit));
+                out.push(Event::Edit(edits::and_set(edit, &id, set)));
                 out.push(Event::Select(Select::Nodes(vec![id])));
             }
-            (Task::Insert(wire, at), Pick::Kind(def, _)) => {
+            (Task::Insert(wire, at), Pick::Kind(def, _, set)) => {
                 let at = *at - vec2(faces::WIDTH / 2.0, faces::HEADER);
                 match edits::insert_new(document, def, at, wire) {
                     Ok((edit, id)) => {
                         self.memory.used(def);
-                        out.push(Event::Edit(edit));
+                        out.push(Event::Edit(edits::and_set(edit, &id, set)));
                         out.push(Event::Select(Select::Nodes(vec![id])));
                     }
                     Err(why) => out.push(Event::Say(Note::warning(why))),
                 }
             }
-            (Task::Swap(id), Pick::Kind(def, _)) => {
+            (Task::Swap(id), Pick::Kind(def, _, set)) => {
                 match wiring::change_kind(document, id, def.id) {
-                    Ok(edit) => out.push(Event::Edit(edit)),
+                    Ok(edit) => out.push(Event::Edit(edits::and_set(edit, id, set))),
                     Err(why) => out.push(Event::Say(Note::error(why).of(id.clone()))),
                 }
             }

@@ -10,6 +10,7 @@ use super::look;
 use super::node::{self, Detail, End, Mood};
 use super::wires::{self, Run, Wire};
 use crate::editor::event::Event;
+use crate::editor::panel;
 use crate::editor::state::{Select, State};
 use crate::editor::theme;
 use coif_graphs::document::NodeId;
@@ -107,26 +108,33 @@ impl Scene<'_> {
                 self.memory.name_frame(name.clone(), &frame.text);
             }
             touched.title.context_menu(|ui| {
-                for (number, (label, colour)) in look::FRAMES.iter().enumerate() {
-                    let text = egui::RichText::new(format!("\u{25A0} {label}"));
-                    if ui.button(text.color(colour.lerp_to_gamma(Color32::WHITE, 0.35))).clicked() {
-                        let frame =
-                            coif_graphs::document::Frame { colour: number as u8, ..frame.clone() };
-                        let edit = Edit::SetFrame { name: name.clone(), frame: Some(frame) };
+                panel::list(ui, |ui| {
+                    for (number, (label, colour)) in look::FRAMES.iter().enumerate() {
+                        let text = egui::RichText::new(format!("\u{25A0} {label}"));
+                        if ui
+                            .button(text.color(colour.lerp_to_gamma(Color32::WHITE, 0.35)))
+                            .clicked()
+                        {
+                            let frame = coif_graphs::document::Frame {
+                                colour: number as u8,
+                                ..frame.clone()
+                            };
+                            let edit = Edit::SetFrame { name: name.clone(), frame: Some(frame) };
+                            self.out.push(Event::Edit(edit));
+                            ui.close();
+                        }
+                    }
+                    ui.separator();
+                    if ui.button("Rename frame").clicked() {
+                        self.memory.name_frame(name.clone(), &frame.text);
+                        ui.close();
+                    }
+                    if ui.button("Remove frame").clicked() {
+                        let edit = Edit::SetFrame { name: name.clone(), frame: None };
                         self.out.push(Event::Edit(edit));
                         ui.close();
                     }
-                }
-                ui.separator();
-                if ui.button("Rename frame").clicked() {
-                    self.memory.name_frame(name.clone(), &frame.text);
-                    ui.close();
-                }
-                if ui.button("Remove frame").clicked() {
-                    let edit = Edit::SetFrame { name: name.clone(), frame: None };
-                    self.out.push(Event::Edit(edit));
-                    ui.close();
-                }
+                })
             });
         }
     }

@@ -4,7 +4,7 @@
 //! order; one slip of the finger still finds. The same letters and hints always give the same list.
 //! Knows nothing of windows; what is typed may be in any script.
 
-use coif_nodes::define::NodeDef;
+use coif_nodes::define::{InputDef, NodeDef, Type};
 use std::collections::BTreeMap;
 
 /// How well something fits what was typed; smaller is better.
@@ -176,13 +176,97 @@ pub(crate) fn find(
     found.into_iter().map(|(_, def)| def).collect()
 }
 
+/// Why a node was found whose label does not say it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Why {
+    /// A choice that it has: the input and its word, which can be set.
+    Choice(&'static str, &'static str),
+    /// An input of it.
+    Input(&'static str),
+    /// Another word for it.
+    Word(&'static str),
+    /// Its manual has the words.
+    Manual,
+}
+
+impl Why {
+    /// What stands behind the node's label.
+    pub(crate) fn text(self) -> String {
+        let spoken = |name: &str| name.replace('_', " ");
+        match self {
+            Self::Choice(input, word) => format!("{} {}", spoken(input), spoken(word)),
+            Self::Input(input) => spoken(input),
+            Self::Word(word) => format!("\u{201C}{word}\u{201D}"),
+            Self::Manual => "in its manual".to_owned(),
+        }
+    }
+}
+
+/// Why a node fits what was typed; none where its label says so.
+pub(crate) fn why(typed: &str, def: &'static NodeDef) -> Option<Why> {
+    let typed = fold(typed);
+    let label = fold(def.label);
+    if typed.is_empty() || fold(def.id) == typed || label.starts_with(&typed) {
+        return None;
+    }
+    let in_label = |word: &&str| label.split(' ').any(|part| part.starts_with(*word));
+    // The words that the label does not explain.
+    let odd: Vec<&str> = typed.split(' ').filter(|word| !in_label(word)).collect();
+    if odd.is_empty() {
+        return None;
+    }
+    let choices = def.inputs.iter().flat_map(|input| match input.ty {
+        Type::Choice(words) => words.iter().map(|(word, _)| (input.name, *word)).collect(),
+        _ => vec![],
+    });
+    let named = |input: &str, word: &str| fold(input).split(' ').any(|part| part == word);
+    let says = |(input, choice): &(&str, &str)| {
+        let choice = fold(choice);
+        odd.contains(&&*choice) && odd.iter().all(|word| choice == *word || named(input, word))
+    };
+    if let Some((input, word)) = choices.clone().find(says) {
+        return Some(Why::Choice(input, word));
+    }
+    let all_in = |text: &str| {
+        let text = fold(text);
+        odd.iter().all(|word| text.split(' ').any(|part| part.starts_with(word)))
+    };
+    let input = def.inputs.iter().find(|input| all_in(input.name));
+    // Of several, the one that is called so before all else.
+    let place = |input: &&InputDef| {
+        let words = fold(input.words);
+        words.split(' ').position(|word| odd.iter().any(|typed| word.starts_with(typed)))
+    };
+    let input = input.or_else(|| {
+        let all = def.inputs.iter().filter(|input| all_in(input.words));
+        all.min_by_key(place)
+    });
+    // An input says more than the word alone.
+    if let Some(input) = input {
+        return Some(Why::Input(input.name));
+    }
+    let word = |word: &&'static str| odd.iter().any(|typed| fold(word).starts_with(typed));
+    if let Some(word) = def.words.split(' ').find(word) {
+        return Some(Why::Word(word));
+    }
+    let manual = fold(&def.doc());
+    odd.iter()
+        .all(|word| manual.split(' ').any(|part| part.starts_with(word)))
+        .then_some(Why::Manual)
+}
+
 fn score_node(typed: &str, def: &'static NodeDef) -> Option<Score> {
     let (label, id, words) = (def.label, def.id, def.words);
     // Manuals are long; most searches end before them.
     let short = Entry { label, id, words, ..Entry::default() };
     score(typed, &short).or_else(|| {
-        let parts: Vec<&str> =
+        let mut parts: Vec<&str> =
             def.inputs.iter().flat_map(|input| [input.name, input.words]).collect();
+        for input in def.inputs {
+            if let Type::Choice(words) = input.ty {
+                parts.extend(words.iter().map(|(word, _)| *word));
+            }
+        }
         let (parts, doc) = (parts.join(" "), def.doc());
         score(typed, &Entry { parts: &parts, doc: &doc, ..short })
     })
@@ -297,6 +381,32 @@ mod tests {
             .map(|(typed, wanted)| format!("{typed:?} finds {}, not {wanted}", first(typed)))
             .collect();
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    }
+
+    #[test]
+    fn a_hit_says_why_it_is_one_and_a_choice_can_be_set() {
+        let check = |typed: &str, id: &str, expected: Option<Why>| {
+            let found = find(typed, coif_nodes::all(), &Hints::default());
+            let def = found.iter().find(|def| def.id == id);
+            let def = def.unwrap_or_else(|| panic!("{typed:?} does not find {id}"));
+            assert_eq!(why(typed, def), expected, "{typed}");
+        };
+        check("noise", "cluster_to_strands", Some(Why::Input("frizz")));
+        check("4c", "shape_list_curl", Some(Why::Choice("preset", "4c")));
+        check("curl 4c", "shape_list_curl", Some(Why::Choice("preset", "4c")));
+        check("preset 2b", "shape_list_curl", Some(Why::Choice("preset", "2b")));
+        check("plait", "lissajous_braid", Some(Why::Word("plait")));
+        check("curl", "shape_list_curl", None);
+        check("shape list", "shape_list_curl", None);
+        // Whatever finds a node says why, but for its own name and a slip of the finger.
+        for (typed, id) in TABLE {
+            let def = coif_nodes::by_id(id).unwrap();
+            let label = fold(def.label);
+            let plain = fold(typed).split(' ').all(|word| label.contains(word));
+            let score = score_node(typed, def).unwrap();
+            let odd = score.tier >= LETTERS && score.tier < PART;
+            assert!(plain || odd || why(typed, def).is_some(), "{typed} finds {id}, but why?");
+        }
     }
 
     #[test]

@@ -44,7 +44,7 @@ impl Canvas {
     }
 
     /// A place of the canvas on the screen.
-    pub(super) fn to_screen(&self, at: Pos2) -> Pos2 {
+    pub(crate) fn to_screen(&self, at: Pos2) -> Pos2 {
         let middle = self.area.map_or(Pos2::ZERO, |area| area.center());
         middle + (at - self.view.scene_rect.center()) * self.scale()
     }

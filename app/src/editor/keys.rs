@@ -9,8 +9,9 @@ use egui::{Event, Key, KeyboardShortcut, Modifiers};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// The action that opens the palette, which takes what is typed from then on.
-const PALETTE: &str = "window.palette";
+/// Actions that open a field, which takes what is typed from then on.
+const OPENERS: &[&str] =
+    &["window.palette", "canvas.add", "canvas.connect", "node.swap", "node.rename", "node.note"];
 
 /// What is shipped.
 const SHIPPED: &str = include_str!("keys.ron");
@@ -110,8 +111,8 @@ impl Keys {
     }
 
     /// Takes the keys that were pressed out of the input and gives what they do. Rooms go before what counts anywhere, more
-    /// modifiers before fewer. Keys after those of the palette are left to it.
-    pub fn pressed(&self, ctx: &egui::Context, room: Room) -> Vec<&'static str> {
+    /// modifiers before fewer. Keys after one that opens a field are left to that. `escapes`: Escape does something here.
+    pub fn pressed(&self, ctx: &egui::Context, room: Room, escapes: bool) -> Vec<&'static str> {
         let typing = ctx.egui_wants_keyboard_input();
         let mut lines: Vec<(Context, &str, KeyboardShortcut)> = self
             .bound
@@ -126,17 +127,17 @@ impl Keys {
         lines.sort_by_key(|(context, _, keys)| {
             (std::cmp::Reverse(weight(keys.modifiers)), *context == Context::Anywhere)
         });
-        // Escape closes what is open first.
-        let closes = egui::Popup::is_any_open(ctx);
         let escape = KeyboardShortcut::new(Modifiers::NONE, Key::Escape);
-        let opens = self.bound.get(&(Context::Anywhere, PALETTE.to_owned()));
+        let opens: Vec<KeyboardShortcut> = lines
+            .iter()
+            .filter(|(_, id, keys)| OPENERS.contains(id) && !(typing && types_text(keys)))
+            .map(|(.., keys)| *keys)
+            .collect();
         let later = ctx.input_mut(|input| {
             let opened = |event: &Event| match event {
-                Event::Key { key, pressed: true, modifiers, .. } => opens.is_some_and(|opens| {
-                    opens
-                        .iter()
-                        .any(|o| o.logical_key == *key && modifiers.matches_logically(o.modifiers))
-                }),
+                Event::Key { key, pressed: true, modifiers, .. } => opens
+                    .iter()
+                    .any(|o| o.logical_key == *key && modifiers.matches_logically(o.modifiers)),
                 _ => false,
             };
             let at = input.events.iter().position(opened);
@@ -144,7 +145,7 @@ impl Keys {
         });
         let mut done = vec![];
         for (_, id, keys) in lines {
-            if (typing && types_text(&keys)) || (closes && keys == escape) {
+            if (typing && types_text(&keys)) || (!escapes && keys == escape) {
                 continue;
             }
             if ctx.input_mut(|input| input.consume_shortcut(&keys))
@@ -175,6 +176,15 @@ impl Keys {
         }
         clashes
     }
+}
+
+/// Where Escape stands among what was done in a frame.
+pub(super) fn escape_at(events: &[Event]) -> Option<usize> {
+    let is_escape = |event: &Event| match event {
+        Event::Key { key: Key::Escape, pressed: true, modifiers, .. } => modifiers.is_none(),
+        _ => false,
+    };
+    events.iter().position(is_escape)
 }
 
 /// Keys that a text field needs itself.

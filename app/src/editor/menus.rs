@@ -3,7 +3,9 @@
 use super::Editor;
 use super::actions::{self, MENUS};
 use super::keys::name_of;
-use super::{rooms::Room, theme};
+use super::{documents, panel, rooms::Room, theme};
+use crate::inspector::text::spoken;
+use crate::words::counted;
 use coif_nodes::define::NodeDef;
 use egui::{Button, Panel, RichText};
 
@@ -11,31 +13,36 @@ use egui::{Button, Panel, RichText};
 pub(crate) fn bar(editor: &mut Editor, ui: &mut egui::Ui) {
     let mut picked = None;
     Panel::top("menus").show(ui, |ui| {
-        egui::MenuBar::new().ui(ui, |ui| {
-            for menu in MENUS {
-                let mut entries = actions::all().filter(|a| a.menu == *menu).peekable();
-                if entries.peek().is_none() {
-                    continue;
-                }
-                ui.menu_button(*menu, |ui| {
-                    for action in entries {
-                        let allowed = (action.when)(editor);
-                        let keys = editor.keys.of(action.id).map(|k| name_of(&k));
-                        let mut button = Button::new(action.label);
-                        if let Some(keys) = keys {
-                            button = button.shortcut_text(keys);
-                        }
-                        let response = ui
-                            .add_enabled(allowed.is_ok(), button)
-                            .on_hover_text(action.tip)
-                            .on_disabled_hover_text(allowed.err().unwrap_or_default());
-                        if response.clicked() {
-                            picked = Some(action.id);
-                            ui.close();
-                        }
+        // Where the window is narrower than the menus, they scroll.
+        egui::ScrollArea::horizontal().show(ui, |ui| {
+            egui::MenuBar::new().ui(ui, |ui| {
+                for menu in MENUS {
+                    let mut entries = actions::all().filter(|a| a.menu == *menu).peekable();
+                    if entries.peek().is_none() {
+                        continue;
                     }
-                });
-            }
+                    ui.menu_button(*menu, |ui| {
+                        panel::list(ui, |ui| {
+                            for action in entries {
+                                let allowed = (action.when)(editor);
+                                let keys = editor.keys.of(action.id).map(|k| name_of(&k));
+                                let mut button = Button::new(action.label);
+                                if let Some(keys) = keys {
+                                    button = button.shortcut_text(keys);
+                                }
+                                let response = ui
+                                    .add_enabled(allowed.is_ok(), button)
+                                    .on_hover_text(action.tip)
+                                    .on_disabled_hover_text(allowed.err().unwrap_or_default());
+                                if response.clicked() {
+                                    picked = Some(action.id);
+                                    ui.close();
+                                }
+                            }
+                        });
+                    });
+                }
+            });
         });
     });
     if let Some(action) = picked {
@@ -43,19 +50,20 @@ pub(crate) fn bar(editor: &mut Editor, ui: &mut egui::Ui) {
     }
 }
 
-/// The line at the bottom: what runs, what was said last.
+/// The line at the bottom: what runs, what is written, what was said just now. Its height never changes, whatever it says.
 pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
+    let mut out = vec![];
     Panel::bottom("status").show(ui, |ui| {
         ui.horizontal(|ui| {
+            ui.set_min_height(ui.spacing().interact_size.y);
             let run = &editor.state.run;
             match run.since {
                 Some(since) => {
                     let (done, of) = run.nodes;
-                    let text = format!(
-                        "evaluating {} ({done} of {of} nodes, {:.1} s)",
-                        run.node,
-                        since.elapsed().as_secs_f32()
-                    );
+                    let name = editor.state.called(&run.node);
+                    let seconds = since.elapsed().as_secs_f32();
+                    let nodes = counted(of, "node");
+                    let text = format!("evaluating {name} ({done} of {nodes}, {seconds:.1} s)");
                     ui.spinner();
                     ui.label(text);
                     if ui.button("Stop").on_hover_text("Keeps the last picture (Escape)").clicked()
@@ -71,23 +79,30 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
                 }
             }
             ui.separator();
-            if let Some(note) = editor.state.notes.all().last() {
+            if documents::export_line(&editor.documents, ui, &mut out) {
+                return;
+            }
+            // Old news leaves; the messages keep it.
+            let news = editor.toasts.is_news(editor.now);
+            if let Some(note) = editor.state.notes.all().last().filter(|_| news) {
                 ui.add(egui::Label::new(RichText::new(&note.text).color(theme::QUIET)).truncate());
             }
         });
     });
+    for event in out {
+        editor.apply(event);
+    }
 }
 
 /// The keys that count in the room that keys are for, and the manual of the active node.
 pub(crate) fn key_sheet(editor: &mut Editor, ctx: &egui::Context) {
     let room: Room = editor.state.focus;
     let mut open = true;
-    egui::Window::new(format!("Keys: {}", room.title()))
-        .id("key sheet".into())
+    panel::window(format!("Keys: {}", room.title()), "key sheet", ctx)
         .open(&mut open)
         .default_size([440.0, 520.0])
         .show(ctx, |ui| {
-            egui::ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
+            panel::body(ui, 300.0, |ui| {
                 egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
                     for (id, keys) in editor.keys.in_room(room) {
                         let Some(action) = actions::by_id(id) else { continue };
@@ -116,7 +131,7 @@ fn manual(def: &NodeDef, ui: &mut egui::Ui) {
     ui.label(def.doc());
     for input in def.inputs {
         ui.add_space(4.0);
-        ui.label(RichText::new(input.name.replace('_', " ")).color(theme::ACCENT));
+        ui.label(RichText::new(spoken(input.name)).color(theme::ACCENT));
         ui.label(input.doc());
         if let Some((least, most)) = input.hard {
             let unit = input.unit.suffix();

@@ -9,6 +9,7 @@ use super::event::Event;
 use super::notes::{Gravity, Note};
 use super::rooms::Room;
 use super::state::{Select, State};
+use crate::inspector::text::spoken;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::graph::{Severity, check};
 use coif_graphs::document::{Document, NodeId};
@@ -41,11 +42,11 @@ pub struct Message {
 }
 
 impl Message {
-    fn new(gravity: Gravity, place: String, text: impl Into<String>) -> Self {
+    fn new(gravity: Gravity, place: impl Into<String>, text: impl Into<String>) -> Self {
         Self {
             gravity,
             node: None,
-            place,
+            place: place.into(),
             text: text.into(),
             remedy: String::new(),
             curves: (0, 0),
@@ -71,11 +72,11 @@ impl Message {
 
     fn curves_in_words(&self) -> Option<String> {
         let (n, of) = self.curves;
-        let known = |n| crate::words::grouped(n);
+        use crate::words::{counted, grouped};
         match (n, of) {
             (0, _) => None,
-            (n, of) if of >= n => Some(format!("{} of {} curves", known(n), known(of))),
-            (n, _) => Some(format!("{} curves", known(n))),
+            (n, of) if of >= n => Some(format!("{} of {}", grouped(n), counted(of, "curve"))),
+            (n, _) => Some(counted(n, "curve")),
         }
     }
 }
@@ -123,6 +124,12 @@ pub fn all(state: &State) -> Vec<Message> {
         }
     }
     all.sort_by_key(|message| std::cmp::Reverse(message.gravity));
+    // What two ways lead to is one thing.
+    let mut told = BTreeSet::new();
+    all.retain(|message| {
+        let text = message.text.trim_end_matches('.').to_lowercase();
+        told.insert((message.node.clone(), text))
+    });
     all
 }
 
@@ -134,7 +141,7 @@ fn of_document(document: &Document) -> Vec<Message> {
         };
         let mut message = about(document, &problem.node, gravity, &problem.text);
         if let Some(socket) = &problem.socket {
-            message.place += &format!(".{socket}");
+            message.place += &format!(", {}", spoken(socket));
         }
         message.remedy = problem.remedy;
         message
@@ -144,13 +151,14 @@ fn of_document(document: &Document) -> Vec<Message> {
 
 fn about(document: &Document, id: &NodeId, gravity: Gravity, text: &str) -> Message {
     let node = Some(id.clone());
-    Message { node, ..Message::new(gravity, document.name_of(id).to_owned(), text) }
+    Message { node, ..Message::new(gravity, document.name_of(id), text) }
 }
 
 fn of_note(document: &Document, note: &Note) -> Message {
-    let mut place = note.node.as_ref().map_or("", |id| document.name_of(id)).to_owned();
+    let mut place =
+        note.node.as_ref().map_or_else(String::new, |id| document.name_of(id).into_owned());
     if let Some(input) = &note.input {
-        place += &format!(".{input}");
+        place += &format!(", {}", spoken(input));
     }
     Message { node: note.node.clone(), ..Message::new(note.gravity, place, note.text.clone()) }
 }
@@ -356,7 +364,7 @@ mod tests {
         let document = &ui.state().state.document;
         let (to, _) = document.links.iter().find(|(to, _)| &*to.name == "scalp").unwrap();
         let cut = Edit::SetWires { to: to.clone(), from: vec![] };
-        let place = format!("{}.scalp", document.name_of(&to.node));
+        let place = format!("{}, Scalp", document.name_of(&to.node));
         ui.state_mut().apply(Event::Edit(cut));
         let all = all(&ui.state().state);
         let about: Vec<&Message> = all.iter().filter(|m| m.place == place).collect();

@@ -10,6 +10,7 @@ pub mod actions;
 pub mod documents;
 pub mod evaluation;
 pub mod event;
+mod fonts;
 mod history;
 pub mod keys;
 pub mod lineage;
@@ -18,11 +19,15 @@ pub mod messages;
 pub mod notes;
 mod outliner;
 mod palette;
+pub(crate) mod panel;
 pub mod rooms;
 pub mod settings;
 mod spreadsheet;
 pub mod state;
+#[cfg(test)]
+mod tests;
 pub mod theme;
+mod toasts;
 mod tour;
 pub mod visibility;
 
@@ -51,14 +56,16 @@ use settings::{Evaluate, Settings};
 use spreadsheet::Spreadsheet;
 use state::{OpenFile, State};
 use std::path::PathBuf;
+use toasts::Toasts;
 use tour::Tour;
 
 /// Nudges of one value within so many seconds are one undo step.
 const NUDGE_SECONDS: f64 = 0.7;
 /// Where all hair was made within this time, milliseconds, what is dragged is shown whole.
 const QUICK_MS: f64 = 20.0;
-/// A final evaluation that took longer (milliseconds) is led by a preview when something changes.
-const SLOW_MS: f64 = 250.0;
+/// A final evaluation that took longer (milliseconds) is led by a preview when something changes; the picture of one that
+/// did not begins anew once.
+const SLOW_MS: f64 = 1000.0;
 
 /// The editor.
 pub struct Editor {
@@ -81,6 +88,11 @@ pub struct Editor {
     /// The pen room: tools, and what they hold.
     pub pen: Pen,
     dock: DockState<Room>,
+    toasts: Toasts,
+    /// Where the rooms were drawn last.
+    rooms: Vec<(Room, egui::Rect)>,
+    /// A field had the keyboard when the last frame ended.
+    types: bool,
     evaluation: Option<Evaluation>,
     /// What was asked of the evaluation last.
     asked: Option<Wanted>,
@@ -90,6 +102,8 @@ pub struct Editor {
     pub(crate) now: f64,
     nudged: f64,
     last_final_ms: f64,
+    /// The first state of this document.
+    born: u64,
 }
 
 /// What decides whether to evaluate again.
@@ -134,6 +148,9 @@ impl Editor {
             outliner: Outliner::default(),
             pen: Pen::default(),
             dock: rooms::first_layout(),
+            toasts: Toasts::default(),
+            rooms: vec![],
+            types: false,
             evaluation,
             asked: None,
             forced: false,
@@ -141,6 +158,7 @@ impl Editor {
             nudged: f64::NEG_INFINITY,
             // Nothing is known yet: a preview comes first.
             last_final_ms: f64::INFINITY,
+            born: 0,
         }
     }
 
@@ -176,8 +194,10 @@ impl Editor {
             }
             self.state.run = evaluation.status();
         }
+        self.follow_pointer(&ctx);
+        let spent = self.closes_topmost(&ctx);
         if !self.palette.is_open() && !self.documents.takes_keys() {
-            for action in self.keys.pressed(&ctx, self.state.focus) {
+            for action in self.keys.pressed(&ctx, self.state.focus, !spent) {
                 self.act(action);
             }
         }
@@ -186,9 +206,12 @@ impl Editor {
         }
         menus::bar(self, ui);
         menus::status(self, ui);
+        panel::keep_room(&ctx, ui.available_rect_before_wrap());
         documents::panels(self, ui);
         let mut events = vec![];
+        self.rooms.clear();
         let mut dock = std::mem::replace(&mut self.dock, DockState::new(vec![]));
+        let (shares, held) = (rooms::shares(&dock), rooms::held_split(&dock, &ctx));
         let mut tabs = Tabs { editor: self, out: &mut events };
         egui::CentralPanel::default().frame(egui::Frame::NONE.fill(theme::GROUND)).show(ui, |ui| {
             DockArea::new(&mut dock)
@@ -197,19 +220,46 @@ impl Editor {
                 .show_leaf_collapse_buttons(false)
                 .show_inside(ui, &mut tabs);
         });
+        rooms::keep_shares(&mut dock, &shares, held);
         self.dock = dock;
         self.settings_panel.ui(&self.state.settings, &self.keys, &ctx, &mut events);
         if self.key_sheet {
             menus::key_sheet(self, &ctx);
         }
+        toasts::ui(self, &ctx);
         tour::ui(self, &ctx);
         for event in events {
             self.apply(event);
         }
         documents::after(self, &ctx);
+        self.shield(&ctx);
+        self.types = ctx.text_edit_focused();
         self.evaluate();
         if self.state.run.since.is_some() {
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
+        }
+    }
+
+    /// Keys are for the room that the pointer moves over, or that something is dragged from. A pointer at rest leaves them
+    /// where other keys led them.
+    fn follow_pointer(&mut self, ctx: &egui::Context) {
+        let told = |event: &egui::Event| {
+            matches!(event, egui::Event::PointerMoved(_) | egui::Event::PointerButton { .. })
+        };
+        let at = ctx.input(|input| {
+            let pointer = &input.pointer;
+            let held = pointer.press_origin().filter(|_| pointer.any_down());
+            let at = held.or(pointer.latest_pos());
+            at.filter(|_| input.events.iter().any(told))
+        });
+        let Some(at) = at else { return };
+        // What stands over the rooms is none of them.
+        let over = ctx.layer_id_at(at).filter(|layer| layer.order > egui::Order::Background);
+        if over.is_some_and(|layer| !Canvas::owns(layer.id)) {
+            return;
+        }
+        if let Some((room, _)) = self.rooms.iter().find(|(_, rect)| rect.contains(at)) {
+            self.state.focus = *room;
         }
     }
 
@@ -311,7 +361,15 @@ impl Editor {
         }
     }
 
-    /// Another document takes the place of this one. The last picture stays until there is one of it.
+    /// What was of the document before goes with it: its hair, its picture, and symmetry, which was meant for it.
+    pub(crate) fn forget_the_last(&mut self) {
+        self.born = self.state.revision;
+        self.state.shown = None;
+        self.viewport.forget(self.born);
+        self.state.settings.pen.symmetry = false;
+    }
+
+    /// Another document takes the place of this one.
     pub(crate) fn replace(&mut self, document: Document, file: OpenFile, history: History) {
         let state = &mut self.state;
         let new = State::new(document, file, state.settings.clone());
@@ -356,7 +414,7 @@ impl Editor {
     }
 
     fn finished(&mut self, finished: Finished) {
-        if let Some(shown) = finished.shown {
+        if let Some(shown) = finished.shown.filter(|shown| shown.revision >= self.born) {
             if shown.is_final() {
                 self.last_final_ms = shown.ms;
             }
@@ -471,10 +529,7 @@ impl egui_dock::TabViewer for Tabs<'_> {
         room.title().into()
     }
     fn ui(&mut self, ui: &mut egui::Ui, room: &mut Room) {
-        let over = ui.rect_contains_pointer(ui.max_rect());
-        if over && ui.input(|input| input.pointer.any_pressed()) {
-            self.editor.state.focus = *room;
-        }
+        self.editor.rooms.push((*room, ui.max_rect()));
         let Editor {
             state, viewport, pen, canvas, inspector, spreadsheet, outliner, messages, ..
         } = &mut *self.editor;
@@ -535,6 +590,7 @@ pub fn run(document: Document, file: OpenFile, greets: bool) -> Result<(), Strin
         "coif",
         options,
         Box::new(move |cc| {
+            fonts::load(&cc.egui_ctx);
             let mut editor = Editor::new(&cc.egui_ctx, document, file);
             editor.viewport.start(&cc.egui_ctx);
             editor.pen.devices.connect(cc, &cc.egui_ctx);

@@ -103,8 +103,9 @@ pub struct Notes {
 const MOST: usize = 500;
 
 impl Notes {
-    /// Adds a note behind the others; one that repeats the last is not said twice.
+    /// Adds a note behind the others; one that repeats the last is listed once, but news again.
     pub fn say(&mut self, note: Note) {
+        self.count += 1;
         if self.said.last() == Some(&note) {
             return;
         }
@@ -112,9 +113,8 @@ impl Notes {
             self.said.remove(0);
         }
         self.said.push(note);
-        self.count += 1;
     }
-    /// Goes up with every change.
+    /// Goes up whenever something is said, or all is forgotten.
     pub fn count(&self) -> usize {
         self.count
     }

@@ -6,6 +6,7 @@
 use super::Editor;
 use super::actions::{self, Action};
 use super::keys::name_of;
+use super::panel;
 use egui::{Align2, Area, Frame, Key, Modifiers, Order, RichText, ScrollArea, TextEdit};
 
 /// What is open, typed and chosen.
@@ -20,6 +21,10 @@ impl Palette {
     /// Opens it, empty.
     pub(crate) fn open(&mut self) {
         *self = Self { open: true, ..Self::default() };
+    }
+    /// Closes it; whether it was open.
+    pub(crate) fn close(&mut self) -> bool {
+        std::mem::take(&mut self.open)
     }
     /// Whether it takes the keys.
     pub(crate) fn is_open(&self) -> bool {
@@ -50,6 +55,17 @@ fn rank(action: &Action, typed: &str) -> Option<u32> {
     typed.chars().filter(|c| !c.is_whitespace()).all(|c| left.any(|l| l == c)).then_some(1)
 }
 
+/// The word that an action was found by, where its label does not say it.
+fn why(action: &'static Action, typed: &str) -> Option<&'static str> {
+    let typed = typed.trim().to_lowercase();
+    if rank(action, &typed) != Some(2) {
+        return None;
+    }
+    let label = action.label.to_lowercase();
+    let odd = typed.split_whitespace().find(|word| !label.contains(*word))?.to_owned();
+    action.words.split(' ').find(|word| word.to_lowercase().starts_with(&odd))
+}
+
 /// Actions that answer what was typed, best first.
 pub(crate) fn found(typed: &str) -> Vec<&'static Action> {
     let mut ranked: Vec<(u32, &Action)> =
@@ -78,7 +94,7 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
         .anchor(Align2::CENTER_TOP, [0.0, 60.0])
         .show(ctx, |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
-                ui.set_width(440.0);
+                ui.set_width(440.0_f32.min(panel::room(ctx).width() - 24.0));
                 let field = TextEdit::singleline(&mut typed)
                     .id(field_id)
                     .hint_text("What is to be done?")
@@ -91,7 +107,16 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
                 chosen = chosen.min(last);
                 chosen = if down { (chosen + 1).min(last) } else { chosen };
                 chosen = if up { chosen.saturating_sub(1) } else { chosen };
-                ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
+                // As large with one answer or none as with all: what one looks at stays.
+                let room = (panel::room(ctx).height() - 120.0).clamp(24.0, 360.0);
+                let list = ScrollArea::vertical().max_height(room).min_scrolled_height(room);
+                list.auto_shrink(false).show(ui, |ui| {
+                    if all.is_empty() {
+                        let text =
+                            format!("No action answers to \u{201C}{}\u{201D}.", typed.trim());
+                        ui.label(RichText::new(text).weak());
+                        ui.label(RichText::new("Nodes are added with Tab over the nodes.").weak());
+                    }
                     for (i, action) in all.iter().enumerate() {
                         let allowed = (action.when)(editor);
                         ui.horizontal(|ui| {
@@ -100,6 +125,10 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
                                 action.label.to_owned()
                             } else {
                                 format!("{}: {}", action.menu, action.label)
+                            };
+                            let text = match why(action, &typed) {
+                                Some(word) => format!("{text} \u{201C}{word}\u{201D}"),
+                                None => text,
                             };
                             let row = ui
                                 .add_enabled_ui(allowed.is_ok(), |ui| {

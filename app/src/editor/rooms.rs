@@ -1,6 +1,6 @@
 //! The rooms of the window and how they are docked.
 
-use egui_dock::{DockState, NodeIndex, SurfaceIndex};
+use egui_dock::{DockState, Node, NodeIndex, SurfaceIndex};
 use serde::{Deserialize, Serialize};
 
 /// A part of the window with a tab of its own.
@@ -66,6 +66,79 @@ pub fn show(dock: &mut DockState<Room>, room: Room) {
             dock.set_active_tab(found).ok();
         }
         None => dock[SurfaceIndex::main()].push_to_first_leaf(room),
+    }
+}
+
+/// How splits share their room, by the number of the node.
+pub(super) fn shares(dock: &DockState<Room>) -> Vec<Option<f32>> {
+    let share = |node: &Node<Room>| match node {
+        Node::Vertical(split) | Node::Horizontal(split) => Some(split.fraction),
+        _ => None,
+    };
+    dock.main_surface().iter().map(share).collect()
+}
+
+/// The split whose border hands move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Held {
+    None,
+    /// Of this number.
+    One(usize),
+    /// Keys may move any.
+    Any,
+}
+
+/// How near to a border it can be taken, points.
+const REACH: f32 = 6.0;
+
+/// The split whose border the pointer holds, or that keys move.
+pub(super) fn held_split(dock: &DockState<Room>, ctx: &egui::Context) -> Held {
+    let id = egui::Id::new("held split");
+    let (pressed, held, at) = ctx.input(|input| {
+        let pointer = &input.pointer;
+        let held = pointer.any_down() || pointer.any_released();
+        (pointer.any_pressed(), held, pointer.press_origin().or(pointer.interact_pos()))
+    });
+    let (Some(at), true) = (at, held) else {
+        // Borders take arrow keys once Tab led to them.
+        let keys = ctx.memory(|memory| memory.focused().is_some()) && !ctx.text_edit_focused();
+        return if keys { Held::Any } else { Held::None };
+    };
+    let is_on = |node: &Node<Room>| match node {
+        Node::Vertical(split) => {
+            let y = egui::lerp(split.rect.y_range(), split.fraction);
+            split.rect.x_range().contains(at.x) && (at.y - y).abs() <= REACH
+        }
+        Node::Horizontal(split) => {
+            let x = egui::lerp(split.rect.x_range(), split.fraction);
+            split.rect.y_range().contains(at.y) && (at.x - x).abs() <= REACH
+        }
+        _ => false,
+    };
+    if pressed {
+        let taken = dock.main_surface().iter().position(is_on);
+        ctx.data_mut(|data| data.insert_temp(id, taken));
+    }
+    let taken = ctx.data(|data| data.get_temp::<Option<usize>>(id)).flatten();
+    taken.map_or(Held::None, Held::One)
+}
+
+/// Gives splits their shares back, but for the one that is held: a window that was small for a while, where no room has
+/// what it needs, changes none.
+pub(super) fn keep_shares(dock: &mut DockState<Room>, before: &[Option<f32>], held: Held) {
+    let now = shares(dock);
+    let same = now.len() == before.len()
+        && now.iter().zip(before).all(|(a, b)| a.is_some() == b.is_some());
+    // Somebody docked a room elsewhere.
+    if !same || held == Held::Any {
+        return;
+    }
+    for (at, (node, share)) in dock.main_surface_mut().iter_mut().zip(before).enumerate() {
+        if let (Node::Vertical(split) | Node::Horizontal(split), Some(share)) = (node, share)
+            && held != Held::One(at)
+        {
+            split.fraction = *share;
+        }
     }
 }
 

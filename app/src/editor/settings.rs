@@ -6,6 +6,7 @@
 use super::actions;
 use super::event::Event;
 use super::keys::Keys;
+use super::panel;
 use egui::{DragValue, Grid, Slider};
 use serde::{Deserialize, Serialize};
 
@@ -114,16 +115,17 @@ impl Panel {
     ) {
         let mut open = self.is_open;
         let mut new = now.clone();
-        egui::Window::new("Settings")
-            .id("settings".into())
+        panel::window("Settings", "settings", ctx)
             .open(&mut open)
             .resizable(false)
             .pivot(egui::Align2::CENTER_CENTER)
-            .default_pos(ctx.content_rect().center())
+            .default_pos(panel::room(ctx).center())
             .show(ctx, |ui| {
-                Grid::new("settings").num_columns(2).spacing([16.0, 8.0]).show(ui, |ui| {
-                    self.scale(&mut new, ui);
-                    rows(&mut new, keys, ui, out);
+                panel::body(ui, 420.0, |ui| {
+                    Grid::new("settings").num_columns(2).spacing([16.0, 8.0]).show(ui, |ui| {
+                        self.scale(&mut new, ui);
+                        rows(&mut new, keys, ui, out);
+                    });
                 });
             });
         self.is_open = open;

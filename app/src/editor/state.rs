@@ -9,6 +9,7 @@ use super::visibility::Visibility;
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, NodeId, Socket};
 use coif_nodes::define::NodeError;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -76,6 +77,12 @@ impl State {
             notes: Notes::default(),
             focus: Room::Viewport,
         }
+    }
+
+    /// What people call a node of this id, as reports name it.
+    pub fn called<'a>(&'a self, id: &'a str) -> Cow<'a, str> {
+        let id = self.document.nodes.get_key_value(id).map(|(id, _)| id);
+        id.map_or_else(Cow::default, |id| self.document.name_of(id))
     }
 
     /// Whether something is dragged that changes hair: previews are enough. A node that is moved on the canvas changes none.

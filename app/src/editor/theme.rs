@@ -60,6 +60,17 @@ pub fn apply(ctx: &egui::Context, pen: bool) {
     });
 }
 
+/// Something to choose among others, as large when it is chosen as when it is not: what stands beside it keeps its place.
+pub fn choice(ui: &mut egui::Ui, chosen: bool, label: &str) -> egui::Response {
+    ui.scope(|ui| {
+        let inactive = &mut ui.visuals_mut().widgets.inactive;
+        inactive.weak_bg_fill = Color32::TRANSPARENT;
+        inactive.bg_stroke.color = Color32::TRANSPARENT;
+        ui.add(egui::Button::selectable(chosen, label).frame_when_inactive(true))
+    })
+    .inner
+}
+
 /// Makes text and lines stand out more than [`apply`] does.
 pub fn strengthen(ctx: &egui::Context) {
     ctx.all_styles_mut(|style| {

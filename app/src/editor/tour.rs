@@ -2,6 +2,7 @@
 //! anybody, and nothing is locked meanwhile.
 
 use super::Editor;
+use super::panel;
 use super::state::State;
 use coif_graphs::document::{Document, Setting};
 use coif_nodes::define::Value;
@@ -142,18 +143,19 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) {
     let Some(step) = STEPS.get(number) else { return };
     let mut next = (step.done)(&before, editor);
     let mut stop = false;
-    egui::Window::new(format!("{} of {}: {}", number + 1, STEPS.len(), step.title))
-        .id("tour".into())
+    panel::window(format!("{} of {}: {}", number + 1, STEPS.len(), step.title), "tour", ctx)
         .anchor(egui::Align2::LEFT_BOTTOM, [12.0, -44.0])
         .collapsible(false)
         .resizable(false)
         .show(ctx, |ui| {
-            ui.set_max_width(320.0);
-            ui.label(step.text);
-            ui.horizontal(|ui| {
-                next |= ui.button("Skip").on_hover_text("Goes to the next step").clicked();
-                stop = ui.button("End the tour").on_hover_text("Help has it again").clicked();
-            });
+            panel::body(ui, 320.0, |ui| {
+                ui.set_max_width(320.0);
+                ui.label(step.text);
+                ui.horizontal(|ui| {
+                    next |= ui.button("Skip").on_hover_text("Goes to the next step").clicked();
+                    stop = ui.button("End the tour").on_hover_text("Help has it again").clicked();
+                });
+            })
         });
     if stop {
         return;

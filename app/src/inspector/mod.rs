@@ -4,6 +4,7 @@
 //! kept; a drag is one undo step, so is a typed value, and several nodes of one kind are edited in one step. It reads the
 //! state and says events; a document with odd values is shown, not corrected.
 
+mod colours;
 pub(crate) mod field;
 pub(crate) mod number;
 pub(crate) mod ramp;
@@ -19,6 +20,7 @@ mod value;
 
 use crate::editor::evaluation::Shown;
 use crate::editor::event::Event;
+use crate::editor::notes::Gravity;
 use crate::editor::state::{Select, State};
 use crate::editor::theme;
 use coif_graphs::document::edit::Edit;
@@ -27,7 +29,7 @@ use coif_graphs::document::{Node, NodeId, Setting};
 use coif_graphs::file::write_value;
 use coif_nodes::data::attributes::{Column, DECLARED};
 use coif_nodes::define::{InputDef, NodeDef, NodeError, Type};
-use egui::{Color32, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Color32, Label, RichText, ScrollArea, TextEdit, Ui};
 use field::Known;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Weak};
@@ -50,6 +52,8 @@ pub(crate) struct Inspector {
     /// Names to choose from, as of an evaluation.
     known: Known,
     known_of: Weak<Shown>,
+    /// Whether all that is said of the node is listed, not its worst alone.
+    says_all: bool,
 }
 
 impl Inspector {
@@ -62,6 +66,8 @@ impl Inspector {
             self.said.clear();
             self.filter.clear();
         }
+        self.messages(state, ui, out);
+        let said = self.said.len();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             // Room for the scroll bar, which would lie over what is at the right.
             ui.set_max_width((ui.available_width() - 8.0).max(1.0));
@@ -73,6 +79,10 @@ impl Inspector {
             ui.add_space(8.0);
         });
         self.gesture.settle(ui, out);
+        // What was said of what was typed is shown above.
+        if self.said.len() != said {
+            ui.ctx().request_repaint();
+        }
     }
 
     /// Looks up, where something changed, what is wrong and which names there are; not at every move of the hand.
@@ -94,7 +104,6 @@ impl Inspector {
         let def = coif_nodes::by_id(&node.kind);
         let nodes = alike(state, id, &node.kind);
         header(state, ui, (id, node), def, &nodes, out);
-        self.messages(state, ui, id, out);
         ui.separator();
         let Some(def) = def else {
             ui.label(format!("This version has no node {:?}.", node.kind));
@@ -123,7 +132,16 @@ impl Inspector {
         if inputs.iter().any(|input| wired(&input)) && inputs.iter().any(|input| !wired(&input)) {
             ui.separator();
         }
-        for input in inputs.iter().filter(|input| !wired(input)) {
+        if filter.trim().is_empty() {
+            colours::show(ui, &mut target, def, width);
+        }
+        // The seed is what one sets last.
+        let (seeds, others): (Vec<&'static InputDef>, Vec<&'static InputDef>) = inputs
+            .iter()
+            .copied()
+            .filter(|input| !wired(&input))
+            .partition(|input| input.name == "seed");
+        for input in others.into_iter().chain(seeds) {
             ui.push_id(input.name, |ui| row::show(ui, &mut target, input, known, width));
         }
         if inputs.is_empty() && !def.inputs.is_empty() {
@@ -133,8 +151,44 @@ impl Inspector {
         kept(ui, id, node, unknown, out);
     }
 
-    /// What is wrong with the node, worst first, each with its remedy.
-    fn messages(&self, state: &State, ui: &mut Ui, id: &NodeId, out: &mut Vec<Event>) {
+    /// What there is to say about a node, the worst first, each with its remedy: one line under the inputs, which opens. It
+    /// takes its room whether there is anything or not, so that no input moves when something is said.
+    fn messages(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
+        let said = state.active().map_or_else(Vec::new, |id| self.said_of(state, id));
+        let most = (ui.available_height() * 0.5).max(60.0);
+        egui::Panel::bottom("what nodes say").resizable(false).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.set_min_height(ui.spacing().interact_size.y);
+                let Some(worst) = said.first() else {
+                    ui.weak("Nothing to say.");
+                    return;
+                };
+                let more = match said.len() {
+                    1 => String::new(),
+                    n => format!(" (and {} more)", n - 1),
+                };
+                let sign = if self.says_all { "⏷" } else { "⏵" };
+                let text = format!("{sign} {} {}{more}", worst.sign(), worst.text);
+                let whole = text.clone();
+                let text = RichText::new(text).color(worst.colour());
+                let line = ui.add(Label::new(text).truncate().sense(egui::Sense::click()));
+                // Also what does not fit.
+                ui.ctx().accesskit_node_builder(line.id, |node| node.set_value(whole));
+                let tip = if self.says_all { "Closes the list" } else { "Opens the list" };
+                if line.on_hover_text(tip).clicked() {
+                    self.says_all = !self.says_all;
+                }
+            });
+            if self.says_all && !said.is_empty() {
+                ScrollArea::vertical().max_height(most).show(ui, |ui| {
+                    said.iter().for_each(|said| said.show(ui, state, out));
+                });
+            }
+        });
+    }
+
+    fn said_of(&self, state: &State, id: &NodeId) -> Vec<Said> {
+        let mut all = vec![];
         let problems = self.problems.as_ref().map_or(&[][..], |(_, problems)| problems);
         let mut failed = false;
         for problem in problems.iter().filter(|problem| problem.node == *id) {
@@ -142,12 +196,11 @@ impl Inspector {
             let socket = problem.socket.as_deref().map_or(String::new(), text::spoken);
             let head = if socket.is_empty() { String::new() } else { format!("{socket}: ") };
             let text = format!("{head}{}; {}.", problem.text, problem.remedy);
-            message(
-                ui,
-                problem.severity == Severity::Error,
-                problem.severity == Severity::Warning,
-                text,
-            );
+            let gravity = match problem.severity {
+                Severity::Error => Gravity::Error,
+                Severity::Warning => Gravity::Warning,
+            };
+            all.push(Said { gravity, text, ..Said::default() });
         }
         let reports = &state.run.reports;
         let report = reports.nodes.get(id);
@@ -156,42 +209,92 @@ impl Inspector {
             && !failed
         {
             failed = true;
-            message(ui, true, false, format!("{error}."));
+            all.push(Said {
+                gravity: Gravity::Error,
+                text: format!("{error}."),
+                ..Said::default()
+            });
         }
         for said in report.into_iter().flat_map(|report| &report.messages) {
-            ui.horizontal_wrapped(|ui| {
-                message(ui, false, said.warning, said.to_string());
-                if !said.curves.is_empty() && ui.link("select").clicked() {
-                    let curves: BTreeSet<u64> = said.curves.iter().copied().collect();
-                    out.push(Event::Select(Select::Curves(curves)));
-                }
-            });
+            let gravity = if said.warning { Gravity::Warning } else { Gravity::Note };
+            let curves = said.curves.iter().copied().collect();
+            all.push(Said { gravity, text: said.to_string(), curves, ..Said::default() });
         }
         let failures = reports.failures();
-        if failed || failures.is_empty() {
-            return;
+        if !failed && !failures.is_empty() {
+            let upstream = graph::upstream(&state.document, [id]);
+            let above = failures.iter().find_map(|(name, _)| upstream.get(*name));
+            if let Some(above) = above.filter(|above| *above != id) {
+                let text = format!("upstream: {}", state.document.name_of(above));
+                let above = Some(above.clone());
+                all.push(Said { gravity: Gravity::Error, text, above, ..Said::default() });
+            }
         }
-        let upstream = graph::upstream(&state.document, [id]);
-        let above = failures.iter().find_map(|(name, _)| upstream.get(*name));
-        if let Some(above) = above.filter(|above| *above != id) {
-            ui.horizontal_wrapped(|ui| {
-                ui.colored_label(theme::ERROR, "◇ upstream:");
-                if ui.link(state.document.name_of(above)).clicked() {
-                    out.push(Event::Select(Select::Nodes(vec![above.clone()])));
-                }
-            });
-        }
+        all.sort_by_key(|said| std::cmp::Reverse(said.gravity));
+        // What was just typed goes before all: it is what one waits for.
+        let typed = self.said.iter().map(|(input, text)| {
+            let text = format!("{}: {text}", text::spoken(input));
+            Said { gravity: Gravity::Warning, text, ..Said::default() }
+        });
+        all.splice(0..0, typed);
+        let mut told = BTreeSet::new();
+        all.retain(|said| told.insert(said.text.trim_end_matches('.').to_owned()));
+        all
     }
 }
 
-/// One message: a cross, a triangle or a dot before it.
-fn message(ui: &mut Ui, error: bool, warning: bool, text: String) {
-    let (sign, colour): (&str, Color32) = match (error, warning) {
-        (true, _) => ("✖", theme::ERROR),
-        (_, true) => ("⚠", theme::WARNING),
-        _ => ("•", theme::QUIET),
-    };
-    ui.label(RichText::new(format!("{sign} {text}")).color(colour));
+/// One thing that is said of a node.
+struct Said {
+    gravity: Gravity,
+    text: String,
+    /// The curves that it is about.
+    curves: BTreeSet<u64>,
+    /// The node above that failed.
+    above: Option<NodeId>,
+}
+
+impl Default for Said {
+    fn default() -> Self {
+        let (text, curves) = (String::new(), BTreeSet::new());
+        Self { gravity: Gravity::Note, text, curves, above: None }
+    }
+}
+
+impl Said {
+    /// A cross, a triangle or a dot; a hollow mark for what failed above.
+    fn sign(&self) -> &'static str {
+        match self.gravity {
+            _ if self.above.is_some() => "◇",
+            Gravity::Error => "✖",
+            Gravity::Warning => "⚠",
+            Gravity::Note => "•",
+        }
+    }
+
+    fn colour(&self) -> Color32 {
+        match self.gravity {
+            Gravity::Error => theme::ERROR,
+            Gravity::Warning => theme::WARNING,
+            Gravity::Note => theme::QUIET,
+        }
+    }
+
+    fn show(&self, ui: &mut Ui, state: &State, out: &mut Vec<Event>) {
+        ui.horizontal_wrapped(|ui| {
+            if let Some(above) = &self.above {
+                ui.colored_label(self.colour(), "◇ upstream:");
+                if ui.link(state.document.name_of(above)).clicked() {
+                    out.push(Event::Select(Select::Nodes(vec![above.clone()])));
+                }
+                return;
+            }
+            let text = format!("{} {}", self.sign(), self.text);
+            ui.label(RichText::new(text).color(self.colour()));
+            if !self.curves.is_empty() && ui.link("select").clicked() {
+                out.push(Event::Select(Select::Curves(self.curves.clone())));
+            }
+        });
+    }
 }
 
 /// The selected nodes of a kind, the active one first.
@@ -249,7 +352,7 @@ fn header(
         let label = node.label.as_deref().unwrap_or_default();
         let width = ui.available_width() - button - 8.0;
         let hint = state.document.name_of(id);
-        if let Some(label) = text_field(ui, "Node name", label, hint, (width, 1)) {
+        if let Some(label) = text_field(ui, "Node name", label, &hint, (width, 1)) {
             let label = Some(label.trim().to_owned()).filter(|label| !label.is_empty());
             out.push(Event::Edit(Edit::SetLabel { id: id.clone(), label }));
         }
@@ -286,9 +389,9 @@ fn header(
                 ui.set_max_width(420.0);
                 ui.strong(def.label);
                 ui.label(def.doc());
+                ui.weak(format!("In files this node is called {id}."));
             });
         }
-        ui.weak(id.as_str());
         let mut bypass = node.bypass;
         let right = egui::Layout::right_to_left(egui::Align::Center);
         ui.with_layout(right, |ui| {

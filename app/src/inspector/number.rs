@@ -74,9 +74,10 @@ impl Scale {
         Self { unit, shown, suffix, slider, hard, whole }
     }
 
-    /// The number as the field shows it: at most five digits, with its unit.
+    /// The number as the field shows it: at most three digits that count, whole numbers whole, with its unit.
     pub(crate) fn text(&self, x: f64) -> String {
-        format!("{}{}", plain(x / self.shown, 5), self.suffix)
+        let digits = if self.whole { 19 } else { 3 };
+        format!("{}{}", plain(x / self.shown, digits), self.suffix)
     }
 
     /// The number as the field shows it while it is typed: every digit that counts.
@@ -475,10 +476,10 @@ mod tests {
         check(Unit::Length, (0.0, 40.0), 123456.0, "123456 cm");
         check(Unit::Ratio, (0.0, 1.0), 0.7f32.into(), "70 %");
         check(Unit::Angle, (0.0, 90.0), 35.0, "35°");
-        check(Unit::PerCm2, (0.0, 200.0), 100.5, "100.5 /cm²");
+        check(Unit::PerCm2, (0.0, 200.0), 100.5, "100 /cm²");
         check(Unit::None, (0.0, 1.0), -0.0, "0");
         check(Unit::None, (0.0, 1.0), 0.1f32.into(), "0.1");
-        check(Unit::None, (0.0, 1.0), 1.0f64 / 3.0, "0.33333");
+        check(Unit::None, (0.0, 1.0), 1.0f64 / 3.0, "0.333");
     }
 
     #[test]

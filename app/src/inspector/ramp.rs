@@ -9,7 +9,7 @@ use super::slider::{Done, NumberField, moved};
 use super::stops::{self, Limits};
 use super::target::How;
 use super::text::{icon_button, set_name};
-use crate::editor::theme;
+use crate::editor::{panel, theme};
 use coif_graphs::file::{parse_value, write_value};
 use coif_nodes::data::ramp::{Blend, Ramp};
 use coif_nodes::define::{Type, Value};
@@ -232,7 +232,7 @@ impl RampField<'_> {
                 });
             set_name(ui, &blend.response, &format!("{} blending", self.name));
             let menu = ui.menu_button("…", |ui| {
-                new = self.menu(ui, id, ramp).or(new.take());
+                new = panel::list(ui, |ui| self.menu(ui, id, ramp)).or(new.take());
             });
             set_name(ui, &menu.response, &format!("{} shape", self.name));
             menu.response.on_hover_text("Shapes to begin with, flip, scale, copy and paste.");

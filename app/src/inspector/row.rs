@@ -5,6 +5,7 @@ use super::target::{Target, default_of};
 use super::text::{set_name, spoken};
 use super::value;
 use crate::editor::event::Event;
+use crate::editor::panel;
 use crate::editor::state::Select;
 use crate::editor::theme;
 use coif_graphs::document::Socket;
@@ -37,7 +38,7 @@ pub(crate) fn show(
         if label.clicked() && ui.input(|input| input.modifiers.alt) {
             target.unset(input);
         }
-        label.context_menu(|ui| menu(ui, target, input));
+        label.context_menu(|ui| panel::list(ui, |ui| menu(ui, target, input)));
         let rest = (width - EDGE - names - EDGE - 4.0).max(60.0);
         ui.vertical(|ui| {
             ui.set_width(rest);
@@ -47,9 +48,6 @@ pub(crate) fn show(
                 ui.add_enabled_ui(counts, |ui| value::show(ui, target, input, &name, known, rest));
             } else {
                 wires(ui, target, input, &name, rest);
-            }
-            if let Some(said) = target.said.get(input.name) {
-                ui.colored_label(theme::WARNING, format!("⚠ {said}"));
             }
         });
         ui.add_space(4.0);

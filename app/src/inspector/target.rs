@@ -142,6 +142,10 @@ impl Target<'_> {
 
     /// Whether any of the nodes differs from the default.
     pub(crate) fn is_changed(&self, input: &InputDef) -> bool {
+        // Every node has a seed of its own from the start.
+        if input.name == "seed" {
+            return false;
+        }
         self.nodes.iter().any(|node| match self.setting(node, input) {
             None => false,
             Some(Setting::Raw(_)) => true,

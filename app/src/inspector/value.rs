@@ -165,6 +165,8 @@ fn number(
         let instead = target.differ(input).then_some("differ");
         let doc = input.doc();
         let unset = unset_words(&doc);
+        let zero = zero_words(&doc).filter(|_| value == Some(0.0));
+        let instead = instead.or(zero);
         let field = NumberField { name, value, instead, unset, scale: &scale };
         let (response, done) = field.show(ui, width.max(30.0));
         if let Some(done) = done {
@@ -188,6 +190,17 @@ fn unset_words(doc: &str) -> Option<&str> {
     let (_, words) = doc.split_once("Unset: ")?;
     let end = words.find(['.', ';', ',']).unwrap_or(words.len());
     Some(&words[..end]).filter(|words| words.len() < 24)
+}
+
+/// What a declaration says that 0 means, where that is no amount: "0: no limit", "0 takes half the width".
+fn zero_words(doc: &str) -> Option<&str> {
+    if [" 0 takes ", " 0 finds "].iter().any(|words| doc.contains(words)) {
+        return Some("auto");
+    }
+    let (_, words) = doc.split_once(" 0: ")?;
+    let end = words.find(['.', ';', ',']).unwrap_or(words.len());
+    let words = &words[..end];
+    Some(if words.len() <= 18 { words } else { "auto" })
 }
 
 /// Another seed tag from 1 to 99,999, the same for the same one.
@@ -413,7 +426,7 @@ fn drawn(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, strokes
     let pinned =
         target.nodes.first().is_some_and(|node| target.state.pinned.as_ref() == Some(node));
     ui.horizontal_wrapped(|ui| {
-        ui.label(format!("{count} stroke{plural}, {points} points"));
+        ui.label(format!("{count} stroke{plural}, {}", crate::words::counted(points, "point")));
     });
     ui.horizontal(|ui| {
         let text = if pinned { "Stop drawing" } else { "Draw with the pen" };
@@ -488,6 +501,16 @@ mod tests {
     fn what_unset_means_is_said() {
         assert_eq!(unset_words("Diameter. Unset: the preset's."), Some("the preset's"));
         assert_eq!(unset_words("Diameter."), None);
+    }
+
+    #[test]
+    fn a_zero_that_is_no_amount_is_said() {
+        let check = |doc: &str, expected: Option<&str>| assert_eq!(zero_words(doc), expected);
+        check("Distance of stitches. 0 takes what suits firmly braided hair.", Some("auto"));
+        check("Exactly so many. 0: as density and radius ask.", Some("auto"));
+        check("Hair farther than this does not count. 0: no limit.", Some("no limit"));
+        check("How far tips may lie outside. 0 is the clean outline.", None);
+        check("Diameter.", None);
     }
 
     #[test]

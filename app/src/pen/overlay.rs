@@ -58,7 +58,8 @@ impl Pen {
         tell(ui, &painter, scene.view.rect, self.said.as_ref());
         if self.tool != PenTool::Select {
             let name = scene.node.map(|node| scene.state.document.name_of(node));
-            let words = format!("{}: {}", self.tool.label(), name.unwrap_or("new stroke input"));
+            let words =
+                format!("{}: {}", self.tool.label(), name.as_deref().unwrap_or("new stroke input"));
             let at = scene.view.rect.right_top() + Vec2::new(-12.0, 12.0);
             label(&painter, at, Align2::RIGHT_TOP, &words);
         }

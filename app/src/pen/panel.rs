@@ -4,6 +4,7 @@ use super::settings::{Along, Curve, Feel, MOUSE, Settings, TOUCH};
 use super::{HAIR_TOOLS, Pen, PenTool, edits, recipes, target};
 use crate::editor::actions;
 use crate::editor::event::Event;
+use crate::editor::panel;
 use crate::editor::state::State;
 use crate::editor::theme;
 use coif_graphs::document::edit::Edit;
@@ -29,12 +30,14 @@ impl Pen {
             act(ui, head, "pen.hairline", out);
             ui.separator();
             let menu = ui.menu_button("Recipes", |ui| {
-                for recipe in &recipes::ALL {
-                    if ui.button(recipe.label).on_hover_text(recipe.tip).clicked() {
-                        out.push(Event::Act(recipe.action));
-                        ui.close();
+                panel::list(ui, |ui| {
+                    for recipe in &recipes::ALL {
+                        if ui.button(recipe.label).on_hover_text(recipe.tip).clicked() {
+                            out.push(Event::Act(recipe.action));
+                            ui.close();
+                        }
                     }
-                }
+                });
             });
             menu.response.on_hover_text("Whole pieces of a graph, ready to be drawn into.");
             act(ui, self.settings_open, "pen.settings", out);
@@ -51,24 +54,33 @@ impl Pen {
                 .collect();
             self.tools(&tools, ui, out);
         });
-        ui.horizontal_wrapped(|ui| {
-            name(ui, "Mask", "Tools that paint a number on the head, which any field can read.");
-            self.mask_bar(&mut settings, ui, out);
-            // What the tool in hand needs comes last, so that no tool is ever elsewhere.
-            if let PenTool::Hair(tool) = self.tool {
-                ui.separator();
-                self.hair_settings(tool, &mut settings, ui);
-                act(ui, settings.strands, "hair.strands", out);
-                act(ui, settings.symmetry, "pen.symmetry", out);
-            } else if on_strokes {
-                ui.separator();
-                self.tool_settings(&mut settings, ui);
-                self.height(state, ui, out);
-                let node = target::of(state);
-                let mirrored = node.and_then(|id| target::choice(&state.document, &id, "mirror"));
-                let on = mirrored.map_or(settings.symmetry, |word| word == "both");
-                act(ui, on, "pen.symmetry", out);
-            }
+        // One line whatever the tool in hand needs: the picture under it keeps its place.
+        let line = egui::ScrollArea::horizontal().id_salt("pen settings line");
+        line.show(ui, |ui| {
+            ui.horizontal(|ui| {
+                name(
+                    ui,
+                    "Mask",
+                    "Tools that paint a number on the head, which any field can read.",
+                );
+                self.mask_bar(&mut settings, ui, out);
+                // What the tool in hand needs comes last, so that no tool is ever elsewhere.
+                if let PenTool::Hair(tool) = self.tool {
+                    ui.separator();
+                    self.hair_settings(tool, &mut settings, ui);
+                    act(ui, settings.strands, "hair.strands", out);
+                    act(ui, settings.symmetry, "pen.symmetry", out);
+                } else if on_strokes {
+                    ui.separator();
+                    self.tool_settings(&mut settings, ui);
+                    self.height(state, ui, out);
+                    let node = target::of(state);
+                    let mirrored =
+                        node.and_then(|id| target::choice(&state.document, &id, "mirror"));
+                    let on = mirrored.map_or(settings.symmetry, |word| word == "both");
+                    act(ui, on, "pen.symmetry", out);
+                }
+            })
         });
         if settings != state.settings.pen {
             let settings =
@@ -86,7 +98,7 @@ impl Pen {
     ) {
         for (tool, label, action) in tools {
             let tip = actions::by_id(action).map_or("", |action| action.tip);
-            let chosen = ui.selectable_label(self.tool == *tool, *label);
+            let chosen = theme::choice(ui, self.tool == *tool, label);
             if chosen.on_hover_text(tip).clicked() {
                 out.push(Event::Act(action));
             }
@@ -213,44 +225,46 @@ impl Pen {
         }
         let mut settings = state.settings.pen.clone();
         let mut open = true;
-        egui::Window::new("Pen settings")
+        panel::window("Pen settings", "pen settings", ctx)
             .open(&mut open)
             .default_pos([24.0, 120.0])
             .default_width(320.0)
             .show(ctx, |ui| {
-                let mut names: Vec<String> = self.devices.pens().map(str::to_owned).collect();
-                names.extend([TOUCH.to_owned(), MOUSE.to_owned()]);
-                names.dedup();
-                if self.devices.pens().next().is_none() {
-                    ui.label("No pen with pressure is plugged in.");
-                    if !self.devices.why_not().is_empty() {
-                        ui.label(self.devices.why_not());
+                panel::body(ui, 300.0, |ui| {
+                    let mut names: Vec<String> = self.devices.pens().map(str::to_owned).collect();
+                    names.extend([TOUCH.to_owned(), MOUSE.to_owned()]);
+                    names.dedup();
+                    if self.devices.pens().next().is_none() {
+                        ui.label("No pen with pressure is plugged in.");
+                        if !self.devices.why_not().is_empty() {
+                            ui.label(self.devices.why_not());
+                        }
                     }
-                }
-                for name in names {
-                    let mut feel = settings.feel(&name);
-                    let before = feel;
-                    let label = match name.as_str() {
-                        TOUCH => "Touch screen",
-                        MOUSE => "Mouse",
-                        pen => pen,
-                    };
-                    egui::CollapsingHeader::new(label).default_open(true).show(ui, |ui| {
-                        self.feel(&mut feel, name == MOUSE, ui);
-                    });
-                    if feel != before {
-                        settings.devices.insert(name, feel);
+                    for name in names {
+                        let mut feel = settings.feel(&name);
+                        let before = feel;
+                        let label = match name.as_str() {
+                            TOUCH => "Touch screen",
+                            MOUSE => "Mouse",
+                            pen => pen,
+                        };
+                        egui::CollapsingHeader::new(label).default_open(true).show(ui, |ui| {
+                            self.feel(&mut feel, name == MOUSE, ui);
+                        });
+                        if feel != before {
+                            settings.devices.insert(name, feel);
+                        }
                     }
-                }
-                ui.separator();
-                ui.checkbox(&mut settings.level_by_mean, "Level by the first 2 pixels")
-                    .on_hover_text(
-                        "How deep a touch on hair reaches is told by the mean pressure of its first 2 pixels, instead of the highest of its first 80 ms or 12 pixels.",
-                    );
-                ui.checkbox(&mut settings.fingers_draw, "Fingers draw")
-                    .on_hover_text("A finger works as a pen does, unless a pen is near.");
-                ui.label("Last touch");
-                strip(ui, &self.strip);
+                    ui.separator();
+                    ui.checkbox(&mut settings.level_by_mean, "Level by the first 2 pixels")
+                        .on_hover_text(
+                            "How deep a touch on hair reaches is told by the mean pressure of its first 2 pixels, instead of the highest of its first 80 ms or 12 pixels.",
+                        );
+                    ui.checkbox(&mut settings.fingers_draw, "Fingers draw")
+                        .on_hover_text("A finger works as a pen does, unless a pen is near.");
+                    ui.label("Last touch");
+                    strip(ui, &self.strip);
+                })
             });
         self.settings_open = open;
         if settings != state.settings.pen {
@@ -294,7 +308,7 @@ fn name(ui: &mut Ui, name: &str, tip: &str) {
 /// An action to press, lit while it is on.
 fn act(ui: &mut Ui, on: bool, id: &'static str, out: &mut Vec<Event>) {
     if let Some(action) = actions::by_id(id)
-        && ui.selectable_label(on, action.label).on_hover_text(action.tip).clicked()
+        && theme::choice(ui, on, action.label).on_hover_text(action.tip).clicked()
     {
         out.push(Event::Act(id));
     }

@@ -5,6 +5,7 @@ use super::options::{EXPOSURES, Options, SHOWS, label_of};
 use super::status::Facts;
 use super::{Viewport, navigation};
 use crate::editor::event::Event;
+use crate::editor::panel;
 use crate::editor::rooms::Room;
 use crate::editor::state::{Select, State};
 use crate::editor::theme;
@@ -17,6 +18,7 @@ use coif_shaders::camera::Viewpoint;
 use coif_shaders::view::Legend;
 use coif_shaders::{Model, Rig, Transform};
 use egui::{Align, Align2, Color32, FontId, Layout, Pos2, Rect, RichText, Slider, UiBuilder, Vec2};
+use std::collections::BTreeSet;
 
 /// Room between what stands on the picture and its edge, points.
 const EDGE: f32 = 8.0;
@@ -92,7 +94,7 @@ fn lines(viewport: &Viewport, state: &State, ui: &mut egui::Ui) {
 
 /// What is displayed, what the pen works on, and what is selected.
 pub(super) fn names(viewport: &Viewport, state: &State) -> String {
-    let label = |id: &NodeId| state.document.name_of(id).to_owned();
+    let label = |id: &NodeId| state.document.name_of(id).into_owned();
     let sockets = state.shown.iter().flat_map(|shown| &shown.sockets);
     let displayed: Vec<String> = sockets.map(|socket| label(&socket.node)).collect();
     let mut text = match displayed.is_empty() {
@@ -127,13 +129,16 @@ fn banner(viewport: &Viewport, state: &State, ui: &mut egui::Ui, out: &mut Vec<E
     let here = failures
         .iter()
         .filter(|(node, _)| way.iter().any(|id| id.as_str() == *node) || state.shown.is_none());
-    for (node, what) in here.take(3) {
+    // What failed twice for one reason is told once.
+    let mut told = BTreeSet::new();
+    for (node, what) in here.filter(|failure| told.insert((*failure).clone())).take(3) {
         frame.show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
-                ui.colored_label(theme::ERROR, format!("✖ {node} failed and passes its input on"));
+                let name = state.called(node);
+                ui.colored_label(theme::ERROR, format!("✖ {name} failed and passes its input on"));
                 ui.label(RichText::new(what).small());
                 let go =
-                    ui.button("Go to").on_hover_text(format!("Selects {node} among the nodes."));
+                    ui.button("Go to").on_hover_text(format!("Selects {name} among the nodes."));
                 if go.clicked()
                     && let Ok(id) = NodeId::new(node)
                 {
@@ -151,24 +156,30 @@ fn tools(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Ve
     let options = &mut viewport.options;
     ui.visuals_mut().widgets.inactive.weak_bg_fill = SHADE;
     let show = label_of(&options.show).to_owned();
-    let menu = ui.menu_button(format!("{show} ⏷"), |ui| shows(options, state, ui));
+    let menu = ui.menu_button(format!("{show} ⏷"), |ui| {
+        panel::list(ui, |ui| shows(options, state, ui));
+    });
     menu.response.on_hover_text("What is shown: hair as it is, the groom in plain colours, or any number of it as a heat map.");
-    let menu = ui.menu_button("Look ⏷", |ui| looks(options, ui));
+    let menu = ui.menu_button("Look ⏷", |ui| panel::list(ui, |ui| looks(options, ui)));
     menu.response.on_hover_text("Lights, exposure, skin, and how hair is drawn.");
     let menu = ui.menu_button("Over it ⏷", |ui| {
-        ui.checkbox(&mut options.guides, "Guides")
-            .on_hover_text("The curves that hair follows, as lines over the picture.");
-        ui.checkbox(&mut options.partings, "Partings")
-            .on_hover_text("Lines on the skin between hair of different braids or curves.");
-        ui.checkbox(&mut options.roots, "Roots").on_hover_text("A dot where each hair grows.");
-        ui.checkbox(&mut options.handles, "Handles")
-            .on_hover_text("What of the active node can be dragged here.");
-        ui.checkbox(&mut options.head, "Head").on_hover_text("The head under the hair.");
-        ui.checkbox(&mut options.card, "Card of the hair under the pointer")
-            .on_hover_text("Its attributes, when the pointer rests on it.");
+        panel::list(ui, |ui| {
+            ui.checkbox(&mut options.guides, "Guides")
+                .on_hover_text("The curves that hair follows, as lines over the picture.");
+            ui.checkbox(&mut options.partings, "Partings")
+                .on_hover_text("Lines on the skin between hair of different braids or curves.");
+            ui.checkbox(&mut options.roots, "Roots").on_hover_text("A dot where each hair grows.");
+            ui.checkbox(&mut options.handles, "Handles")
+                .on_hover_text("What of the active node can be dragged here.");
+            ui.checkbox(&mut options.head, "Head").on_hover_text("The head under the hair.");
+            ui.checkbox(&mut options.card, "Card of the hair under the pointer")
+                .on_hover_text("Its attributes, when the pointer rests on it.");
+        })
     });
     menu.response.on_hover_text("What is drawn over the picture.");
-    let menu = ui.menu_button("From ⏷", |ui| views(viewport, state, ui, out));
+    let menu = ui.menu_button("From ⏷", |ui| {
+        panel::list(ui, |ui| views(viewport, state, ui, out));
+    });
     menu.response.on_hover_text("Where it is seen from.");
 }
 
@@ -270,15 +281,17 @@ fn shows(options: &mut Options, state: &State, ui: &mut egui::Ui) {
     let names = tuft.iter().flat_map(|tuft| tuft.attributes()).map(|a| a.name.to_string());
     let names: Vec<String> = names.collect();
     ui.menu_button("Attribute", |ui| {
-        for name in &names {
-            if ui.radio(options.show == *name, name).clicked() {
-                options.show.clone_from(name);
-                ui.close();
+        panel::list(ui, |ui| {
+            for name in &names {
+                if ui.radio(options.show == *name, name).clicked() {
+                    options.show.clone_from(name);
+                    ui.close();
+                }
             }
-        }
-        if names.is_empty() {
-            ui.label("nothing with attributes is displayed");
-        }
+            if names.is_empty() {
+                ui.label("nothing with attributes is displayed");
+            }
+        });
     });
 }
 
@@ -327,9 +340,10 @@ fn legend(legend: &Legend, ui: &egui::Ui, corner: Pos2) {
     let size = Vec2::new(190.0, 46.0);
     let rect = Rect::from_min_size(corner - size, size);
     painter.rect_filled(rect, 3.0, SHADE);
+    let name = legend.name.replace('_', " ");
     let title = match legend.unit.as_str() {
-        "" => legend.name.clone(),
-        unit => format!("{} ({unit})", legend.name),
+        "" => name,
+        unit => format!("{name} ({unit})"),
     };
     let font = FontId::proportional(11.0);
     let text = |at: Pos2, align: Align2, text: String| {
@@ -358,14 +372,12 @@ fn legend(legend: &Legend, ui: &egui::Ui, corner: Pos2) {
     }
 }
 
-/// A number of at most four digits that count.
+/// A number of at most three digits that count.
 fn number(x: f32) -> String {
     match x.abs() {
         0.0 => "0".to_owned(),
         a if !(0.001..10_000.0).contains(&a) => format!("{x:.1e}"),
-        a if a >= 100.0 => format!("{x:.0}"),
-        a if a >= 1.0 => format!("{x:.2}"),
-        _ => format!("{x:.4}"),
+        _ => crate::inspector::number::plain(f64::from(x), 3),
     }
 }
 
@@ -376,12 +388,12 @@ pub(super) fn card(hair: &HairHit, ui: &mut egui::Ui) {
     let length: f32 = points.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
     egui::Grid::new("card").num_columns(2).spacing([12.0, 1.0]).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
-            ui.label(RichText::new(name).small().color(theme::QUIET));
+            ui.label(RichText::new(name.replace('_', " ")).small().color(theme::QUIET));
             ui.label(RichText::new(value).small());
             ui.end_row();
         };
         row("points", points.len().to_string());
-        row("length", format!("{length:.2} cm"));
+        row("length", format!("{} cm", number(length)));
         for attribute in tuft.attributes() {
             let k = match attribute.domain {
                 Domain::Curve => hair.curve,

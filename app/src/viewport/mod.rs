@@ -88,6 +88,8 @@ pub struct Viewport {
     handles: Handles,
     /// The name that the next saved view gets.
     view_name: String,
+    /// The first state of the open document.
+    born: u64,
 }
 
 /// What pictures cost.
@@ -179,6 +181,7 @@ impl Default for Viewport {
             overlay: Overlay::default(),
             handles: Handles::default(),
             view_name: String::new(),
+            born: 0,
         }
     }
 }
@@ -193,10 +196,10 @@ impl Viewport {
         }
     }
 
-    /// Forgets the eye's place: the next groom is framed anew.
-    pub fn reset(&mut self) {
-        self.framed = false;
-        self.views = Views::default();
+    /// Forgets the picture of a document that is gone, and what comes late of it: states before `born`.
+    pub(crate) fn forget(&mut self, born: u64) {
+        self.born = born;
+        self.on_screen = None;
         (self.under, self.clicked, self.question) = (None, None, None);
     }
 
@@ -331,6 +334,9 @@ impl Viewport {
     /// Puts the newest picture on the screen.
     fn take_picture(&mut self, ctx: &egui::Context) {
         let Some(drawn) = self.drawing.as_ref().and_then(Drawing::take) else { return };
+        if drawn.wanted.revision < self.born {
+            return;
+        }
         let began = Instant::now();
         let image = egui::ImageData::Color(drawn.image.clone());
         let texture = match self.on_screen.take() {

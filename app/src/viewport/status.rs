@@ -1,6 +1,6 @@
 //! What the picture is, in words: in its corner, and in the metadata of saved pictures.
 
-use crate::words::grouped;
+use crate::words::{counted, grouped};
 
 /// What the words are made from.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,18 +34,19 @@ pub struct Facts {
 impl Facts {
     /// What was made of the groom: "preview 12 % (12,400 of 103,000 strands)" or "final".
     pub fn made(&self) -> String {
-        let here = grouped(self.strands);
+        let here = counted(self.strands, "strand");
         let mut text = match (self.is_final, self.final_strands) {
-            (true, _) => format!("final, {here} strands"),
+            (true, _) => format!("final, {here}"),
             (false, Some(all)) if all >= self.strands && all > 0 => {
                 let percent = 100.0 * self.strands as f64 / all as f64;
                 let percent = match percent {
                     p if p < 0.95 => format!("{p:.1}"),
                     p => format!("{p:.0}"),
                 };
-                format!("preview {percent} % ({here} of {} strands)", grouped(all))
+                let here = grouped(self.strands);
+                format!("preview {percent} % ({here} of {})", counted(all, "strand"))
             }
-            (false, _) => format!("preview ({here} strands)"),
+            (false, _) => format!("preview ({here})"),
         };
         if self.stale {
             text = format!("stale: {text}");
@@ -70,7 +71,7 @@ impl Facts {
             Some(_) if self.rough => parts.push("rough".to_owned()),
             Some((n, of)) => parts.push(format!("{n} of {of} samples")),
         }
-        parts.push(format!("{} points", grouped(self.points)));
+        parts.push(counted(self.points, "point"));
         parts.push(format!("evaluated in {}", duration(self.evaluation_ms)));
         if self.samples.is_some() {
             parts.push(format!("drawn in {}", duration(self.draw_ms)));
@@ -99,6 +100,7 @@ mod tests {
         check(&Facts { final_strands: None, ..preview.clone() }, "preview (12,400 strands)");
         check(&Facts { final_strands: Some(10), ..preview.clone() }, "preview (12,400 strands)");
         check(&whole, "final, 103,000 strands");
+        check(&Facts { strands: 1, ..whole.clone() }, "final, 1 strand");
         check(&Facts { stale: true, ..whole.clone() }, "stale: final, 103,000 strands");
         check(&Facts { hidden: true, ..whole.clone() }, "final, 103,000 strands, some hidden");
         check(&Facts { share: 0.25, ..whole }, "final, 103,000 strands, 25 % of them drawn");

@@ -461,6 +461,9 @@ mod window {
         ui.state_mut().viewport.view_name = "hero".to_owned();
         ui.get_by_label_contains("From ⏷").click();
         ui.run_steps(3);
+        // It may lie below what the window has room for.
+        ui.get_by_label("Save view").scroll_to_me();
+        ui.run_steps(8);
         ui.get_by_label("Save view").click();
         ui.run_steps(3);
         assert!(ui.state().state.document.views.contains_key("hero"));

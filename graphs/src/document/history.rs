@@ -6,7 +6,7 @@
 
 use super::edit::{Edit, EditError};
 use super::{Document, Frame, NodeId, Setting};
-use coif_nodes::define::short;
+use coif_nodes::define::{Value, short};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -264,25 +264,27 @@ fn words(document: &Document, back: &[Edit]) -> String {
 
 fn one_in_words(document: &Document, inverse: &Edit) -> String {
     use Edit as E;
-    let name = |id: &NodeId| document.name_of(id).to_owned();
-    let label =
-        |node: &super::Node, id: &NodeId| node.label.clone().unwrap_or_else(|| id.to_string());
+    let name = |id: &NodeId| document.name_of(id).into_owned();
+    let kind =
+        |id: &str| coif_nodes::by_id(id).map_or_else(|| spoken(id), |def| def.label.to_owned());
+    let label = |node: &super::Node, id: &NodeId| match &node.label {
+        Some(label) => label.clone(),
+        // As `name_of` had it while the node was there.
+        None if document.nodes.values().any(|other| other.kind == node.kind) => spoken(id.as_str()),
+        None => kind(&node.kind),
+    };
     match inverse {
         E::RemoveNode { id } => format!("{}: added", name(id)),
         E::AddNode { id, node, .. } => format!("{}: removed", label(node, id)),
         E::ReplaceNode { id, node } => match document.node(id.as_str()) {
             Some(new) if new.kind != node.kind => {
-                format!("{}: {} to {}", name(id), node.kind, new.kind)
+                format!("{}: {} to {}", name(id), kind(&node.kind), kind(&new.kind))
             }
             _ => format!("{}: several values", name(id)),
         },
         E::SetInput { node, input, setting } => {
-            format!(
-                "{}: {input} {} to {}",
-                name(node),
-                said(Some(setting)),
-                now(document, node, input)
-            )
+            let (before, after) = (said(Some(setting)), now(document, node, input));
+            format!("{}: {} {before} to {after}", name(node), spoken(input))
         }
         E::UnsetInput { node, input } => {
             let new = document.node(node.as_str()).and_then(|n| n.inputs.get(input));
@@ -291,24 +293,22 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
                 .and_then(|n| coif_nodes::by_id(&n.kind)?.input(input)?.1.default)
                 .map(|default| Setting::Known(default()));
             match new {
-                Some(new) => format!(
-                    "{}: {input} {} to {}",
-                    name(node),
-                    said(default.as_ref()),
-                    said(Some(new))
-                ),
-                None => format!("{}: {input}", name(node)),
+                Some(new) => {
+                    let (before, after) = (said(default.as_ref()), said(Some(new)));
+                    format!("{}: {} {before} to {after}", name(node), spoken(input))
+                }
+                None => format!("{}: {}", name(node), spoken(input)),
             }
         }
         E::Connect { to, .. }
         | E::Disconnect { to, .. }
         | E::Reorder { to, .. }
         | E::SetWires { to, .. } => match document.links.get(to).map(Vec::as_slice) {
-            None => format!("{}: {} unwired", name(&to.node), to.name),
+            None => format!("{}: {} unwired", name(&to.node), spoken(&to.name)),
             Some([from]) => {
-                format!("{}: {} wired to {}", name(&to.node), to.name, name(&from.node))
+                format!("{}: {} wired to {}", name(&to.node), spoken(&to.name), name(&from.node))
             }
-            Some(_) => format!("{}: wires of {}", name(&to.node), to.name),
+            Some(_) => format!("{}: wires of {}", name(&to.node), spoken(&to.name)),
         },
         E::Move { id, .. } => format!("{}: moved", name(id)),
         E::SetTitle(_) => format!("title {:?}", document.title),
@@ -319,10 +319,11 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
             None => "nothing displayed".to_owned(),
         },
         E::SetLabel { id, label } => {
-            format!("{} called {}", label.as_deref().unwrap_or(id.as_str()), name(id))
+            let before = label.clone().unwrap_or_else(|| spoken(id.as_str()));
+            format!("{before} called {}", name(id))
         }
         E::SetNodeNote { id, .. } => format!("{}: note", name(id)),
-        E::SetBends { to, .. } => format!("{}: wire of {} bent", name(&to.node), to.name),
+        E::SetBends { to, .. } => format!("{}: wire of {} bent", name(&to.node), spoken(&to.name)),
         E::SetCollapsed { id, collapsed: true } => format!("{}: drawn whole", name(id)),
         E::SetCollapsed { id, collapsed: false } => format!("{}: drawn small", name(id)),
         E::SetFrame { name, frame } => {
@@ -370,8 +371,41 @@ fn changed(old: Option<&Frame>, new: Option<&Frame>) -> &'static str {
     }
 }
 
+/// A name of files as people read it.
+fn spoken(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// A number with three digits that count.
+fn number(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() || x.abs() >= 1000.0 {
+        return format!("{x:.0}");
+    }
+    let (mut decimals, mut size) = (2usize, x.abs());
+    while size < 1.0 && decimals < 9 {
+        (decimals, size) = (decimals + 1, size * 10.0);
+    }
+    while size >= 10.0 && decimals > 0 {
+        (decimals, size) = (decimals - 1, size / 10.0);
+    }
+    let text = format!("{x:.decimals$}");
+    if !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 fn said(setting: Option<&Setting>) -> String {
     match setting {
+        Some(Setting::Known(Value::Float(x))) => number(f64::from(*x)),
+        Some(Setting::Known(Value::Vec3(v))) => {
+            v.to_array().map(|x| number(f64::from(x))).join(" ")
+        }
+        Some(Setting::Known(Value::Bool(on))) => if *on { "on" } else { "off" }.to_owned(),
+        Some(Setting::Known(Value::Text(text))) => short(&spoken(text)),
+        Some(Setting::Known(Value::Field(field))) if field.constant().is_some() => {
+            number(f64::from(field.constant().unwrap_or_default()))
+        }
         Some(Setting::Known(value)) => short(&crate::file::write_value(value)),
         Some(Setting::Raw(text)) => short(text),
         None => "default".to_owned(),
@@ -388,7 +422,6 @@ mod tests {
     use super::super::testing::Random;
     use super::super::{Node, Point, SavedView, Socket};
     use super::*;
-    use coif_nodes::define::Value;
 
     fn id(text: &str) -> NodeId {
         NodeId::new(text).unwrap()

@@ -10,7 +10,7 @@
 use coif_nodes::data::strokes::Strokes;
 use coif_nodes::define::{Value, short};
 use coif_nodes::maths::hash::KeyBuilder;
-use std::borrow::Borrow;
+use std::borrow::{Borrow, Cow};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::sync::Arc;
@@ -267,17 +267,18 @@ impl Document {
         self.links.get(&Socket::new(id.clone(), input)).map_or(&[], Vec::as_slice)
     }
 
-    /// What people call a node: its label, else the label of its kind, else its id.
-    pub fn name_of<'a>(&'a self, id: &'a NodeId) -> &'a str {
-        let Some(node) = self.node(id.as_str()) else { return id.as_str() };
+    /// What people call a node: its label, else the label of its kind, else its id with spaces: "head 2".
+    pub fn name_of<'a>(&'a self, id: &'a NodeId) -> Cow<'a, str> {
+        let spoken = || id.as_str().replace('_', " ").into();
+        let Some(node) = self.node(id.as_str()) else { return spoken() };
         match (&node.label, coif_nodes::by_id(&node.kind)) {
-            (Some(label), _) => label,
+            (Some(label), _) => label.into(),
             (None, Some(def))
                 if !self.nodes.iter().any(|(other, n)| other != id && n.kind == node.kind) =>
             {
-                def.label
+                def.label.into()
             }
-            _ => id.as_str(),
+            _ => spoken(),
         }
     }
 
@@ -439,6 +440,6 @@ mod tests {
         document.nodes.insert(a.clone(), node.clone().into());
         assert_eq!(document.name_of(&a), "Resample");
         document.nodes.insert(b.clone(), Node { label: Some("front".into()), ..node }.into());
-        assert_eq!((document.name_of(&a), document.name_of(&b)), ("a", "front"));
+        assert_eq!((&*document.name_of(&a), &*document.name_of(&b)), ("a", "front"));
     }
 }

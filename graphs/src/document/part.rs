@@ -4,12 +4,13 @@
 //! be mailed, put on a page and edited by hand. A whole groom can be pasted too.
 //!
 //! Kept: kinds, labels, notes, values (also those that this version does not know), seed tags, wires
-//! among the nodes with their bends, and places. A wire that came in from elsewhere is wired again
-//! where the document has that output. Not kept: comments, frames, views, and what the nodes fed.
+//! among the nodes with their bends, places, and frames of which all nodes are copied. A label that
+//! the document has already gets a number. A wire that came in from elsewhere is wired again
+//! where the document has that output. Not kept: comments, views, and what the nodes fed.
 
 use super::edit::Edit;
 use super::wiring::output_type;
-use super::{Document, NodeId, Point, Socket};
+use super::{Document, Frame, Node, NodeId, Point, Socket};
 use crate::file;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -21,7 +22,17 @@ const LONGEST_STEM: usize = 40;
 pub fn copy(document: &Document, nodes: &BTreeSet<NodeId>) -> String {
     let there: BTreeSet<NodeId> =
         nodes.iter().filter(|id| document.nodes.contains_key(*id)).cloned().collect();
+    let holds = |frame: &Frame| {
+        let inside = |at: &Point| {
+            let (x, y) = (at.0 - frame.at.0, at.1 - frame.at.1);
+            (0.0..=frame.size.0).contains(&x) && (0.0..=frame.size.1).contains(&y)
+        };
+        let mut held = document.layout.iter().filter(|(_, at)| inside(at)).peekable();
+        held.peek().is_some() && held.all(|(id, _)| there.contains(id))
+    };
+    let frames = document.frames.iter().filter(|(_, frame)| holds(frame));
     let part = Document {
+        frames: frames.map(|(name, frame)| (name.clone(), frame.clone())).collect(),
         nodes: document
             .nodes
             .iter()
@@ -66,9 +77,21 @@ pub fn paste(
         Some(to).filter(|point| point.is_finite())
     };
     let mut edits = vec![];
+    // Nodes that had one label among them keep it; only what the document calls so gets a number.
+    let there: BTreeSet<String> =
+        document.nodes.values().filter_map(|node| node.label.clone()).collect();
+    let mut taken = there.clone();
     for (old, node) in &part.nodes {
         let at = part.layout.get(old).and_then(moved);
-        edits.push(Edit::AddNode { id: ids[old].clone(), node: Arc::clone(node), at });
+        let node = match &node.label {
+            Some(label) if there.contains(label) => {
+                let label = Some(free_label(&taken, label));
+                Node { label, ..(**node).clone() }.into()
+            }
+            _ => Arc::clone(node),
+        };
+        taken.extend(node.label.clone());
+        edits.push(Edit::AddNode { id: ids[old].clone(), node, at });
     }
     for (to, wires) in &part.links {
         let Some(node) = ids.get(&to.node) else { continue };
@@ -95,10 +118,35 @@ pub fn paste(
     for old in &part.collapsed {
         edits.push(Edit::SetCollapsed { id: ids[old].clone(), collapsed: true });
     }
+    let mut framed = Document { frames: document.frames.clone(), ..Document::default() };
+    for (name, frame) in &part.frames {
+        let Some(at) = moved(&frame.at) else { continue };
+        let name = match framed.frames.contains_key(name) {
+            true => framed.free_frame(name),
+            false => name.clone(),
+        };
+        let frame = Frame { at, ..frame.clone() };
+        framed.frames.insert(name.clone(), frame.clone());
+        edits.push(Edit::SetFrame { name, frame: Some(frame) });
+    }
     let edit = Edit::Several(edits);
     // What a text holds may still be refused: said now, and not when half of a gesture is done.
     edit.apply(&mut document.clone()).map_err(|err| err.to_string())?;
     Ok((edit, ids.into_values().collect()))
+}
+
+/// A label that nobody has: its words with the first free number behind them.
+fn free_label(taken: &BTreeSet<String>, label: &str) -> String {
+    let words = label.trim_end_matches(|c: char| c.is_ascii_digit());
+    let words = if words.ends_with(' ') { words.trim_end() } else { label };
+    let mut number = 2u32;
+    loop {
+        let free = format!("{words} {number}");
+        if !taken.contains(&free) {
+            return free;
+        }
+        number += 1;
+    }
 }
 
 /// For each node of a part an id that the document does not use: its own, else its stem with the
@@ -213,7 +261,10 @@ mod tests {
             ["new_2", "rows_2", "thin_2"]
         );
         for (old, new) in [("rows", "rows_2"), ("thin", "thin_2"), ("new", "new_2")] {
-            assert_eq!(document.node(old), document.node(new));
+            let label =
+                document.node(old).unwrap().label.as_ref().map(|label| format!("{label} 2"));
+            let copy = Node { label, ..document.node(old).unwrap().clone() };
+            assert_eq!(Some(&copy), document.node(new));
         }
         let wires = |to: &str| format!("{:?}", document.links[&to.parse().unwrap()]);
         assert_eq!(wires("rows_2.scalp"), "[head.scalp]");

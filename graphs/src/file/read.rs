@@ -63,6 +63,8 @@ struct FilePart<'a> {
     #[serde(default)]
     collapsed: Vec<String>,
     #[serde(default)]
+    frames: Entries<String, FileFrame>,
+    #[serde(default)]
     layout: Entries<NodeId, (f32, f32)>,
 }
 
@@ -244,13 +246,14 @@ pub(super) fn read_part(text: &str) -> Result<Loaded, FileError> {
         );
         return Err(error_at(text, *at, message));
     }
-    let FilePart { coif_nodes, nodes, links, bends, collapsed, layout } = parse(text)?;
+    let FilePart { coif_nodes, nodes, links, bends, collapsed, frames, layout } = parse(text)?;
     let groom = FileGroom {
         format: coif_nodes,
         nodes,
         links,
         bends,
         collapsed,
+        frames,
         layout,
         ..FileGroom::default()
     };

@@ -18,7 +18,7 @@ use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::patience::Patience;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Scalp, Skin};
-use crate::define::{FieldInput, NodeError, choice, node};
+use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::smallest_rotation;
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
@@ -41,9 +41,11 @@ node! {
         /// Whether the number of hairs is given, or how many there are on a square centimetre.
         by: By = By::Density;
         /// Hairs on a square centimetre, when by density. People have 130 to 250.
-        density: f32 = 120.0, hard(0.0, 5000.0), soft(1.0, 300.0), unit(PerCm2), words("amount number");
+        density: f32 = 120.0, hard(0.0, 5000.0), soft(1.0, 300.0), unit(PerCm2), words("amount number"),
+            idle(|of| unless(of, "by", "density", "the number goes by count"));
         /// Hairs on the whole region, when by count.
-        count: i64 = 20000, hard(0.0, 2000000.0), soft(100.0, 150000.0), unit(Count), words("amount number");
+        count: i64 = 20000, hard(0.0, 2000000.0), soft(100.0, 150000.0), unit(Count), words("amount number"),
+            idle(|of| unless(of, "by", "count", "the number goes by density"));
         /// How many of the hairs are kept, from none to all; usually a painted mask.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region paint thin");
         /// How many guides shape a hair. More is smoother, fewer keeps the guides' own character; 1 copies the nearest.

@@ -105,13 +105,16 @@ node! {
         /// Whether a hair reaches as far as before or stays as long as before.
         length: Keep = Keep::Span, words("shrinkage stretch keep");
         /// Length of each hair where `length` is `visible` or `stretched`.
-        hair_length: FieldInput = 15.0, hard(0.1, 1000.0), soft(1.0, 60.0), unit(Length), words("ask visible stretched grown long short");
+        hair_length: FieldInput = 15.0, hard(0.1, 1000.0), soft(1.0, 60.0), unit(Length), words("ask visible stretched grown long short"),
+            idle(|of| matches!(of("length"), Some(Value::Text(is)) if !["visible", "stretched"].contains(&&*is)).then_some("hairs keep what they have"));
         /// What decides the number of points.
         points: Points = Points::Auto, words("cvs resolution segments");
         /// Points on a turn of full size, when given by the turn. Smaller turns get fewer, but eight at least. Unset: as many as the tolerance asks for, or 12.
-        points_per_turn: Option<f32>, hard(8.0, 256.0), soft(8.0, 32.0), unit(Count), words("cvs resolution segments");
+        points_per_turn: Option<f32>, hard(8.0, 256.0), soft(8.0, 32.0), unit(Count), words("cvs resolution segments"),
+            idle(|of| matches!(of("points"), Some(Value::Text(is)) if *is == *"tolerance").then_some("points go by the tolerance"));
         /// How far a coil may lie off the straight line between two points, as a share of its radius: 3 % makes 13 points a turn, 1 % 22. Sharp shapes get more, small turns fewer. Where a turn runs into another of another size or kind it may be twice as far.
-        tolerance: f32 = 0.03, hard(0.0005, 0.2), soft(0.01, 0.1), unit(Ratio), words("chord error accuracy cvs");
+        tolerance: f32 = 0.03, hard(0.0005, 0.2), soft(0.01, 0.1), unit(Ratio), words("chord error accuracy cvs"),
+            idle(|of| matches!(of("points"), Some(Value::Text(is)) if *is == *"turn").then_some("points go by the turn"));
         /// The most points on a hair. Hairs that would get more are drawn coarser, evenly, and counted. Where that would leave a turn fewer than seven points, the hair's curl is drawn larger, in diameter and in pitch, and the hairs are named.
         most_points: i64 = 255, hard(4.0, 16384.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
         /// Seed tag; stored, mixed into randomness.
@@ -256,14 +259,12 @@ impl Inputs {
             numbers.shapes = (**shapes).clone();
             edited.push("shapes");
         }
-        let mut words = vec![];
         let [a, f, p, o] = &mut numbers.ranges;
         let mut take = |name, set: Option<f32>, number: &mut f32| {
             if let Some(x) = set {
                 *number = x;
                 edited.push(name);
             }
-            words.push(format!("{name} {}", (*number * 1e3).round() / 1e3));
         };
         // What varies over the hair is told by its preset's number or as varying, and sampled later.
         let constant = |field: &Option<FieldInput>| field.as_ref().and_then(FieldInput::constant);
@@ -295,9 +296,9 @@ impl Inputs {
         }
         let edits = match edited.is_empty() {
             true => String::new(),
-            false => format!("; edited: {}", edited.join(", ")),
+            false => format!("; changed: {}", edited.join(", ").replace('_', " ")),
         };
-        (numbers, format!("preset {}: {}{edits}", self.preset.word(), words.join(", ")))
+        (numbers, format!("preset {}{edits}", self.preset.word()))
     }
 
     fn pattern(&self, cx: &EvalCx, numbers: &Numbers, shapes: Vec<Shape>) -> Pattern {

@@ -14,7 +14,7 @@ use crate::data::attributes::{
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
-use crate::define::{FieldInput, NodeError, choice, node};
+use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Size};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Key, curve_id};
@@ -51,10 +51,12 @@ node! {
         /// Which way curves leave their roots.
         flow: Flow = Flow::Sides, words("direction part comb");
         /// The direction, for the flows that have one, in the head frame (x to the head's left, y up, z forward).
-        direction: Vec3 = Vec3::new(1.0, -0.2, -0.35);
-        /// Where hair is parted when it falls to both sides: 0 in the middle, positive nearer to the head's left ear. Within
-        /// 1.5 cm of there a parting of the scalp decides, and hair falls away from it.
-        parted_at: f32 = 0.0, hard(-20.0, 20.0), soft(-6.0, 6.0), unit(Length), words("part side middle centre");
+        direction: Vec3 = Vec3::new(1.0, -0.2, -0.35),
+            idle(|of| matches!(of("flow"), Some(Value::Text(is)) if !["sides", "direction"].contains(&&*is)).then_some("curves leave their roots another way"));
+        /// Where hair is parted when it falls to both sides: 0 where the scalp is parted, else in the middle; positive nearer
+        /// to the head's left ear. Within 1.5 cm of there a parting of the scalp decides, and hair falls away from it.
+        parted_at: f32 = 0.0, hard(-20.0, 20.0), soft(-6.0, 6.0), unit(Length), words("part side middle centre"),
+            idle(|of| unless(of, "flow", "sides", "hair does not fall to both sides"));
         /// How far curves that lie on the head keep to the way they are laid, before they just slide down.
         hold: f32 = 5.0, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), words("style set friction");
         /// What pulls besides gravity, in the head frame, as a share of it: (0.2, 0, 0) leans to the head's left.
@@ -228,7 +230,18 @@ impl Inputs {
                     sections.is_some_and(|sections| sections.crosses(p, p + along * step))
                 };
                 let near = (at.x - self.parted_at).abs() < ASIDE;
-                to(if near && leads_over(side) && !leads_over(-side) { -side } else { side })
+                let turned = near && leads_over(side) && !leads_over(-side);
+                // Where nobody said the line, the partings say it: hair falls to the side that none cuts off.
+                let cut_off = |side: f32| {
+                    let aside = Vec3::new(side * HEAD_RADIUS, 0.0, at.z);
+                    let aside = scalp.and_then(|s| s.closest_root(frame.point_from_head(aside)));
+                    let sections = scalp.and_then(Scalp::sections);
+                    let both = sections.zip(aside);
+                    both.is_some_and(|(sections, aside)| sections.crosses(p, aside.point))
+                };
+                let told = self.parted_at != 0.0;
+                let over = turned || (!told && cut_off(side) && !cut_off(-side));
+                to(if over { -side } else { side })
             }
             Flow::Direction => frame.vector_from_head(self.direction),
             Flow::Back => {
@@ -413,6 +426,49 @@ mod tests {
         for (tuft, i) in curves.each() {
             let length = Spline::new(tuft.curve(i)).unwrap().length();
             assert!((length - 10.0).abs() < 0.01, "{length}");
+        }
+    }
+
+    #[test]
+    fn hair_falls_to_both_sides_of_the_parting_that_the_scalp_has() {
+        use crate::data::sections::{Parting, Sections};
+        let ball = shared_ball();
+        // From the front over the top, 4 cm beside the middle: nobody says the line again.
+        let points = (-60..=60).map(|k: i32| {
+            let (s, c) = sin_cos(k as f32 / 120.0 * std::f32::consts::PI);
+            ball.closest_root(Vec3::new(4.0, c * 8.0, s * 8.0)).unwrap().point
+        });
+        let line = Parting { id: 1, points: points.collect(), half_width: 0.08, of_pattern: false };
+        let (sections, _) = Sections::new(&ball, vec![line], &[]);
+        let parted = Arc::new(ball.parted(Arc::new(sections)));
+        let sides = |parted_at: f32| {
+            let set = [
+                ("roots", roots(300).into()),
+                ("scalp", parted.clone().into()),
+                ("direction", Value::Vec3(Vec3::new(1.0, -0.2, 0.0))),
+                ("separate", Value::Bool(false)),
+                number("variation", 0.0),
+                number("parted_at", parted_at),
+            ];
+            let (out, _) = run(&NODE, &set);
+            let curve = |(tuft, i): (&Tuft, usize)| {
+                let points = tuft.curve(i);
+                (points[0], points[4].x - points[0].x)
+            };
+            curves_of(&out[0]).each().map(curve).collect::<Vec<_>>()
+        };
+        // On top, where hair falls to the sides at all, and clear of the line's own width.
+        let on_top = |root: &Vec3| root.z > 0.0 && root.y > 4.0 && (root.x - 4.0).abs() > 0.5;
+        let mut between = 0;
+        for (root, way) in sides(0.0).iter().filter(|(root, _)| on_top(root)) {
+            assert_eq!(*way > 0.0, root.x > 4.0, "{root}");
+            between += usize::from(root.x > 0.0 && root.x < 4.0);
+        }
+        assert!(between > 3, "{between}: nothing is tested");
+        // Who says the line is heard.
+        for (root, way) in sides(-3.0).iter().filter(|(root, _)| on_top(root)) {
+            let near = (root.x + 3.0).abs() < 2.0;
+            assert!(near || (*way > 0.0) == (root.x > -3.0), "{root}");
         }
     }
 

@@ -11,7 +11,7 @@ use crate::data::attributes::{
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp, Skin};
-use crate::define::{FieldInput, NodeError, choice, node};
+use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Size};
 use crate::maths::frame::{across, any_normal, smallest_rotation};
 use crate::maths::hash::{KeyBuilder, curve_id};
@@ -33,9 +33,11 @@ node! {
         /// Whether the number of guides is given, or how many there are on a square centimetre.
         by: By = By::Count;
         /// Guides on the whole region, when by count; those that would be rooted in a parting are left out.
-        count: i64 = 300, hard(0.0, 100000.0), soft(10.0, 2000.0), unit(Count), words("amount number");
+        count: i64 = 300, hard(0.0, 100000.0), soft(10.0, 2000.0), unit(Count), words("amount number"),
+            idle(|of| unless(of, "by", "count", "the number goes by density"));
         /// Guides on a square centimetre, when by density.
-        density: f32 = 0.5, hard(0.0, 1000.0), soft(0.05, 5.0), unit(PerCm2), words("amount number");
+        density: f32 = 0.5, hard(0.0, 1000.0), soft(0.05, 5.0), unit(PerCm2), words("amount number"),
+            idle(|of| unless(of, "by", "density", "the number goes by count"));
         /// How many of the guides are kept, from none to all; usually a painted mask.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region paint");
         /// No two roots are nearer than this. Asking for too much ends with fewer guides than asked for.
@@ -47,12 +49,15 @@ node! {
         /// Which way guides are laid.
         flow: Flow = Flow::Crown, words("direction part comb");
         /// The direction for that flow, in the head frame (x to the head's left, y up, z forward).
-        direction: Vec3 = Vec3::NEG_Y;
+        direction: Vec3 = Vec3::NEG_Y,
+            idle(|of| unless(of, "flow", "direction", "guides are laid another way"));
         /// Where the crown is, in the head frame, centimetres on a head of average size.
-        crown: Vec3 = Vec3::new(0.8, 6.8, -5.6), handle(Handle::Point), words("whorl vertex cowlick");
+        crown: Vec3 = Vec3::new(0.8, 6.8, -5.6), handle(Handle::Point), words("whorl vertex cowlick"),
+            idle(|of| unless(of, "flow", "crown", "guides are not laid from the crown"));
         /// How far hair at the crown turns out of the straight way from it, in degrees: 0 is a plain star, 60 a strong
         /// whorl. It fades away within about 5 cm.
-        whorl: f32 = 45.0, hard(-180.0, 180.0), soft(-90.0, 90.0), unit(Angle), words("swirl cowlick");
+        whorl: f32 = 45.0, hard(-180.0, 180.0), soft(-90.0, 90.0), unit(Angle), words("swirl cowlick"),
+            idle(|of| unless(of, "flow", "crown", "guides are not laid from the crown"));
         /// Angle between scalp and guide at the root: 0 lies flat, 90 stands straight up.
         lie: FieldInput = 35.0, hard(0.0, 90.0), unit(Angle), words("lift stand elevation"), handle(Handle::Angle);
         /// How far a guide bends from root to tip, towards the scalp.

@@ -19,7 +19,7 @@ use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Root, Scalp};
-use crate::define::{FieldInput, NodeError, choice, node};
+use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::r2;
@@ -54,9 +54,11 @@ node! {
         /// Whether the number of hairs is given for each centimetre of a row or for the whole row.
         by: By = By::PerCm;
         /// Hairs on each side of a row for each centimetre of it.
-        per_cm: f32 = 80.0, hard(0.0, 2000.0), soft(1.0, 200.0), unit(PerCm), words("density count amount");
+        per_cm: f32 = 80.0, hard(0.0, 2000.0), soft(1.0, 200.0), unit(PerCm), words("density count amount"),
+            idle(|of| unless(of, "by", "per_cm", "the number is that of a whole row"));
         /// Hairs of a row, both sides together.
-        total: i64 = 1000, hard(0.0, 1000000.0), soft(10.0, 5000.0), unit(Count), words("count amount");
+        total: i64 = 1000, hard(0.0, 1000000.0), soft(10.0, 5000.0), unit(Count), words("count amount"),
+            idle(|of| unless(of, "by", "total", "the number is that of a centimetre"));
         /// Where between its row and the neighbour a hair is rooted: 0 at the row, 50% half-way, at the parting, 100% at the
         /// neighbour. Varies along the row.
         mediate: FieldInput = 0.5, hard(0.0, 1.0), unit(Ratio), words("mediate midpoint length position");
@@ -76,11 +78,14 @@ node! {
         /// Whether ends are spread along the braid or gathered.
         grouping: Grouping = Grouping::None, words("clump stitch knot gather");
         /// Hairs in a group, when every so many form one.
-        every: i64 = 20, hard(1.0, 100000.0), soft(2.0, 200.0), unit(Count), words("k");
+        every: i64 = 20, hard(1.0, 100000.0), soft(2.0, 200.0), unit(Count), words("k"),
+            idle(|of| unless(of, "grouping", "every_k", "hairs are not grouped by number"));
         /// How far from the middle of their group hairs end.
-        group_radius: f32 = 0.1, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), handle(Handle::Radius), words("clump spread");
+        group_radius: f32 = 0.1, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), handle(Handle::Radius), words("clump spread"),
+            idle(|of| matches!(of("grouping"), Some(Value::Text(is)) if *is == *"none").then_some("hairs are not grouped"));
         /// How close the hairs of a group lie together, from root to end: 0 they only meet at the end, 1 they run as one lock.
-        tightness: Arc<Ramp> = Ramp::linear(0.0, 0.7), words("clump profile gather");
+        tightness: Arc<Ramp> = Ramp::linear(0.0, 0.7), words("clump profile gather"),
+            idle(|of| matches!(of("grouping"), Some(Value::Text(is)) if *is == *"none").then_some("hairs are not grouped"));
         /// How far hairs are off the scalp half-way. Varies along the row.
         lift: FieldInput = 0.04, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), handle(Handle::Length), words("height loose puff");
         /// How far hairs are combed along the braid: 0 square to the row, 80 nearly along it, negative against it. Varies

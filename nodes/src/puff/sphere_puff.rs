@@ -20,7 +20,7 @@ use crate::data::attributes::{
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp, Skin};
-use crate::define::{NodeError, choice, node};
+use crate::define::{NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
@@ -57,7 +57,8 @@ node! {
         /// What the tips lie on.
         shape: Shape = Shape::Sphere, words("outline silhouette ellipsoid mesh drawn trim topiary");
         /// Half axes of the ellipsoid in sphere radii: to the puff's right, along its axis, ahead.
-        stretch: Vec3 = Vec3::ONE, words("ellipsoid egg oval flat wide tall");
+        stretch: Vec3 = Vec3::ONE, words("ellipsoid egg oval flat wide tall"),
+            idle(|of| unless(of, "shape", "ellipsoid", "the outline is no ellipsoid"));
         /// Closed mesh that the tips lie on, where it is: a Head node that reads it, without a fit. The puff's middle is the mesh's.
         mesh: Option<Arc<Scalp>>, words("volume outline topiary");
         /// Closed outline as seen from the front, drawn round the sphere's middle.
@@ -69,7 +70,8 @@ node! {
         /// Share of hairs that reach over the outline.
         stray: f32 = 0.0, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("flyaways loose");
         /// How far they reach over it at most.
-        stray_length: f32 = 0.8, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("flyaways loose");
+        stray_length: f32 = 0.8, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("flyaways loose"),
+            idle(|of| matches!(of("stray"), Some(Value::Float(0.0))).then_some("no hair strays"));
         /// How flat the puffs of this node press against each other where they meet, and against the head: 0 lets them overlap, 1 ends
         /// them at the plane between, and just over the skin. Puffs of several nodes are pressed by Press puffs.
         flatten: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("press collide touch");
@@ -90,9 +92,11 @@ node! {
         /// Whether the number of hairs is given, or how densely they are rooted.
         fill: Fill = Fill::Count;
         /// Hairs in a puff, when given by count. More only adds hairs.
-        count: i64 = 6000, hard(0.0, 1000000.0), soft(500.0, 20000.0), unit(Count), words("amount hairs strands");
+        count: i64 = 6000, hard(0.0, 1000000.0), soft(500.0, 20000.0), unit(Count), words("amount hairs strands"),
+            idle(|of| unless(of, "fill", "count", "the number goes by density"));
         /// Hairs to each square centimetre of roots, when given by density.
-        density: f32 = 200.0, hard(0.0, 5000.0), soft(20.0, 600.0), unit(PerCm2), words("amount hairs strands");
+        density: f32 = 200.0, hard(0.0, 5000.0), soft(20.0, 600.0), unit(PerCm2), words("amount hairs strands"),
+            idle(|of| unless(of, "fill", "density", "the number goes by count"));
         /// How deep under the sphere the outermost tips end, as a share of its radius.
         depth_from: f32 = 0.0, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("tip depth soft");
         /// How deep under the sphere the innermost tips end, as a share of its radius.

@@ -15,7 +15,7 @@ use crate::data::mesh::Mesh;
 use crate::data::rough::{Rough, WIDE};
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION, Scalp};
 use crate::data::strokes::Strokes;
-use crate::define::{FileData, NodeError, choice, node, short};
+use crate::define::{FileData, NodeError, choice, node, short, unless};
 use crate::eval::EvalCx;
 use crate::formats::mesh_in::read_mesh;
 use crate::maths::closest::Surface;
@@ -41,7 +41,8 @@ node! {
         /// person's.
         units: Units = Units::Auto, words("scale metres centimetres inches");
         /// Centimetres in one unit of the file, when units are set to custom.
-        scale: f32 = 1.0, hard(0.000001, 1000000.0), soft(0.1, 100.0), words("size");
+        scale: f32 = 1.0, hard(0.000001, 1000000.0), soft(0.1, 100.0), words("size"),
+            idle(|of| unless(of, "units", "custom", "the units of the file are known"));
         /// Parts of the mesh that are no head, such as hair, hats and glasses: they are no skin, no hair grows on them, and the
         /// sphere is not fitted to them. Names of meshes, nodes, groups or materials, or "piece 2" for the second largest piece of a
         /// mesh without names, separated by commas, in any case; `*` stands for any text, as in `hair*, *glasses`. What looks like

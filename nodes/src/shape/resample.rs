@@ -2,7 +2,7 @@
 
 use crate::data::attributes::{Column, Domain};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
-use crate::define::{NodeError, choice, node};
+use crate::define::{NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::spline::Spline;
 
@@ -18,9 +18,11 @@ node! {
         /// Whether the number of points is given, or their distance.
         by: By = By::Count;
         /// Points on each curve, root and tip included, when resampling by count.
-        count: i64 = 16, hard(2.0, 4096.0), soft(4.0, 64.0), unit(Count);
+        count: i64 = 16, hard(2.0, 4096.0), soft(4.0, 64.0), unit(Count),
+            idle(|of| unless(of, "by", "count", "points go by their spacing"));
         /// Distance between points, when resampling by distance. Each curve gets the number that comes closest.
-        spacing: f32 = 0.5, hard(0.001, 1000.0), soft(0.05, 2.0), unit(Length);
+        spacing: f32 = 0.5, hard(0.001, 1000.0), soft(0.05, 2.0), unit(Length),
+            idle(|of| unless(of, "by", "spacing", "points are counted"));
     }
     outputs {
         /// The same curves with other points.

@@ -10,7 +10,7 @@
 use crate::data::attributes::{Attribute, Domain, FIBRE};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::Scalp;
-use crate::define::{NodeError, choice, node};
+use crate::define::{NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos;
@@ -36,7 +36,8 @@ node! {
         /// Middle of the shape, in head units (cm on a head of average size) from the middle of the cranium.
         centre: Vec3 = Vec3::new(0.0, 1.5, -1.5), handle(Handle::Point), words("middle position place");
         /// Half axes of the ellipsoid: to the side, up, ahead.
-        size: Vec3 = Vec3::new(14.0, 14.0, 14.0), unit(Length), words("radius width height depth ellipsoid");
+        size: Vec3 = Vec3::new(14.0, 14.0, 14.0), unit(Length), words("radius width height depth ellipsoid"),
+            idle(|of| unless(of, "shape", "ellipsoid", "the shape is no ellipsoid"));
         /// How far the shape leans back about its middle.
         tilt: f32 = 0.0, hard(-180.0, 180.0), soft(-60.0, 60.0), unit(Angle), words("lean rotate");
         /// Closed mesh that hair is cut to, where it is: a Head node that reads it, without a fit. The shape's middle is the mesh's.

@@ -121,6 +121,10 @@ fn random_events_leave_a_sound_document() {
                     ui.event(press(end, false));
                 }
                 5..=6 => {
+                    // Keys go where the pointer is.
+                    if dice.below(2) == 0 {
+                        ui.event(Event::PointerMoved(at));
+                    }
                     let key = dice.one(KEYS);
                     ui.key_press_modifiers(modifiers, key);
                 }

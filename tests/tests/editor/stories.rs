@@ -42,11 +42,21 @@ fn click(ui: &mut Ui, name: &str) -> bool {
     let named = |label: &str| {
         label == name || label.strip_prefix(name).is_some_and(|keys| keys.starts_with(' '))
     };
-    let found = ui
-        .query_all(By::new())
-        .find(|node| node.accesskit_node().label().is_some_and(|label| named(&label)))
-        .map(|node| node.rect().center());
-    let Some(at) = found else { return false };
+    // A menu that is taller than the window scrolls.
+    let place = |ui: &Ui, scrolls: bool| {
+        let mut all = ui.query_all(By::new());
+        let found =
+            all.find(|node| node.accesskit_node().label().is_some_and(|label| named(&label)));
+        if let Some(node) = found.as_ref().filter(|_| scrolls) {
+            node.scroll_to_me();
+        }
+        found.map(|node| node.rect().center())
+    };
+    if place(ui, true).is_none() {
+        return false;
+    }
+    ui.run_steps(6);
+    let Some(at) = place(ui, false) else { return false };
     for pressed in [true, false] {
         ui.event(Input::PointerMoved(at));
         ui.step();

@@ -1,7 +1,8 @@
-//! Bars under the menu, which wait for an answer without being in the way, and the one question that does: about unsaved
-//! changes.
+//! Questions that wait for an answer without being in the way, the export that goes on, and the one question that does
+//! stand in the way: about unsaved changes.
 
 use super::{Disk, Documents, Event as FileEvent, Left, Next, Unsaved, journal};
+use crate::editor::Editor;
 use crate::editor::event::Event;
 use crate::editor::state::{Select, State};
 use egui::{Panel, ProgressBar};
@@ -10,7 +11,7 @@ use egui::{Panel, ProgressBar};
 const MOST_BARS: usize = 3;
 
 /// The bars that are due.
-pub(super) fn show(documents: &Documents, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+pub(super) fn show(documents: &Documents, ui: &mut egui::Ui, out: &mut Vec<Event>) {
     let more = documents.leftovers.len().saturating_sub(MOST_BARS);
     for (at, left) in documents.leftovers.iter().enumerate().take(MOST_BARS) {
         Panel::top(egui::Id::new(("left", at))).show(ui, |ui| {
@@ -32,63 +33,68 @@ pub(super) fn show(documents: &Documents, state: &State, ui: &mut egui::Ui, out:
             });
         });
     }
-    if let Some(changed) = &documents.changed {
-        Panel::top("changed on disk").show(ui, |ui| {
-            ui.horizontal_wrapped(|ui| {
-                let lost = if state.history.is_changed() {
-                    " Reloading loses what you have not saved."
-                } else {
-                    ""
-                };
-                ui.label(format!("{} was changed by another program.{lost}", state.file.name()));
-                for (word, tip, answer) in [
-                    ("Reload", "Opens the file as it is now", Disk::Reload),
-                    ("Keep mine", "Saving replaces the file", Disk::Keep),
-                    ("Compare", "Lists the nodes that differ", Disk::Compare),
-                ] {
-                    if ui.button(word).on_hover_text(tip).clicked() {
-                        out.push(Event::Documents(FileEvent::Disk(answer)));
+}
+
+/// The question about a file that others changed.
+pub(crate) fn changed(editor: &Editor, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+    let (state, Some(changed)) = (&editor.state, &editor.documents.changed) else { return };
+    let lost = match state.history.is_changed() {
+        true => " Reloading loses what you have not saved.",
+        false => "",
+    };
+    let text = format!("{} was changed by another program.{lost}", state.file.name());
+    ui.add(egui::Label::new(text).wrap());
+    // Above the buttons, which stay where they are.
+    if let Some(differences) = &changed.differences {
+        if differences.is_empty() {
+            ui.label("No node differs.");
+        }
+        egui::ScrollArea::vertical().max_height(160.0).show(ui, |ui| {
+            for difference in differences {
+                match &difference.node {
+                    None => {
+                        ui.label(format!("the document {}", difference.words));
+                    }
+                    Some(id) => {
+                        let name = state.document.name_of(id);
+                        let line = ui.link(format!("{name} {}", difference.words));
+                        if line.on_hover_text("Selects the node").clicked() {
+                            out.push(Event::Select(Select::Nodes(vec![id.clone()])));
+                        }
                     }
                 }
-            });
-            let Some(differences) = &changed.differences else { return };
-            if differences.is_empty() {
-                ui.label("No node differs.");
             }
-            egui::ScrollArea::vertical().max_height(160.0).show(ui, |ui| {
-                for difference in differences {
-                    match &difference.node {
-                        None => {
-                            ui.label(format!("the document {}", difference.words));
-                        }
-                        Some(id) => {
-                            let name = state.document.name_of(id);
-                            let line = ui.link(format!("{name} {}", difference.words));
-                            if line.on_hover_text("Selects the node").clicked() {
-                                out.push(Event::Select(Select::Nodes(vec![id.clone()])));
-                            }
-                        }
-                    }
-                }
-            });
         });
     }
-    if let Some(export) = &documents.export {
-        let going = export.going();
-        Panel::top("export").show(ui, |ui| {
-            ui.horizontal(|ui| {
-                ui.label(format!("writing {}", export.path.display()));
-                let (done, of) = going.done;
-                let part = if of == 0 { 0.0 } else { done as f32 / of as f32 };
-                ui.add(ProgressBar::new(part).desired_width(160.0));
-                ui.label(&going.doing);
-                let stop = ui.button("Stop export").on_hover_text("Nothing is written");
-                if stop.clicked() {
-                    out.push(Event::Documents(FileEvent::StopExport));
-                }
-            });
-        });
+    ui.horizontal_wrapped(|ui| {
+        for (word, tip, answer) in [
+            ("Reload", "Opens the file as it is now", Disk::Reload),
+            ("Keep mine", "Saving replaces the file", Disk::Keep),
+            ("Compare", "Lists the nodes that differ", Disk::Compare),
+        ] {
+            if ui.button(word).on_hover_text(tip).clicked() {
+                out.push(Event::Documents(FileEvent::Disk(answer)));
+            }
+        }
+    });
+}
+
+/// The export that goes on, in the status line; whether there is one.
+pub(crate) fn export_line(documents: &Documents, ui: &mut egui::Ui, out: &mut Vec<Event>) -> bool {
+    let Some(export) = &documents.export else { return false };
+    let going = export.going();
+    let name = export.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let stop = ui.button("Stop export").on_hover_text("Nothing is written");
+    if stop.clicked() {
+        out.push(Event::Documents(FileEvent::StopExport));
     }
+    let (done, of) = going.done;
+    let part = if of == 0 { 0.0 } else { done as f32 / of as f32 };
+    ui.add(ProgressBar::new(part).desired_width(120.0));
+    let text = format!("writing {name}: {}", going.doing);
+    let line = ui.add(egui::Label::new(text).truncate());
+    line.on_hover_text(export.path.display().to_string());
+    true
 }
 
 /// What a file that hangs over the window would do.

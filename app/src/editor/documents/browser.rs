@@ -3,6 +3,7 @@
 //! Folders are read on a thread, so that one which hangs is only empty.
 
 use super::dialogs::Question;
+use crate::editor::panel;
 use egui::{Button, Key, ScrollArea, TextEdit};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -78,13 +79,12 @@ impl Browser {
         let mut outcome = Outcome::Open;
         let (mut open, mut enter) = (true, None);
         let purpose = self.question.purpose;
-        egui::Window::new(purpose.title())
-            .id("file browser".into())
+        panel::window(purpose.title(), "file browser", ctx)
             .open(&mut open)
             .collapsible(false)
             .default_size([460.0, 380.0])
             .pivot(egui::Align2::CENTER_CENTER)
-            .default_pos(ctx.content_rect().center())
+            .default_pos(panel::room(ctx).center())
             .show(ctx, |ui| {
                 ui.horizontal(|ui| {
                     let up = self.folder.parent().map(Path::to_owned);
@@ -95,7 +95,7 @@ impl Browser {
                     ui.add(egui::Label::new(self.folder.display().to_string()).truncate());
                 });
                 let rest = ui.available_height() - 2.0 * ui.spacing().interact_size.y - 20.0;
-                ScrollArea::vertical().max_height(rest.max(120.0)).auto_shrink(false).show(
+                ScrollArea::vertical().max_height(rest.max(24.0)).auto_shrink(false).show(
                     ui,
                     |ui| {
                         let listing = self.listing.lock().unwrap_or_else(PoisonError::into_inner);

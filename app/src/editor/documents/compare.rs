@@ -51,7 +51,7 @@ fn of_node(mine: &Document, theirs: &Document, id: &NodeId, a: &Node, b: &Node) 
     }
     let names: BTreeSet<&String> = a.inputs.keys().chain(b.inputs.keys()).collect();
     let differ = names.into_iter().filter(|name| a.inputs.get(*name) != b.inputs.get(*name));
-    parts.extend(differ.cloned());
+    parts.extend(differ.map(|name| name.replace('_', " ")));
     let wires = |document: &Document| -> Vec<_> {
         inputs_of(document, id).map(|(to, from)| (to.clone(), from.clone())).collect()
     };
@@ -88,7 +88,7 @@ mod tests {
             [
                 (None, "differs in the seed"),
                 (Some(&ids[0]), "is only in yours"),
-                (Some(&ids[1]), "differs in bypass, made_up"),
+                (Some(&ids[1]), "differs in bypass, made up"),
             ]
         );
         assert_eq!(differences(&theirs, &mine)[1].words, "is only on the disk");

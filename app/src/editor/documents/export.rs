@@ -17,6 +17,7 @@ use coif_graphs::document::Document;
 use coif_graphs::schedule::run::{CancelToken, Progress};
 use coif_nodes::eval::Quality;
 use coif_nodes::formats::export::Format;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -78,7 +79,11 @@ impl Export {
         std::thread::Builder::new()
             .name("export".to_owned())
             .spawn(move || {
-                let told = Told { shared: &shared, wake: &wake };
+                let names = document
+                    .nodes
+                    .keys()
+                    .map(|id| (id.to_string(), document.name_of(id).into_owned()));
+                let told = Told { shared: &shared, wake: &wake, names: names.collect() };
                 let mut report = Report::new(path.display().to_string());
                 let opened = (document, file, allow_large);
                 let carried_out = carry_out(&content, opened, &path, &cancel, &told, &mut report);
@@ -180,9 +185,9 @@ fn said(path: &Path, report: &Report) -> String {
     let points: usize = report.outputs.iter().map(|output| output.points).sum();
     let hashes: Vec<String> = report.outputs.iter().map(|output| output.hash.to_string()).collect();
     format!(
-        "exported {path}: {} curves, {} points, hash {}",
-        crate::words::grouped(curves),
-        crate::words::grouped(points),
+        "exported {path}: {}, {}, hash {}",
+        crate::words::counted(curves, "curve"),
+        crate::words::counted(points, "point"),
         hashes.join(", ")
     )
 }
@@ -190,6 +195,8 @@ fn said(path: &Path, report: &Report) -> String {
 struct Told<'a> {
     shared: &'a Mutex<Going>,
     wake: &'a (dyn Fn() + Send + Sync),
+    /// What people call the nodes.
+    names: BTreeMap<String, String>,
 }
 
 impl Told<'_> {
@@ -201,7 +208,8 @@ impl Told<'_> {
 
 impl Progress for Told<'_> {
     fn started(&self, node: &str) {
-        self.say(format!("evaluating {node}"));
+        let name = self.names.get(node).map_or(node, String::as_str);
+        self.say(format!("evaluating {name}"));
     }
     fn done(&self, done: usize, of: usize) {
         self.count(done, of);

@@ -3,10 +3,12 @@
 
 use super::dialogs::{Answer, MESHES};
 use super::export::Ended;
+use super::remedies::with_remedy;
 use super::watch::Change;
 use super::{Browser, Changed, Event, bars, browser, home, own_head, welcome};
 use crate::editor::Editor;
 use crate::editor::notes::Note;
+use crate::editor::rooms::Room;
 use coif_graphs::schedule::files::named;
 use egui::ViewportCommand;
 use std::path::{Path, PathBuf};
@@ -53,7 +55,9 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
                 editor.state.notes.say(Note::done(words));
             }
             Ended::Failed(lines) => {
-                lines.into_iter().for_each(|line| editor.state.notes.say(Note::error(line)));
+                for line in lines {
+                    editor.state.notes.say(Note::error(with_remedy(&line, "")));
+                }
             }
             Ended::Stopped => {
                 editor.state.notes.say(Note::done("the export was stopped; nothing was written"));
@@ -113,10 +117,16 @@ fn changed(editor: &mut Editor, change: &Change) {
 pub(crate) fn panels(editor: &mut Editor, ui: &mut egui::Ui) {
     let ctx = ui.ctx().clone();
     let mut out = vec![];
-    bars::show(&editor.documents, &editor.state, ui, &mut out);
+    bars::show(&editor.documents, ui, &mut out);
     bars::unsaved(&editor.documents, &editor.state, &editor.title(), &ctx, &mut out);
     let documents = &mut editor.documents;
-    welcome::window(&mut documents.welcome, &documents.recent, &editor.state, &ctx, &mut out);
+    // Where the rooms are is known from the first frame on.
+    let rooms = &editor.rooms;
+    if !rooms.is_empty() {
+        let picture = rooms.iter().find(|(room, _)| *room == Room::Viewport).map(|(_, rect)| *rect);
+        let (welcome, recent) = (&mut documents.welcome, &documents.recent);
+        welcome::window(welcome, recent, &editor.state, picture, &ctx, &mut out);
+    }
     bars::hovering(&ctx);
     if let Some(head) = &editor.documents.head {
         own_head::window(head, &editor.state, &ctx, &mut out);

@@ -16,6 +16,8 @@ impl Editor {
         let mut told = vec![];
         let (settings, damage) = kept::load::<Settings>(&home.settings());
         self.state.settings = settings.within_limits();
+        // It was meant for what was open then.
+        self.state.settings.pen.symmetry = false;
         told.extend(damage);
         let (layout, damage) = kept::load_with(&home.layout(), |text| {
             rooms::read_layout(text).ok_or_else(|| "is no layout".to_owned())
@@ -65,7 +67,7 @@ impl Editor {
     }
 
     /// Writes settings and layout.
-    pub(super) fn store_settings(&mut self) {
+    pub(crate) fn store_settings(&mut self) {
         let Some(home) = &self.documents.home else { return };
         let stored = kept::store(&home.settings(), &self.state.settings)
             .and_then(|()| kept::store_text(&home.layout(), &rooms::write_layout(&self.dock)));

@@ -3,6 +3,7 @@
 use super::dialogs::{Purpose, Question};
 use super::export::{Content, Export};
 use super::journal::About;
+use super::remedies::with_remedy;
 use super::watch::hash_of;
 use super::{
     Asking, Changed, Disk, Event, HeadChoice, Left, Next, Unsaved, differences, journal, own_head,
@@ -128,6 +129,7 @@ impl Editor {
         self.documents.head = None;
         self.documents.frames = Some(self.state.revision);
         self.documents.welcome.is_open = false;
+        self.forget_the_last();
     }
 
     fn begin(&mut self, groom: Option<&'static str>) {
@@ -152,15 +154,18 @@ impl Editor {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let shown = path.display().to_string();
         let read = read_at_most(&path, MOST_BYTES)
-            .map_err(|why| format!("{shown}: {why}"))
+            .map_err(|why| with_remedy(&format!("{shown}: {why}"), ""))
             .and_then(|bytes| {
-                let loaded = file::read_bytes(&bytes).map_err(|err| err.of_file(&shown))?;
+                let loaded = file::read_bytes(&bytes).map_err(|err| {
+                    let mend = "mend it in a text editor, or open an earlier copy";
+                    with_remedy(&err.of_file(&shown), mend)
+                })?;
                 Ok((loaded, hash_of(&bytes)))
             });
         let (loaded, hash) = match read {
             Ok(read) => read,
             Err(why) => {
-                self.state.notes.say(Note::error(why));
+                self.state.notes.say(Note::error(format!("not opened: {why}")));
                 return false;
             }
         };
@@ -206,7 +211,8 @@ impl Editor {
         if let Err(why) = put(&document, &file, &path, &text) {
             documents.watched = before;
             documents.after_save = None;
-            state.notes.say(Note::error(format!("{why}; nothing was saved")));
+            let why = with_remedy(&why, "choose another place with Save as");
+            state.notes.say(Note::error(format!("not saved: {why}")));
             return false;
         }
         history.mark_saved(&document);
@@ -230,7 +236,8 @@ impl Editor {
         let last = self.documents.last_folder.clone();
         let recent = self.documents.recent.files().first().and_then(|path| path.parent());
         let folder = match &file.path {
-            Some(_) if matches!(purpose, Purpose::Open | Purpose::Save) => file.folder.clone(),
+            // Heads lie where heads lie; all else begins beside the groom.
+            Some(_) if purpose != Purpose::Mesh => file.folder.clone(),
             _ => last.or(recent.map(Path::to_owned)).unwrap_or_else(|| file.folder.clone()),
         };
         let stem = match &file.path {

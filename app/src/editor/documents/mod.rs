@@ -22,6 +22,7 @@ mod own_head;
 mod paths;
 pub mod places;
 mod recent;
+mod remedies;
 #[cfg(test)]
 pub(crate) mod testing;
 #[cfg(test)]
@@ -43,6 +44,8 @@ use std::sync::Arc;
 use watch::Watch;
 use welcome::Welcome;
 
+pub(crate) use bars::changed;
+pub(crate) use bars::export_line;
 pub use compare::{Difference, differences};
 pub use dialogs::Purpose;
 pub(crate) use frame::{after, before, panels};
@@ -249,6 +252,11 @@ impl Documents {
     /// Whether the present file was changed by others and nothing was decided.
     pub fn is_changed_on_disk(&self) -> bool {
         self.changed.is_some()
+    }
+
+    /// Whether a head that was just chosen waits for an answer.
+    pub(crate) fn places_head(&self) -> bool {
+        self.head.is_some()
     }
 
     /// Whether the welcome panel is open.

@@ -8,6 +8,7 @@ use super::{Event as FileEvent, HeadChoice};
 use crate::editor::Editor;
 use crate::editor::event::Event;
 use crate::editor::notes::Note;
+use crate::editor::panel;
 use crate::editor::state::{Select, State};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{NodeId, Setting};
@@ -186,103 +187,115 @@ pub(super) fn settle(editor: &mut Editor) {
 pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &mut Vec<Event>) {
     let mut placing = head.placing.clone();
     let (mut drags, mut choice) = (false, None);
-    egui::Window::new("Your head")
-        .id("own head".into())
+    panel::window("Your head", "own head", ctx)
         .default_pos([24.0, 90.0])
         .resizable(false)
         .collapsible(true)
         .show(ctx, |ui| {
-            ui.set_max_width(WIDTH);
-            let name = Path::new(&head.path).file_name().unwrap_or_default().to_string_lossy();
-            ui.label(format!("{name}: is this how it stands?"));
-            found(head, state, ui);
-            ui.separator();
-            Grid::new("own head placing").num_columns(2).show(ui, |ui| {
-                ui.label("The face looks along");
-                ui.horizontal_wrapped(|ui| {
-                    if ui.selectable_label(placing.forward.is_empty(), "find the face").clicked() {
-                        placing.forward = "";
-                    }
-                    for axis in AXES.into_iter().filter(|axis| is_level(axis, placing.up)) {
-                        if ui.selectable_label(placing.forward == axis, axis).clicked() {
-                            placing.forward = axis;
-                        }
-                    }
-                });
-                ui.end_row();
-                ui.label("Up in the file");
-                ui.horizontal(|ui| {
-                    for (up, name) in UPS {
-                        if ui.selectable_label(placing.up == up, name).clicked() {
-                            placing.up = up;
+            panel::body(ui, WIDTH, |ui| {
+                ui.set_max_width(WIDTH);
+                let name = Path::new(&head.path).file_name().unwrap_or_default().to_string_lossy();
+                ui.label(format!("{name}: is this how it stands?"));
+                found(head, state, ui);
+                ui.separator();
+                Grid::new("own head placing").num_columns(2).show(ui, |ui| {
+                    ui.label("The face looks along");
+                    ui.horizontal_wrapped(|ui| {
+                        if ui
+                            .selectable_label(placing.forward.is_empty(), "find the face")
+                            .clicked()
+                        {
                             placing.forward = "";
                         }
-                    }
-                });
-                ui.end_row();
-                ui.label("Turn");
-                ui.horizontal(|ui| {
-                    for (by, name) in [(-90.0, "-90°"), (90.0, "+90°")] {
-                        if ui.button(name).on_hover_text("Turns about the up axis").clicked() {
-                            placing.turn = wrapped(placing.turn + by);
+                        for axis in AXES.into_iter().filter(|axis| is_level(axis, placing.up)) {
+                            if ui.selectable_label(placing.forward == axis, axis).clicked() {
+                                placing.forward = axis;
+                            }
                         }
-                    }
-                    let turn = ui.add(Slider::new(&mut placing.turn, -180.0..=180.0).suffix("°"));
-                    drags |= turn.dragged();
+                    });
+                    ui.end_row();
+                    ui.label("Up in the file");
+                    ui.horizontal(|ui| {
+                        for (up, name) in UPS {
+                            if ui.selectable_label(placing.up == up, name).clicked() {
+                                placing.up = up;
+                                placing.forward = "";
+                            }
+                        }
+                    });
+                    ui.end_row();
+                    ui.label("Turn");
+                    ui.horizontal(|ui| {
+                        for (by, name) in [(-90.0, "-90°"), (90.0, "+90°")] {
+                            if ui.button(name).on_hover_text("Turns about the up axis").clicked() {
+                                placing.turn = wrapped(placing.turn + by);
+                            }
+                        }
+                        let turn =
+                            ui.add(Slider::new(&mut placing.turn, -180.0..=180.0).suffix("°"));
+                        drags |= turn.dragged();
+                    });
+                    ui.end_row();
+                    ui.label("Scale");
+                    ui.horizontal(|ui| {
+                        let mut found = placing.scale == 0.0;
+                        if ui.checkbox(&mut found, "find").on_hover_text(FIND_SCALE).changed() {
+                            placing.scale = if found { 0.0 } else { scale_now(head, state) };
+                        }
+                        if !found {
+                            let speed = placing.scale * 0.01;
+                            let field = DragValue::new(&mut placing.scale)
+                                .range(1e-6..=1e6)
+                                .speed(speed)
+                                .suffix(" cm a unit");
+                            drags |= ui.add(field).dragged();
+                        }
+                    });
+                    ui.end_row();
+                    ui.label("Sphere");
+                    ui.horizontal(|ui| {
+                        let mut found = placing.radius == 0.0;
+                        if ui.checkbox(&mut found, "find").on_hover_text(FIND_SPHERE).changed() {
+                            placing.radius = if found { 0.0 } else { radius_now(state) };
+                        }
+                        if !found {
+                            let field = DragValue::new(&mut placing.radius)
+                                .range(0.1..=1000.0)
+                                .speed(0.02)
+                                .suffix(" cm");
+                            drags |= ui.add(field).dragged();
+                        }
+                    });
+                    ui.end_row();
+                    ui.label("No human head");
+                    ui.checkbox(&mut placing.no_head, "keep the file's own axes").on_hover_text(
+                        "For animals and things: no sphere is fitted, and hair may grow everywhere",
+                    );
+                    ui.end_row();
                 });
-                ui.end_row();
-                ui.label("Scale");
-                ui.horizontal(|ui| {
-                    let mut found = placing.scale == 0.0;
-                    if ui.checkbox(&mut found, "find").on_hover_text(FIND_SCALE).changed() {
-                        placing.scale = if found { 0.0 } else { scale_now(head, state) };
-                    }
-                    if !found {
-                        let speed = placing.scale * 0.01;
-                        let field = DragValue::new(&mut placing.scale)
-                            .range(1e-6..=1e6)
-                            .speed(speed)
-                            .suffix(" cm a unit");
-                        drags |= ui.add(field).dragged();
-                    }
-                });
-                ui.end_row();
-                ui.label("Sphere");
-                ui.horizontal(|ui| {
-                    let mut found = placing.radius == 0.0;
-                    if ui.checkbox(&mut found, "find").on_hover_text(FIND_SPHERE).changed() {
-                        placing.radius = if found { 0.0 } else { radius_now(state) };
-                    }
-                    if !found {
-                        let field = DragValue::new(&mut placing.radius)
-                            .range(0.1..=1000.0)
-                            .speed(0.02)
-                            .suffix(" cm");
-                        drags |= ui.add(field).dragged();
-                    }
-                });
-                ui.end_row();
-                ui.label("No human head");
-                ui.checkbox(&mut placing.no_head, "keep the file's own axes").on_hover_text(
-                    "For animals and things: no sphere is fitted, and hair may grow everywhere",
-                );
-                ui.end_row();
-            });
-            if !head.parts.is_empty() {
+                if !head.parts.is_empty() {
+                    ui.separator();
+                    ui.label("Leave out what is no head");
+                    leave_out(&head.parts, &mut placing, ui);
+                }
                 ui.separator();
-                ui.label("Leave out what is no head");
-                leave_out(&head.parts, &mut placing, ui);
-            }
-            ui.separator();
-            ui.horizontal(|ui| {
-                if ui.add(Button::new("Accept")).on_hover_text("The head stays as it is").clicked()
-                {
-                    choice = Some(HeadChoice::Accept);
-                }
-                if ui.button("Cancel").on_hover_text("The head from before comes back").clicked() {
-                    choice = Some(HeadChoice::Cancel);
-                }
-            });
+                ui.horizontal(|ui| {
+                    if ui
+                        .add(Button::new("Accept"))
+                        .on_hover_text("The head stays as it is")
+                        .clicked()
+                    {
+                        choice = Some(HeadChoice::Accept);
+                    }
+                    if ui
+                        .button("Cancel")
+                        .on_hover_text("The head from before comes back")
+                        .clicked()
+                    {
+                        choice = Some(HeadChoice::Cancel);
+                    }
+                });
+            })
         });
     if choice.is_none() && (placing != head.placing || drags != state.gesture) {
         choice = Some(HeadChoice::Try(placing, drags));

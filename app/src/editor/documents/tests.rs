@@ -346,7 +346,9 @@ fn a_file_that_others_change_is_told_and_reloaded_kept_or_compared() {
         ui.state().documents.is_changed_on_disk()
     });
     ui.step();
+    ui.run_steps(3);
     press(&mut ui, "Compare");
+    ui.run_steps(3);
     ui.get_by_label("the document differs in the seed");
     ui.get_by_label("bald is only on the disk");
     press(&mut ui, "Keep mine");
@@ -620,7 +622,7 @@ fn what_is_read_or_read_only_is_not_written_over_and_links_stay() {
     refused(FileEvent::Export(folder.path("a.usdc")), "which is read");
     let locked = std::fs::Permissions::from_mode(0o444);
     std::fs::set_permissions(folder.path("real.ron"), locked).unwrap();
-    refused(FileEvent::Save, "is read-only; nothing was saved");
+    refused(FileEvent::Save, "is read-only; choose another name");
 }
 
 #[test]
@@ -825,4 +827,24 @@ fn a_process_killed_at_any_moment_loses_at_most_what_was_not_yet_safe() {
         waited.get(waited.len() / 2).copied().unwrap_or(0),
         waited.last().copied().unwrap_or(0)
     );
+}
+
+#[test]
+fn saving_and_exporting_begin_in_the_grooms_folder() {
+    let (heads, grooms) = (Folder::new("life-heads"), Folder::new("life-grooms"));
+    std::fs::write(heads.path("head.obj"), bust_with_a_bun()).unwrap();
+    let (mut ui, fake) = on_empty_head();
+    does(&mut ui, FileEvent::SaveTo(grooms.path("a.ron")));
+    // Another folder was the last that anybody chose in.
+    fake.answers(Answer::Chosen(heads.path("head.obj")));
+    act(&mut ui, "file.head");
+    for action in ["file.save_as", "file.export", "file.picture", "file.open"] {
+        fake.answers(Answer::Nothing);
+        act(&mut ui, action);
+        let asked = fake.asked.lock().unwrap().last().cloned().unwrap();
+        assert_eq!(asked.folder, grooms.root(), "{action}");
+    }
+    fake.answers(Answer::Nothing);
+    act(&mut ui, "file.head");
+    assert_eq!(fake.asked.lock().unwrap().last().unwrap().folder, heads.root());
 }

@@ -5,10 +5,13 @@ use super::Event as FileEvent;
 use super::dialogs::Purpose;
 use super::recent::Recent;
 use crate::editor::event::Event;
+use crate::editor::panel;
 use crate::editor::settings::Settings;
 use crate::editor::state::State;
 use coif_graphs::grooms;
-use egui::{Align, Button, ColorImage, Image, Layout, RichText, ScrollArea, TextureHandle, Vec2};
+use egui::{
+    Align, Button, ColorImage, Image, Layout, Pos2, Rect, RichText, ScrollArea, TextureHandle, Vec2,
+};
 use std::collections::BTreeMap;
 
 /// Pictures of the shipped grooms, 160 x 120, drawn by `coif render`.
@@ -38,6 +41,22 @@ const PICTURES: &[(&str, &[u8])] = &[
 ];
 
 const SIZE: Vec2 = Vec2::new(160.0, 120.0);
+/// The panel has two pictures side by side where there is room for them.
+const WIDTH: f32 = 376.0;
+/// What the panel's frame and scroll bar take beside the pictures.
+const FRAME: f32 = 34.0;
+const SCROLL_BAR: f32 = 10.0;
+/// What a card is larger than its picture, with the room to the next.
+const CARD: Vec2 = Vec2::new(18.0, 30.0);
+
+/// Where the panel stands at first: in the wider room beside the picture, so that it hides none of what it is about.
+fn beside(room: Rect, picture: Option<Rect>) -> Rect {
+    let sides = picture.map(|it| (it.left() - room.left(), room.right() - it.right()));
+    let (left, right) = sides.unwrap_or((0.0, WIDTH));
+    let width = left.max(right).clamp(SIZE.x + FRAME, WIDTH).min(room.width());
+    let x = if left > right { room.left() } else { room.right() - width };
+    Rect::from_min_size(Pos2::new(x, room.top()), Vec2::new(width, room.height()))
+}
 
 /// Whether the panel is open, and its pictures once it was.
 #[derive(Default)]
@@ -51,6 +70,7 @@ pub(super) fn window(
     welcome: &mut Welcome,
     recent: &Recent,
     state: &State,
+    picture_at: Option<Rect>,
     ctx: &egui::Context,
     out: &mut Vec<Event>,
 ) {
@@ -61,53 +81,61 @@ pub(super) fn window(
     let mut say = |event: FileEvent| said.push(event);
     let mut tour = false;
     let (mut open, mut shows) = (true, state.settings.welcome);
-    // The menu and the bars under it stay in sight.
-    let room = (ctx.content_rect().height() - 220.0).max(200.0);
-    egui::Window::new("Welcome")
-        .id("welcome".into())
+    let place = beside(panel::room(ctx), picture_at);
+    panel::window("Welcome", "welcome", ctx)
         .open(&mut open)
         .collapsible(false)
-        .default_size([384.0, 560.0])
-        .default_pos([16.0, 64.0])
+        .default_size(place.size())
+        .default_pos(place.min)
         .show(ctx, |ui| {
-            ScrollArea::vertical().max_height(room).show(ui, |ui| {
-                ui.heading("Begin with");
-                ui.horizontal_wrapped(|ui| {
-                    let button = ui.button("Empty head").on_hover_text("A head without hair");
-                    if button.clicked() {
-                        say(FileEvent::New(None));
-                    }
-                    let tip = "A head and the pen in hand: draw hair on it";
-                    if ui.button("Sketch hair").on_hover_text(tip).clicked() {
-                        say(FileEvent::Begin("recipe.sketch_hair"));
-                    }
-                    let tip = "A mesh (.obj, .glb, .gltf) instead of the built-in head";
-                    if ui.button("Your own head…").on_hover_text(tip).clicked() {
-                        say(FileEvent::Ask(Purpose::Mesh));
-                    }
-                    if ui.button("Open a groom…").on_hover_text("A .ron file").clicked() {
-                        say(FileEvent::Ask(Purpose::Open));
-                    }
-                    let tip = "Five minutes on the cornrows: look round, draw, braid, part, save";
-                    tour = ui.button("Take the tour").on_hover_text(tip).clicked();
-                });
-                ui.label(
-                    RichText::new("A mesh or a groom can also be dropped on the window.").weak(),
-                );
-                recent_files(recent, ui, &mut say);
-                ui.add_space(8.0);
-                ui.heading("Grooms");
-                ui.horizontal_wrapped(|ui| {
-                    for (name, text) in grooms::ALL {
-                        let picture = picture(&mut welcome.pictures, name, ctx);
-                        if card(ui, name, title_of(text), picture) {
-                            say(FileEvent::New(Some(name)));
+            panel::body(ui, 140.0, |ui| {
+                // The last line stays in sight, where there is room for more.
+                let room = panel::room(ctx).height();
+                let rest = if room < 240.0 { f32::INFINITY } else { room - 130.0 };
+                ScrollArea::vertical().max_height(rest).show(ui, |ui| {
+                    ui.heading("Begin with");
+                    ui.horizontal_wrapped(|ui| {
+                        let button = ui.button("Empty head").on_hover_text("A head without hair");
+                        if button.clicked() {
+                            say(FileEvent::New(None));
                         }
-                    }
+                        let tip = "A head and the pen in hand: draw hair on it";
+                        if ui.button("Sketch hair").on_hover_text(tip).clicked() {
+                            say(FileEvent::Begin("recipe.sketch_hair"));
+                        }
+                        let tip = "A mesh (.obj, .glb, .gltf) instead of the built-in head";
+                        if ui.button("Your own head…").on_hover_text(tip).clicked() {
+                            say(FileEvent::Ask(Purpose::Mesh));
+                        }
+                        if ui.button("Open a groom…").on_hover_text("A .ron file").clicked() {
+                            say(FileEvent::Ask(Purpose::Open));
+                        }
+                        let tip =
+                            "Five minutes on the cornrows: look round, draw, braid, part, save";
+                        tour = ui.button("Take the tour").on_hover_text(tip).clicked();
+                    });
+                    ui.label(
+                        RichText::new("A mesh or a groom can also be dropped on the window.")
+                            .weak(),
+                    );
+                    recent_files(recent, ui, &mut say);
+                    ui.add_space(8.0);
+                    ui.heading("Grooms");
+                    let wide = ui.available_width() - SCROLL_BAR;
+                    let columns = (wide / (SIZE.x * 0.75)).floor().max(1.0);
+                    let size = SIZE * ((wide / columns - CARD.x) / SIZE.x).clamp(0.25, 1.0);
+                    ui.horizontal_wrapped(|ui| {
+                        for (name, text) in grooms::ALL {
+                            let picture = picture(&mut welcome.pictures, name, ctx);
+                            if card(ui, name, title_of(text), picture, size) {
+                                say(FileEvent::New(Some(name)));
+                            }
+                        }
+                    });
                 });
-            });
-            ui.separator();
-            ui.checkbox(&mut shows, "Show this at every start");
+                ui.separator();
+                ui.checkbox(&mut shows, "Show this at every start");
+            })
         });
     if tour {
         said.push(FileEvent::New(Some("cornrows")));
@@ -151,15 +179,23 @@ fn recent_files(recent: &Recent, ui: &mut egui::Ui, say: &mut dyn FnMut(FileEven
 }
 
 /// A picture with its name, to press on.
-fn card(ui: &mut egui::Ui, name: &str, title: &str, picture: Option<&TextureHandle>) -> bool {
+fn card(
+    ui: &mut egui::Ui,
+    name: &str,
+    title: &str,
+    picture: Option<&TextureHandle>,
+    size: Vec2,
+) -> bool {
     let mut clicked = false;
-    ui.allocate_ui_with_layout(SIZE + Vec2::new(12.0, 30.0), Layout::top_down(Align::Min), |ui| {
+    let room = size + Vec2::new(12.0, 30.0);
+    ui.allocate_ui_with_layout(room, Layout::top_down(Align::Min), |ui| {
+        ui.set_max_width(room.x);
         let button = match picture {
             Some(picture) => {
-                let image = Image::from_texture((picture.id(), SIZE)).alt_text(title);
+                let image = Image::from_texture((picture.id(), size)).alt_text(title);
                 ui.add(Button::image(image))
             }
-            None => ui.add_sized(SIZE, Button::new(title)),
+            None => ui.add_sized(size, Button::new(title)),
         };
         clicked = button.on_hover_text(format!("New from {name}")).clicked();
         ui.add(egui::Label::new(RichText::new(title).small()).truncate());

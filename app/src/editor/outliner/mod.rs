@@ -23,7 +23,7 @@ use egui::{
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Weak};
-use tree::{Groups, Item, Row, Tree, groups, kin, outputs};
+use tree::{BESIDE, Groups, Item, Row, Tree, groups, kin, outputs};
 
 /// What the outliner remembers between frames.
 #[derive(Default)]
@@ -139,7 +139,9 @@ impl Outliner {
             let Some(of) = of.filter(|_| !curves.is_empty()) else { continue };
             for (tuft, i) in of.each().filter(|(tuft, i)| curves.contains(&tuft.id(*i))) {
                 let (braid, strand, parent) = kin(tuft, i);
-                if matches!(groups, Groups::Braids(_)) {
+                if strand == BESIDE {
+                    self.lit.insert(Item::Beside(id.clone(), braid));
+                } else if matches!(groups, Groups::Braids(..)) {
                     self.lit.insert(Item::Braid(id.clone(), braid));
                     self.lit.insert(Item::Strand(id.clone(), braid, strand));
                 } else {
@@ -275,7 +277,7 @@ impl Outliner {
             inner.data_mut(|data| data.insert_temp(id, true));
         }
         let field = inner.id().with(name);
-        let typed = text_field(&mut inner, name, &old, hint, (at.width(), 1));
+        let typed = text_field(&mut inner, name, &old, &hint, (at.width(), 1));
         let left = !inner.memory(|memory| memory.has_focus(field));
         if let Some(label) = typed.as_ref() {
             let label = Some(label.trim().to_owned()).filter(|label| !label.is_empty());
@@ -404,7 +406,12 @@ fn select(state: &State, item: &Item, add: bool, out: &mut Vec<Event>) {
             return;
         }
         Item::Makers(_) => return,
-        Item::Braid(output, braid) => (output, Box::new(move |kin| kin.0 == *braid)),
+        Item::Braid(output, braid) => {
+            (output, Box::new(move |kin| kin.0 == *braid && kin.1 != BESIDE))
+        }
+        Item::Beside(output, braid) => {
+            (output, Box::new(move |kin| kin.0 == *braid && kin.1 == BESIDE))
+        }
         Item::Strand(output, braid, strand) => {
             (output, Box::new(move |kin| kin.0 == *braid && kin.1 == *strand))
         }

@@ -6,7 +6,7 @@ use super::tree::fits;
 use super::*;
 use crate::editor::Editor;
 use coif_graphs::document::{Socket, graph};
-use coif_nodes::data::attributes::{BRAID, Domain, ID, PARENT, STRAND};
+use coif_nodes::data::attributes::{BRAID, Domain, ID, PARENT, SIDE, STRAND};
 use coif_nodes::data::curves::{Curves, TuftBuilder};
 use coif_nodes::eval::Quality;
 use egui_kittest::Harness;
@@ -73,11 +73,32 @@ fn click(hands: &mut Harness<'static, Bench>, label: &str) {
 
 #[test]
 fn hair_belongs_to_braids_and_strands() {
-    let Groups::Braids(found) = groups(&braids()) else { panic!() };
+    let Groups::Braids(found, beside) = groups(&braids()) else { panic!() };
+    assert!(beside.is_empty());
     assert_eq!(found.keys().copied().collect::<Vec<_>>(), [7, 8]);
     assert_eq!(found[&7].curves, 12);
     assert_eq!(found[&8].strands[&2], (4, [82].into()));
     assert_eq!(groups(&Curves::default()), Groups::None);
+}
+
+#[test]
+fn hair_that_runs_into_braids_from_beside_them_is_no_braid() {
+    // A braid, and hair on both sides of its row, which joins no stitch of it.
+    let mut tuft = TuftBuilder::even(vec![Vec3::ZERO; 16], 2);
+    tuft.set(ID, Domain::Curve, (900..908).collect());
+    tuft.set(BRAID, Domain::Curve, vec![7]);
+    tuft.set(PARENT, Domain::Curve, vec![7]);
+    tuft.set(SIDE, Domain::Curve, (0..8).map(|i| if i < 4 { -1 } else { 1 }).collect());
+    let beside = Curves::new(vec![Arc::new(tuft.build())]);
+    let all = Curves::new([braids().tufts(), beside.tufts()].concat());
+    let Groups::Braids(found, parting) = groups(&all) else { panic!() };
+    assert_eq!((found[&7].curves, found.len()), (12, 2));
+    assert_eq!((parting[&7].curves, parting.len()), (8, 1));
+    let (mut hands, _) = hands("cornrows", all);
+    click(&mut hands, "Parting hairs 1");
+    assert_eq!(hands.state().editor.state.selection.curves, (900..908).collect());
+    click(&mut hands, "Braid 1");
+    assert_eq!(hands.state().editor.state.selection.curves, (700..712).collect());
 }
 
 #[test]
@@ -101,7 +122,7 @@ fn rows_open_select_hide_isolate_and_lock() {
     let view = &hands.state().editor.state.visibility;
     assert!(view.shows_all() && !view.locked.is_empty());
     // An output is selected as a node, and its hair hidden as a whole.
-    let name = hands.state().editor.state.document.name_of(&output).to_owned();
+    let name = hands.state().editor.state.document.name_of(&output).into_owned();
     click(&mut hands, &name);
     assert_eq!(hands.state().editor.state.active(), Some(&output));
     click(&mut hands, &format!("Hide {name}"));
@@ -118,7 +139,7 @@ fn nodes_that_made_it_are_listed_and_renamed() {
     let document = &hands.state().editor.state.document;
     let upstream = graph::upstream(document, [&output]);
     let braid = upstream.iter().find(|id| document.nodes[*id].kind == "lissajous_braid");
-    let (braid, name) = (braid.unwrap().clone(), document.name_of(braid.unwrap()).to_owned());
+    let (braid, name) = (braid.unwrap().clone(), document.name_of(braid.unwrap()).into_owned());
     let at = hands.get_all_by_label(&name).next().unwrap().rect().center();
     // Longer than a double click takes.
     hands.run_steps(30);

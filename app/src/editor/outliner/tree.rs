@@ -4,7 +4,7 @@ use super::super::evaluation::displayed;
 use super::super::state::State;
 use coif_graphs::document::graph;
 use coif_graphs::document::{Document, Node, NodeId};
-use coif_nodes::data::attributes::{BRAID, PARENT, STRAND};
+use coif_nodes::data::attributes::{BRAID, PARENT, SIDE, STITCH, STRAND};
 use coif_nodes::data::curves::{Curves, Tuft};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -18,6 +18,8 @@ pub(super) enum Item {
     Makers(NodeId),
     /// All hair of an output that belongs to one braid.
     Braid(NodeId, u64),
+    /// All hair of an output that runs from beside a braid into it.
+    Beside(NodeId, u64),
     /// One strand of a braid.
     Strand(NodeId, u64, i32),
     /// All hair of an output made from one curve.
@@ -52,7 +54,8 @@ pub(super) struct Group {
 /// How the hair of an output belongs together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Groups {
-    Braids(BTreeMap<u64, Group>),
+    /// Hair of braids, and hair that runs into braids from beside them, both by braid.
+    Braids(BTreeMap<u64, Group>, BTreeMap<u64, Group>),
     Parents(BTreeMap<u64, usize>),
     None,
 }
@@ -110,7 +113,7 @@ impl Tree<'_> {
         let document = &state.document;
         let groups = self.groups.get(id).unwrap_or(&Groups::None);
         let names = match groups {
-            Groups::Braids(braids) => braids.keys().copied().collect(),
+            Groups::Braids(braids, beside) => braids.keys().chain(beside.keys()).copied().collect(),
             Groups::Parents(parents) => parents.keys().copied().collect(),
             Groups::None => vec![],
         };
@@ -140,7 +143,7 @@ impl Tree<'_> {
                     all.push(row(item, 1, name, Some(*curves), None, names));
                 }
             }
-            Groups::Braids(braids) => {
+            Groups::Braids(braids, beside) => {
                 for (n, (braid, group)) in braids.iter().enumerate() {
                     let item = Item::Braid(id.clone(), *braid);
                     let many = group.strands.len() > 1;
@@ -156,6 +159,13 @@ impl Tree<'_> {
                         let names = names.iter().copied().collect();
                         all.push(row(item, 2, name, Some(*curves), None, names));
                     }
+                }
+                // Called by what it is: some belongs to braids of other outputs.
+                for (n, (braid, group)) in beside.iter().enumerate() {
+                    let item = Item::Beside(id.clone(), *braid);
+                    let name = format!("Parting hairs {}", n + 1);
+                    let names = group.strands.values().flat_map(|(_, names)| names).copied();
+                    all.push(row(item, 1, name, Some(group.curves), None, names.collect()));
                 }
             }
         }
@@ -173,7 +183,7 @@ impl Tree<'_> {
         }
         let item = Item::Makers(id.clone());
         let open = self.is_open(&item, matches!(groups, Groups::None));
-        let name = format!("Made by {} nodes", makers.len());
+        let name = format!("Made by {}", crate::words::counted(makers.len(), "node"));
         all.push(row(item, 1, name, None, Some(open), vec![]));
         if open {
             for node in makers {
@@ -193,7 +203,7 @@ fn node_row(
 ) -> Row {
     let kind = state.document.node(id.as_str()).map_or("", |node| node.kind.as_str());
     let label = coif_nodes::by_id(kind).map_or(kind, |def| def.label);
-    let name = state.document.name_of(id).to_owned();
+    let name = state.document.name_of(id).into_owned();
     let report = state.run.reports.nodes.get(id);
     Row {
         item: Item::Node(id.clone()),
@@ -221,31 +231,40 @@ pub(super) fn outputs(document: &Document) -> Vec<NodeId> {
     displayed(document).into_iter().map(|socket| socket.node).filter(|id| !is_head(id)).collect()
 }
 
+/// The strand of hair that runs into a braid from beside it.
+pub(super) const BESIDE: i32 = -1;
+
 /// What a curve belongs to: its braid and strand, and its parent.
 pub(super) fn kin(tuft: &Tuft, i: usize) -> (u64, i32, u64) {
     let first = tuft.offsets()[i] as usize;
     let (braid, strand) = (tuft.view(BRAID).at(i, first), tuft.view(STRAND).at(i, first));
-    (braid, strand, tuft.view(PARENT).at(i, first))
+    // Parting hairs lie on a side of their row, and join no stitch of the braid.
+    let beside = tuft.view(SIDE).at(i, first) != 0 && tuft.view(STITCH).at(i, first) < 0;
+    (braid, if beside { BESIDE } else { strand }, tuft.view(PARENT).at(i, first))
 }
 
 /// How curves belong together: by braid where they have one, else by parent where that says something.
 pub(super) fn groups(curves: &Curves) -> Groups {
-    let (mut braids, mut parents) = (BTreeMap::<u64, Group>::new(), BTreeMap::<u64, usize>::new());
+    let (mut braids, mut beside) = (BTreeMap::<u64, Group>::new(), BTreeMap::<u64, Group>::new());
+    let mut parents = BTreeMap::<u64, usize>::new();
     for (tuft, i) in curves.each() {
         let (braid, strand, parent) = kin(tuft, i);
         if braid != 0 {
-            let group = braids.entry(braid).or_default();
+            let runs_in = strand == BESIDE;
+            let of = if runs_in { &mut beside } else { &mut braids };
+            let group = of.entry(braid).or_default();
             group.curves += 1;
             let (count, names) = group.strands.entry(strand).or_default();
             *count += 1;
-            names.insert(if parent == 0 { tuft.id(i) } else { parent });
+            // Hair beside a braid has the row for a parent, as the braid's own hair may have: it goes by its own id.
+            names.insert(if parent == 0 || runs_in { tuft.id(i) } else { parent });
         }
         if parent != 0 {
             *parents.entry(parent).or_default() += 1;
         }
     }
-    if !braids.is_empty() {
-        return Groups::Braids(braids);
+    if !braids.is_empty() || !beside.is_empty() {
+        return Groups::Braids(braids, beside);
     }
     match parents.len() {
         0 => Groups::None,

@@ -14,6 +14,7 @@ mod tests;
 use super::evaluation::{Shown, first_output};
 use super::event::Event;
 use super::notes::Note;
+use super::panel;
 use super::state::State;
 use super::theme;
 use crate::words::grouped;
@@ -91,7 +92,7 @@ impl Spreadsheet {
             _ => {
                 let part = |socket| {
                     let tufts = shown.curves_of(socket).map_or(0, |curves| curves.tufts().len());
-                    (tufts, state.document.name_of(&socket.node).to_owned())
+                    (tufts, state.document.name_of(&socket.node).into_owned())
                 };
                 let parts: Vec<_> = shown.sockets.iter().map(part).collect();
                 let all: usize = parts.iter().map(|(tufts, _)| tufts).sum();
@@ -177,7 +178,7 @@ impl Spreadsheet {
             if jump.on_hover_text("Scrolls to the first selected curve.").clicked() {
                 self.go_to_selected(state);
             }
-            ui.menu_button("Columns", |ui| self.columns_menu(ui))
+            ui.menu_button("Columns", |ui| panel::list(ui, |ui| self.columns_menu(ui)))
                 .response
                 .on_hover_text("Which columns are shown.");
             ui.toggle_value(&mut self.statistics, "Statistics")
@@ -226,8 +227,9 @@ impl Spreadsheet {
                 && let Some(table) = &self.table
             {
                 let named = state.document.display.as_ref().or(state.active());
-                let name = named.map_or("curves", |id| state.document.name_of(id));
-                self.follow = Follow::Pinned(name.to_owned(), table.curves().clone());
+                let name = named.map(|id| state.document.name_of(id).into_owned());
+                let name = name.unwrap_or_else(|| "curves".to_owned());
+                self.follow = Follow::Pinned(name, table.curves().clone());
             }
         });
         crate::inspector::text::set_name(ui, &combo.response, "What the spreadsheet shows");

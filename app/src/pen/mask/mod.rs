@@ -277,7 +277,8 @@ impl Pen {
             }
         }
         let name = node.as_ref().map(|node| scene.state.document.name_of(node));
-        let words = format!("{}: {}", self.tool.label(), name.unwrap_or("new paint mask"));
+        let words =
+            format!("{}: {}", self.tool.label(), name.as_deref().unwrap_or("new paint mask"));
         let at = scene.view.rect.right_top() + Vec2::new(-12.0, 12.0);
         label(&painter, at, Align2::RIGHT_TOP, &words);
         if ui.rect_contains_pointer(scene.view.rect) {

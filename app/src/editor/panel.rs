@@ -1,0 +1,160 @@
+//! Windows that stand over the rooms, and lists in menus: none covers the menu bar, none is larger than the window, and what
+//! is pressed beside an open list closes it and does nothing else.
+//!
+//! Guarantees: all that a panel or a menu holds can be reached, at any size of the window, by scrolling. Escape closes the
+//! topmost of what is open ([`Editor::closes_topmost`]).
+
+use super::Editor;
+use super::event::Event;
+use super::keys::escape_at;
+use egui::{Area, Context, Id, LayerId, Order, Popup, Rect, ScrollArea, Sense, Ui, Vec2, Window};
+
+/// Height of a panel's title, and what its frame takes.
+const TITLE: f32 = 46.0;
+/// What frames round a menu take.
+const MENU_FRAME: f32 = 20.0;
+
+/// Panels that Escape closes.
+const SETTINGS: &str = "settings";
+const KEYS: &str = "key sheet";
+const WELCOME: &str = "welcome";
+const PEN: &str = "pen settings";
+const HEAD: &str = "own head";
+
+fn area_id() -> Id {
+    Id::new("room for panels")
+}
+
+/// Remembers what lies between the menu bar and the status line.
+pub(super) fn keep_room(ctx: &Context, room: Rect) {
+    ctx.data_mut(|data| data.insert_temp(area_id(), room));
+}
+
+/// What lies between the menu bar and the status line: where panels may stand.
+pub(crate) fn room(ctx: &Context) -> Rect {
+    let kept = ctx.data(|data| data.get_temp(area_id()));
+    kept.unwrap_or_else(|| ctx.content_rect())
+}
+
+/// A panel over the rooms.
+pub(crate) fn window<'a>(
+    title: impl Into<egui::WidgetText>,
+    id: &str,
+    ctx: &Context,
+) -> Window<'a> {
+    let room = room(ctx);
+    Window::new(title.into())
+        .id(Id::new(id))
+        .constrain_to(room)
+        .default_size([400.0_f32.min(room.width() - 2.0), room.height() - TITLE])
+        .max_width((room.width() - 2.0).max(1.0))
+        .max_height((room.height() - 2.0).max(1.0))
+}
+
+/// What a panel holds, which is made to be `wide` points wide: scrolls where the window is smaller.
+pub(crate) fn body<R>(ui: &mut Ui, wide: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let room = room(ui.ctx()).size() - Vec2::new(28.0, TITLE);
+    let narrow = room.x < wide;
+    let area = ScrollArea::new([narrow, true])
+        .max_width(room.x.max(24.0))
+        .max_height(room.y.max(6.0))
+        .min_scrolled_height(6.0)
+        .auto_shrink([narrow, true]);
+    let add = |ui: &mut Ui| {
+        if narrow {
+            ui.set_max_width(wide);
+        }
+        add(ui)
+    };
+    area.show(ui, add).inner
+}
+
+/// What a menu lists: scrolls where that is more than the window has room for under the menu bar.
+pub(crate) fn list<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let room = (ui.ctx().content_rect().bottom() - room(ui.ctx()).top() - MENU_FRAME).max(24.0);
+    ui.set_max_height(room);
+    let area = ScrollArea::vertical().max_height(room).min_scrolled_height(16.0);
+    area.show(ui, add).inner
+}
+
+impl Editor {
+    /// A press beside an open menu or search closes it, and nothing that lies under it takes the press.
+    pub(super) fn shield(&self, ctx: &Context) {
+        if !self.palette.is_open() && !self.canvas.searches() && !Popup::is_any_open(ctx) {
+            return;
+        }
+        // The menu bar stays free, so that one menu leads to the next.
+        let mut rect = ctx.content_rect();
+        rect.min.y = room(ctx).top();
+        let id = Id::new("beside what is open");
+        Area::new(id).order(Order::Middle).fixed_pos(rect.min).constrain(false).show(ctx, |ui| {
+            ui.allocate_rect(rect, Sense::click_and_drag());
+        });
+        ctx.move_to_top(LayerId::new(Order::Middle, id));
+    }
+
+    /// Escape closes what is topmost: a search, then the panel in front. What was typed before it goes with that, what is
+    /// typed behind it does not reach it. True where the key is spent.
+    pub(super) fn closes_topmost(&mut self, ctx: &Context) -> bool {
+        let Some(at) = ctx.input(|input| escape_at(&input.events)) else { return false };
+        // These see to it themselves.
+        if self.documents.takes_keys() || Popup::is_any_open(ctx) {
+            return true;
+        }
+        let types = self.palette.is_open() || self.canvas.types();
+        let held = ctx.input(|input| input.pointer.any_down()) || self.canvas.holds();
+        if !types {
+            if held {
+                return false;
+            }
+            // A field is left first.
+            if self.types {
+                return true;
+            }
+        }
+        if !self.palette.close() && !self.canvas.close_search() && !self.close_front_panel(ctx) {
+            return false;
+        }
+        ctx.input_mut(|input| {
+            let keys = |event: &egui::Event| {
+                matches!(event, egui::Event::Key { pressed: true, .. } | egui::Event::Text(_))
+            };
+            let mut number = 0;
+            input.events.retain(|event| {
+                number += 1;
+                number - 1 > at || !keys(event)
+            });
+        });
+        true
+    }
+
+    fn close_front_panel(&mut self, ctx: &Context) -> bool {
+        let open = [
+            (SETTINGS, self.settings_panel.is_open),
+            (KEYS, self.key_sheet),
+            (WELCOME, self.documents.shows_welcome()),
+            (PEN, self.pen.settings_open),
+            (HEAD, self.documents.places_head()),
+        ];
+        let layers: Vec<LayerId> = ctx.memory(|memory| memory.layer_ids().collect());
+        let depth = |id: &str| {
+            let layer = LayerId::new(Order::Middle, Id::new(id));
+            layers.iter().position(|other| *other == layer)
+        };
+        let open = open.into_iter().filter(|(_, open)| *open).map(|(id, _)| id);
+        let Some(front) = open.max_by_key(|id| depth(id)) else { return false };
+        match front {
+            SETTINGS => self.settings_panel.is_open = false,
+            KEYS => self.key_sheet = false,
+            PEN => self.pen.settings_open = false,
+            WELCOME => {
+                self.apply(Event::Documents(super::documents::Event::Welcome(false)));
+            }
+            _ => {
+                let cancel = super::documents::HeadChoice::Cancel;
+                self.apply(Event::Documents(super::documents::Event::Head(cancel)));
+            }
+        }
+        true
+    }
+}
