@@ -197,7 +197,8 @@ impl Skin<'_> {
             }
             let (out, moved, clear) = self.raise_alone(*p, -depth, &mut near);
             ball = (*p, clear);
-            if clear > SURE {
+            // (In a tangle what is found may lie farther off than the nearest.)
+            if clear > SURE && !self.is_tangled() {
                 note(k, *p, clear - SURE);
             }
             any |= moved;

@@ -127,6 +127,33 @@ mod tests {
         Surface::new(points, (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
     }
 
+    /// So many triangles of 1 cm2 in a row, 4 cm apart, as leaves lie.
+    fn scraps(count: u32) -> Surface {
+        let corners = |k: u32| [0.0, 1.0].map(|x| Vec3::new(4.0 * k as f32 + x, 0.0, 0.0));
+        let scrap = |k: u32| {
+            let [a, b] = corners(k);
+            [a, a + Vec3::Z * 2.0, b]
+        };
+        let points = (0..count).flat_map(scrap).collect();
+        Surface::new(points, (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
+    }
+
+    #[test]
+    fn hundreds_of_parts_are_strewn_and_a_head_among_them_is_none() {
+        let check = |surface: Surface, rough: Option<Rough>| assert_eq!(of(surface).rough(), rough);
+        // Of like size: 300 weigh as 300, and 100 as 100.
+        check(scraps(300), Some(Rough::Strewn));
+        check(scraps(100), None);
+        // A ball of 995 cm2 with 300 scraps of 1 cm2 that hair grows on too: (995 + 300)^2 / (995^2 + 300) = 1.7 parts.
+        let (ball, scraps) = (crate::maths::closest::tests::sphere(8.9, 12), scraps(300));
+        let first = ball.points.len() as u32;
+        let points =
+            ball.points.iter().copied().chain(scraps.points.iter().map(|p| *p + Vec3::X * 20.0));
+        let moved = scraps.triangles.iter().map(|t| t.map(|v| v + first));
+        let triangles = ball.triangles.iter().copied().chain(moved).collect();
+        check(Surface::new(points.collect(), triangles), None);
+    }
+
     #[test]
     fn cloth_is_folded_what_is_huge_is_wide_crossing_blades_are_a_tangle_and_heads_are_nothing_of_it()
      {

@@ -61,6 +61,11 @@ impl<'a> Skin<'a> {
         self.patience.map_or(usize::MAX, |patience| patience.left() as usize)
     }
 
+    /// Whether what is found as nearest may be something farther off.
+    pub(super) fn is_tangled(&self) -> bool {
+        self.rough == Some(Rough::Tangled)
+    }
+
     /// Signed distance of `p` from the skin, cm, negative inside; exact within `EXACT` of it, from the field
     /// beyond, and +-1 cm or more beyond the field's band.
     pub fn distance(&self, p: Vec3) -> f32 {
@@ -270,7 +275,7 @@ impl<'a> Skin<'a> {
             self.surface.smooth_normal(hit.triangle, hit.bary)
         };
         let mut moved = hit.point + outward * (height + CLEAR);
-        if self.rough == Some(Rough::Tangled) {
+        if self.is_tangled() {
             return moved;
         }
         // In a crease the way out of one side may lead into the other: twice more is enough for the

@@ -608,6 +608,27 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn what_few_looks_find_is_nearly_always_the_closest_and_never_nearer() {
+        let bust = crate::scalp::bust::adult();
+        let surface = Surface::new(bust.points, bust.triangles);
+        let dice = Dice::new(13, 0, "few");
+        let mut same = 0;
+        for id in 0..1000 {
+            let v = Vec3::new(dice.signed(id, 0), dice.signed(id, 1), dice.signed(id, 2));
+            let on = dice.below(id, 3, surface.points.len() as u32) as usize;
+            let p = surface.points[on] + v;
+            let (all, few) =
+                (surface.closest(p).unwrap(), surface.closest_of_few(p, None).unwrap());
+            assert!(few.distance >= all.distance, "{p}: {} {}", few.distance, all.distance);
+            same += u32::from(few == all);
+        }
+        assert!(same > 900, "{same}");
+        // From the middle of a ball of 1984 triangles all are about as near: the 32 that are looked at are no farther than a corner.
+        let few = sphere(2.0, 32).closest_of_few(Vec3::ZERO, None).unwrap();
+        assert!((1.98..=2.0).contains(&few.distance), "{}", few.distance);
+    }
+
+    #[test]
     fn the_side_is_right_everywhere_about_a_closed_surface() {
         let surface = sphere(2.0, 16);
         let dice = Dice::new(4, 0, "query");
