@@ -266,7 +266,7 @@ impl Effort {
 }
 
 /// Where the skin moves curves, trying harder takes no more than so much for each point of all hair, about what making it takes ...
-const TRIED: u64 = 6;
+const TRIED: u64 = 16;
 /// ... and may take this much where there is little hair.
 const LEAST_TRIED: u64 = 6_000_000;
 /// So many curves are tried at once, on however many threads, before one looks whether there is patience for more.
