@@ -231,6 +231,9 @@ const LOOKS_A_POINT: f32 = 0.25;
 /// What a ball without skin is taken to be smaller by, cm, for what is rounded.
 const SURE: f32 = 1e-3;
 
+/// So many balls of air are kept for each point of the hair of one guide: to look through them costs less than to ask the skin once.
+const KNOWN: usize = 24;
+
 /// A point as compilers take all of it at once; the last number is nothing.
 type Lanes = [f32; 4];
 
@@ -313,8 +316,10 @@ impl Maker<'_> {
         // The last of its points over the section, however high.
         let over =
             home.map_or(1, |home| (1..each).take_while(|k| home.is_under(at(*k))).count().max(1));
-        // A ball about each of its points holds no skin: what is in it need not be asked about.
+        // A ball about each of its points holds no skin, and so do those about points of other hair that was asked about: what is in
+        // one need not be.
         let mut clear = vec![(Vec3::ZERO, 0.0); each];
+        let mut known: Vec<Vec<(Vec3, f32)>> = vec![vec![]; each];
         if let Some(skin) = &self.skin {
             for k in (0..each).filter(|k| depths[*k] == 0.0) {
                 let sure = (skin.clear_about(at(k)) - SURE).max(0.0);
@@ -381,11 +386,26 @@ impl Maker<'_> {
                 }));
                 if let Some(skin) = &skin {
                     let hair = &mut points[first..];
-                    for (k, (p, (middle, square))) in hair.iter().zip(&clear).enumerate() {
-                        let is_clear = p.distance_squared(*middle) < *square;
+                    for (k, p) in hair.iter().enumerate() {
+                        let holds =
+                            |(middle, square): &(Vec3, f32)| p.distance_squared(*middle) < *square;
+                        let is_clear = holds(&clear[k]) || known[k].iter().any(holds);
                         asked[k] = (!is_clear).then_some(depths[k]);
                     }
-                    skin.clear(hair, |k| asked[k]);
+                    skin.clear_noting(
+                        hair,
+                        |k| asked[k],
+                        |k, middle, radius| {
+                            if depths[k] < 0.0 {
+                                return;
+                            }
+                            // The last ones, whatever lies where.
+                            if known[k].len() == KNOWN {
+                                known[k].remove(0);
+                            }
+                            known[k].push((middle, radius * radius));
+                        },
+                    );
                 }
             };
             lay(&mut points, &clump, way_of(clumps).as_deref());

@@ -48,7 +48,21 @@ impl Skin<'_> {
     /// Sets a hair clear of the skin, all but its first point. `depth` says how deep (cm) each may lie; none where a point
     /// is known to be clear. Tells whether any point was moved.
     pub fn clear(&self, points: &mut [Vec3], depth: impl Fn(usize) -> Option<f32>) -> bool {
-        self.clear_beyond(Torn::APART, points, depth)
+        self.clear_noting(points, depth, |_, _, _| {})
+    }
+
+    /// [`Self::clear`] that notes what was found out about the air on a mesh where each point asks the skin alone: for which point, and
+    /// the middle and the radius (cm) of a ball about it that holds no skin.
+    pub fn clear_noting(
+        &self,
+        points: &mut [Vec3],
+        depth: impl Fn(usize) -> Option<f32>,
+        note: impl FnMut(usize, Vec3, f32),
+    ) -> bool {
+        match self.asks_alone() {
+            true => self.push_each(points, &depth, note),
+            false => self.clear_led(Torn::APART, points, &depth),
+        }
     }
 
     /// [`Self::clear`] that leads round whatever tears the hair so far.
@@ -58,12 +72,21 @@ impl Skin<'_> {
         points: &mut [Vec3],
         depth: impl Fn(usize) -> Option<f32>,
     ) -> bool {
+        match self.asks_alone() {
+            true => self.push_each(points, &depth, |_, _, _| {}),
+            false => self.clear_led(far, points, &depth),
+        }
+    }
+
+    fn clear_led(
+        &self,
+        far: Torn,
+        points: &mut [Vec3],
+        depth: &impl Fn(usize) -> Option<f32>,
+    ) -> bool {
         // Where points were, for those that were moved.
         let mut was: Vec<(usize, Vec3)> = vec![];
-        if self.asks_alone() {
-            return self.push_each(points, &depth);
-        }
-        self.push_all(points, &depth, &mut was);
+        self.push_all(points, depth, &mut was);
         if was.is_empty() || self.is_rough() || !self.looked(0) {
             return !was.is_empty();
         }
@@ -94,7 +117,7 @@ impl Skin<'_> {
         }
         for _ in 0..ATTEMPTS {
             let Some((_, torn)) = self.tear(Torn::APART, points, &was) else { break };
-            if !self.looked(0) || !self.lay_round(points, torn, &mut was, &depth) {
+            if !self.looked(0) || !self.lay_round(points, torn, &mut was, depth) {
                 break;
             }
         }
@@ -160,15 +183,24 @@ impl Skin<'_> {
 
     /// Pushes each point out of a rough mesh, and asks about none that a ball without skin holds which was found for one before it.
     /// Tells whether any was moved.
-    fn push_each(&self, points: &mut [Vec3], depth: &impl Fn(usize) -> Option<f32>) -> bool {
-        let (mut ball, mut any) = ((Vec3::ZERO, 0.0), false);
+    fn push_each(
+        &self,
+        points: &mut [Vec3],
+        depth: &impl Fn(usize) -> Option<f32>,
+        mut note: impl FnMut(usize, Vec3, f32),
+    ) -> bool {
+        let (mut ball, mut near, mut any) = ((Vec3::ZERO, 0.0), None, false);
         for (k, p) in points.iter_mut().enumerate().skip(1) {
             let Some(depth) = depth(k) else { continue };
             if p.distance(ball.0) + SURE - depth.min(0.0) < ball.1 {
                 continue;
             }
-            let (out, moved, clear) = self.raise_alone(*p, -depth);
+            let (out, moved, clear) = self.raise_alone(*p, -depth, &mut near);
             ball = (*p, clear);
+            // (In a tangle what is found may lie farther off than the nearest.)
+            if clear > SURE && !self.is_tangled() {
+                note(k, *p, clear - SURE);
+            }
             any |= moved;
             *p = out;
         }

@@ -1,4 +1,4 @@
-//! Meshes that are no head to lead hair on: folded all over, far larger than any scalp, or a tangle.
+//! Meshes that are no head to lead hair on: folded all over, far larger than any scalp, in hundreds of scraps, or a tangle.
 //!
 //! Told from the surface and the region alone, so that it is known before a hair grows. On all of them hair is pushed out of the
 //! skin and not led round it, and asks about each point alone: what makes both worth their price, that thousands of hairs come by the
@@ -16,12 +16,16 @@ pub enum Rough {
     Folded,
     /// The region is larger than [`WIDE`].
     Wide,
+    /// The region is in [`SCRAPS`] parts of like size or more: leaves, cards or confetti.
+    Strewn,
     /// So many triangles cross each other that nothing has an inside: see [`Surface::is_tangled`].
     Tangled,
 }
 
 /// A region larger than this is wide, cm2 on a head of usual size, which has 600 to 900.
 pub const WIDE: f32 = 5000.0;
+/// What is in so many parts is strewn; where they are of unlike size, as many as would weigh as much.
+pub const SCRAPS: f64 = 200.0;
 /// At so many places of the region one looks whether skin is faced.
 const LOOKS: u32 = 400;
 /// Skin nearer than this, in head units, is faced.
@@ -39,11 +43,37 @@ impl Rough {
         };
         let areas: Vec<f64> = (0..surface.triangles.len() as u32).map(area).collect();
         let sum = areas.iter().sum::<f64>();
+        if is_strewn(surface, &areas, sum) {
+            return Some(Self::Strewn);
+        }
         if 0.5 * sum > f64::from(WIDE * unit * unit) {
             return Some(Self::Wide);
         }
         is_folded(surface, &areas, sum / f64::from(LOOKS), FACED * unit).then_some(Self::Folded)
     }
+}
+
+/// Whether these areas, one for each triangle and `sum` in all, are in [`SCRAPS`] parts or more of like size.
+fn is_strewn(surface: &Surface, areas: &[f64], sum: f64) -> bool {
+    let mut to: Vec<u32> = (0..surface.points.len() as u32).collect();
+    fn first(to: &mut [u32], mut v: u32) -> u32 {
+        while to[v as usize] != v {
+            to[v as usize] = to[to[v as usize] as usize];
+            v = to[v as usize];
+        }
+        v
+    }
+    for [a, b, c] in &surface.triangles {
+        for v in [b, c] {
+            let (x, y) = (first(&mut to, *a), first(&mut to, *v));
+            to[x.max(y) as usize] = x.min(y);
+        }
+    }
+    let mut parts = vec![0.0; to.len()];
+    for ([a, ..], area) in surface.triangles.iter().zip(areas) {
+        parts[first(&mut to, *a) as usize] += area;
+    }
+    parts.iter().map(|part| part * part).sum::<f64>() * SCRAPS < sum * sum
 }
 
 /// Whether more than a quarter of these areas face skin within `reach`, looked at once in each `each` of them.
@@ -95,6 +125,33 @@ mod tests {
         };
         let points = (0..count).flat_map(blade).collect();
         Surface::new(points, (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
+    }
+
+    /// So many triangles of 1 cm2 in a row, 4 cm apart, as leaves lie.
+    fn scraps(count: u32) -> Surface {
+        let corners = |k: u32| [0.0, 1.0].map(|x| Vec3::new(4.0 * k as f32 + x, 0.0, 0.0));
+        let scrap = |k: u32| {
+            let [a, b] = corners(k);
+            [a, a + Vec3::Z * 2.0, b]
+        };
+        let points = (0..count).flat_map(scrap).collect();
+        Surface::new(points, (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
+    }
+
+    #[test]
+    fn hundreds_of_parts_are_strewn_and_a_head_among_them_is_none() {
+        let check = |surface: Surface, rough: Option<Rough>| assert_eq!(of(surface).rough(), rough);
+        // Of like size: 300 weigh as 300, and 100 as 100.
+        check(scraps(300), Some(Rough::Strewn));
+        check(scraps(100), None);
+        // A ball of 995 cm2 with 300 scraps of 1 cm2 that hair grows on too: (995 + 300)^2 / (995^2 + 300) = 1.7 parts.
+        let (ball, scraps) = (crate::maths::closest::tests::sphere(8.9, 12), scraps(300));
+        let first = ball.points.len() as u32;
+        let points =
+            ball.points.iter().copied().chain(scraps.points.iter().map(|p| *p + Vec3::X * 20.0));
+        let moved = scraps.triangles.iter().map(|t| t.map(|v| v + first));
+        let triangles = ball.triangles.iter().copied().chain(moved).collect();
+        check(Surface::new(points.collect(), triangles), None);
     }
 
     #[test]

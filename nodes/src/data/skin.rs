@@ -61,6 +61,11 @@ impl<'a> Skin<'a> {
         self.patience.map_or(usize::MAX, |patience| patience.left() as usize)
     }
 
+    /// Whether what is found as nearest may be something farther off.
+    pub(super) fn is_tangled(&self) -> bool {
+        self.rough == Some(Rough::Tangled)
+    }
+
     /// Signed distance of `p` from the skin, cm, negative inside; exact within `EXACT` of it, from the field
     /// beyond, and +-1 cm or more beyond the field's band.
     pub fn distance(&self, p: Vec3) -> f32 {
@@ -76,9 +81,10 @@ impl<'a> Skin<'a> {
         self.rough.is_some()
     }
 
-    /// Whether hair is so far from other hair, or the way to the nearest triangle so long, that cells of the field do not pay.
-    pub(super) fn asks_alone(&self) -> bool {
-        matches!(self.rough, Some(Rough::Wide | Rough::Tangled))
+    /// Whether hair is so far from other hair, or the way to the nearest triangle so long, that cells of the field do not pay. There a
+    /// point asks about few triangles too: whatever the mesh is, hair has a bounded price.
+    pub(crate) fn asks_alone(&self) -> bool {
+        matches!(self.rough, Some(Rough::Wide | Rough::Strewn | Rough::Tangled))
     }
 
     /// Signed distance of `p` from the skin as the field tells it, cm: within a fiftieth of a centimetre where the skin is
@@ -128,8 +134,28 @@ impl<'a> Skin<'a> {
     }
 
     pub(super) fn exact(&self, p: Vec3) -> Option<(f32, Hit)> {
-        let hit = self.closest(p)?;
-        Some((self.surface.signed_distance(p, &hit), hit))
+        self.exact_from(p, None)
+    }
+
+    /// [`Self::exact`], found sooner where a triangle is known that is near `p`.
+    fn exact_from(&self, p: Vec3, near: Option<u32>) -> Option<(f32, Hit)> {
+        let hit = match near {
+            _ if self.asks_alone() => {
+                let near = near.or_else(|| self.field.hint(self.surface, p));
+                self.surface.closest_of_few(p, near)
+            }
+            Some(near) => self.surface.closest_from(p, near),
+            None => self.closest(p),
+        }?;
+        Some((self.signed(p, &hit), hit))
+    }
+
+    /// How far `p` is from its closest point, negative inside.
+    fn signed(&self, p: Vec3, hit: &Hit) -> f32 {
+        match self.rough {
+            Some(Rough::Strewn) => self.surface.signed_distance_to_scraps(p, hit),
+            _ => self.surface.signed_distance(p, hit),
+        }
     }
 
     /// `p`, or the nearest point not deeper than `allow_depth` (cm, 0 = the skin itself) when it lies deeper.
@@ -178,7 +204,7 @@ impl<'a> Skin<'a> {
     #[inline]
     fn raise(&self, p: Vec3, height: f32) -> (Vec3, bool) {
         if self.asks_alone() {
-            let (raised, moved, _) = self.raise_alone(p, height);
+            let (raised, moved, _) = self.raise_alone(p, height, &mut None);
             return (raised, moved);
         }
         if (self.rough.is_some() || self.surface.parts_in_from_out())
@@ -211,16 +237,23 @@ impl<'a> Skin<'a> {
         }
     }
 
-    /// [`Self::lift`] that makes no cell of the field; and the radius of a ball about `p` that holds no skin.
-    pub(super) fn raise_alone(&self, p: Vec3, height: f32) -> (Vec3, bool, f32) {
+    /// [`Self::lift`] that makes no cell of the field; and the radius of a ball about `p` that holds no skin. `near` is a triangle that
+    /// is near `p`, then the nearest.
+    pub(super) fn raise_alone(
+        &self,
+        p: Vec3,
+        height: f32,
+        near: &mut Option<u32>,
+    ) -> (Vec3, bool, f32) {
         let far = self.field.far(self.surface, p);
         if far > height.max(0.0) {
             return (p, false, far);
         }
-        match self.exact(p) {
-            Some((d, hit)) if d < height => (self.put_out(p, d, hit, height), true, 0.0),
-            Some((d, _)) => (p, false, d),
-            None => (p, false, 0.0),
+        let Some((d, hit)) = self.exact_from(p, *near) else { return (p, false, 0.0) };
+        *near = Some(hit.triangle);
+        match d < height {
+            true => (self.put_out(p, d, hit, height), true, 0.0),
+            false => (p, false, d),
         }
     }
 
@@ -242,29 +275,32 @@ impl<'a> Skin<'a> {
             self.surface.smooth_normal(hit.triangle, hit.bary)
         };
         let mut moved = hit.point + outward * (height + CLEAR);
-        if self.rough == Some(Rough::Tangled) {
+        if self.is_tangled() {
             return moved;
         }
         // In a crease the way out of one side may lead into the other: twice more is enough for the
         // creases heads have, and the laws count what is left.
-        // The point it came from is this near, which makes the first look a short one.
-        let reach = moved.distance(hit.point) * 1.01 + 1e-5;
-        let mut next = self.surface.closest_within(moved, reach).or_else(|| self.closest(moved));
+        // The triangle that it came to is near, which makes each look a short one.
+        let beside = |moved: Vec3| {
+            let next = self.surface.closest_from(moved, hit.triangle)?;
+            Some((self.signed(moved, &next), next))
+        };
+        let mut next = beside(moved);
         for _ in 0..3 {
-            match next.map(|hit| (self.surface.signed_distance(moved, &hit), hit)) {
+            match next {
                 Some((d, hit)) if d < height => {
                     if !self.looked(1) {
                         return moved;
                     }
                     let normal = self.surface.smooth_normal(hit.triangle, hit.bary);
                     moved += normal * (height - d + CLEAR);
-                    next = self.closest(moved);
+                    next = beside(moved);
                 }
                 _ => return moved,
             }
         }
         match next {
-            Some(last) if self.surface.signed_distance(moved, &last) < height => {
+            Some((d, _)) if d < height => {
                 self.escape(moved, self.surface.smooth_normal(hit.triangle, hit.bary), height)
             }
             _ => moved,
@@ -277,46 +313,65 @@ impl<'a> Skin<'a> {
         let mut ways: Vec<Vec3> = round_about().collect();
         ways.sort_by(|a, b| b.dot(way).total_cmp(&a.dot(way)));
         ways.insert(0, way);
-        if !self.looked(ways.len()) {
+        let hopeless =
+            self.rough == Some(Rough::Strewn) || self.patience.is_some_and(Patience::is_hopeless);
+        if !hopeless && !self.looked(ways.len()) {
             return p;
         }
         // Free and in a mouth is no way out: from where it ends, it must lead on into the open. Beyond the last skin on each way
         // it does; one look back from far off tells where that is, however many folds lie between.
         const FAR: f32 = 3.0 * ESCAPE;
-        let last_skin = |way: &Vec3| {
+        let last_skin = |way: &Vec3| -> f32 {
             let back = self.surface.ray(p + *way * FAR, -*way, FAR);
             back.map_or(0.0, |hit| FAR - hit.distance)
         };
-        // On each way, where it opens, and up to where nothing can be free: distances grow by no more than the way does.
-        let mut ways: Vec<(Vec3, f32, f32)> =
-            ways.into_iter().map(|way| (way, last_skin(&way), 0.0)).collect();
+        // On each way, where it opens, once somebody asks; up to where nothing can be free, for distances grow by no more than the way
+        // does; and what is nearest there.
+        struct Way {
+            along: Vec3,
+            opens: Option<f32>,
+            busy: f32,
+            near: Option<u32>,
+        }
+        let new = |along| Way { along, opens: None, busy: 0.0, near: None };
+        let mut ways: Vec<Way> = ways.into_iter().map(new).collect();
+        let opens = |way: &mut Way| *way.opens.get_or_insert_with(|| last_skin(&way.along));
         let mut shut = None;
-        let mut reach = height.max(0.0) + CLEAR;
+        let deep = self.exact(p).map_or(0.0, |(d, _)| height - d);
+        let mut reach = (height.max(0.0) + CLEAR).max(0.999 * deep);
         while reach < ESCAPE {
-            for (way, opens, busy) in &mut ways {
-                let is_open = reach > *opens;
-                if reach < *busy || (shut.is_some() && !is_open) {
+            for way in &mut ways {
+                if reach < way.busy || (shut.is_some() && reach <= opens(way)) {
                     continue;
                 }
                 if !self.looked(1) {
                     return shut.unwrap_or(p);
                 }
-                let out = p + *way * reach;
-                match self.exact(out) {
-                    Some((d, _)) if d >= height && is_open => return out,
-                    Some((d, _)) if d >= height => shut = shut.or(Some(out)),
-                    Some((d, _)) => *busy = reach + 0.999 * (height - d),
-                    None => {}
+                let out = p + way.along * reach;
+                let Some((d, hit)) = self.exact_from(out, way.near) else { continue };
+                way.near = Some(hit.triangle);
+                if d < height {
+                    way.busy = reach + 0.999 * (height - d);
+                } else if hopeless || reach > opens(way) {
+                    if reach > FAR_OUT {
+                        self.patience.inspect(|patience| patience.note_shut());
+                    }
+                    return out;
+                } else {
+                    shut = shut.or(Some(out));
                 }
             }
-            if shut.is_some() && ways.iter().all(|(_, opens, _)| *opens >= ESCAPE) {
+            if shut.is_some() && ways.iter_mut().all(|way| opens(way) >= ESCAPE) {
                 break;
             }
             reach = (reach * 1.5).max(0.01);
         }
+        self.patience.inspect(|patience| patience.note_shut());
         shut.unwrap_or(p)
     }
 }
 
 /// How far a way out is looked for, cm: as wide as a head.
 const ESCAPE: f32 = 20.0;
+/// A way out that is longer than this, cm, is none to speak of: deeper than a mouth.
+const FAR_OUT: f32 = 6.0;

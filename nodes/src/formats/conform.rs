@@ -273,6 +273,8 @@ const LEAST_TRIED: u64 = 6_000_000;
 const AT_ONCE: usize = 32;
 /// When curves are resampled, one point in so many may look at the skin for a way out.
 const LOOKS: u64 = 4;
+/// The same on a mesh where each point asks the skin alone, for there few find one.
+const LOOKS_ALONE: u64 = 64;
 
 /// The most points that resampling gives a curve: what game engines take. Where that is not enough, the difference that is
 /// left is told.
@@ -334,7 +336,9 @@ fn passes_its_tie(tuft: &Tuft, i: usize) -> Option<usize> {
 fn look_at(tuft: &Tuft, land: &Land, is_cancelled: &dyn Fn() -> bool) -> Looked {
     let mut looked = Looked { left_out: 0, difference: 0.0, changed: vec![] };
     let mut room = Room::default();
-    let patience = Allowance::of_looks(tuft.points().len() as u64 / LOOKS, is_cancelled);
+    let alone = land.skin.is_some_and(Skin::asks_alone);
+    let looks = tuft.points().len() as u64 / if alone { LOOKS_ALONE } else { LOOKS };
+    let patience = Allowance::of_looks(looks, is_cancelled);
     for i in (0..tuft.len()).take_while(|_| !patience.is_out()) {
         let points = tuft.curve(i);
         if points.len() < 2 {

@@ -6,7 +6,7 @@
 //! using the angle weighted pseudonormal"): exact for closed surfaces, and right near the surface for
 //! open ones. Far behind a hole the side is a matter of opinion and not promised.
 
-use super::triangle_tree::TriangleTree;
+use super::triangle_tree::{Nearest, TriangleTree};
 use glam::{Vec2, Vec3};
 
 /// Triangles with their normals and their tree.
@@ -41,6 +41,8 @@ pub struct Hit {
 
 /// Points farther off (cm) are taken for nearer ones on the same side.
 const FARAWAY: f32 = 1e5;
+/// Nothing has been found yet.
+const NONE: Nearest = (f32::MAX, u32::MAX, Vec2::ZERO, Vec3::ZERO);
 
 impl Surface {
     /// Builds normals and tree. Triangles must name existing points.
@@ -126,7 +128,21 @@ impl Surface {
     /// The closest point not farther than `reach`.
     pub fn closest_within(&self, p: Vec3, reach: f32) -> Option<Hit> {
         let limit = if reach < 1e18 { (reach * reach).next_up() } else { f32::MAX };
-        self.search(p, limit, (f32::MAX, u32::MAX, Vec2::ZERO, Vec3::ZERO))
+        self.search(p, limit, NONE, false)
+    }
+
+    /// A close point, found at a bounded price: the closest of the few triangles whose boxes are nearest, and of `near`. Nearly always the
+    /// closest of all; where layers lie on layers it may be that of another one.
+    pub fn closest_of_few(&self, p: Vec3, near: Option<u32>) -> Option<Hit> {
+        let best = near.filter(|near| !self.is_gone(*near)).map(|near| self.at_nearest(p, near));
+        let limit = best.map_or(f32::MAX, |best| best.0.next_up());
+        self.search(p, limit, best.unwrap_or(NONE), true)
+    }
+
+    /// The point of a triangle that is closest to `p`.
+    fn at_nearest(&self, p: Vec3, triangle: u32) -> Nearest {
+        let (bary, point) = closest_on_triangle(p, self.corners(triangle));
+        (point.distance_squared(p), triangle, bary, point)
     }
 
     /// The closest point, as [`Self::closest`] finds it, found sooner when triangle `near` is close to it: the answer for a
@@ -135,12 +151,10 @@ impl Surface {
         if self.is_gone(near) || self.tree.is_tangled() {
             return self.closest(p);
         }
-        let (bary, point) = closest_on_triangle(p, self.corners(near));
-        let d2 = point.distance_squared(p);
-        self.search(p, d2.next_up(), (d2, near, bary, point))
+        let best = self.at_nearest(p, near);
+        self.search(p, best.0.next_up(), best, false)
     }
 
-    /// The best of `best` and what lies within `limit` (squared).
     /// A point that sees the triangles from the same side as `p`, but from no farther than [`FARAWAY`]; none where `p` does so
     /// itself. From farther all are equally far in single precision, and each would be looked at.
     fn seen_from_nearer(&self, p: Vec3) -> Option<Vec3> {
@@ -154,20 +168,20 @@ impl Surface {
         (far > 1.01 * most && far.is_finite()).then(|| middle + off.normalize_or_zero() * most)
     }
 
-    fn search(&self, p: Vec3, limit: f32, best: (f32, u32, Vec2, Vec3)) -> Option<Hit> {
+    /// The best of `best` and what lies within `limit` (squared).
+    fn search(&self, p: Vec3, limit: f32, best: Nearest, few: bool) -> Option<Hit> {
         if !p.is_finite() {
             return None;
         }
         if p.abs().max_element() > FARAWAY
             && let Some(nearer) = self.seen_from_nearer(p)
         {
-            let hit =
-                self.search(nearer, f32::MAX, (f32::MAX, u32::MAX, Vec2::ZERO, Vec3::ZERO))?;
+            let hit = self.search(nearer, f32::MAX, NONE, few)?;
             let distance = hit.point.distance(p);
             let is_within = distance * distance <= limit || limit == f32::MAX;
             return is_within.then_some(Hit { distance, ..hit });
         }
-        let (d2, triangle, bary, point) = self.tree.nearest(p, limit, best);
+        let (d2, triangle, bary, point) = self.tree.nearest(p, limit, best, few);
         (triangle != u32::MAX && d2 <= limit).then(|| Hit {
             triangle,
             bary,
@@ -274,6 +288,16 @@ impl Surface {
     /// The distance of `p` from its closest point `hit`, negative inside. Where a mesh ends, or folds into itself as scans do, an
     /// edge or a corner does not tell the sides apart: what seems deep inside such a one is looked at from there.
     pub fn signed_distance(&self, p: Vec3, hit: &Hit) -> f32 {
+        self.signed(p, hit, || self.sees_backs(p))
+    }
+
+    /// The same on a mesh of many small parts, most of which a point is in none of: what sees no back behind it is not looked at
+    /// closer.
+    pub fn signed_distance_to_scraps(&self, p: Vec3, hit: &Hit) -> f32 {
+        self.signed(p, hit, || self.sees_back(p, p - hit.point) && self.sees_backs(p))
+    }
+
+    fn signed(&self, p: Vec3, hit: &Hit, sees_backs: impl Fn() -> bool) -> f32 {
         let side = (p - hit.point).dot(self.pseudo_normal(hit));
         if side >= 0.0 {
             return hit.distance;
@@ -281,7 +305,7 @@ impl Surface {
         let at_edge = [1.0 - hit.bary.x - hit.bary.y, hit.bary.x, hit.bary.y];
         let doubtful =
             hit.distance > DOUBTFUL && !self.is_tangled() && at_edge.iter().any(|w| *w <= ON);
-        if doubtful && !self.sees_backs(p) { hit.distance } else { -hit.distance }
+        if doubtful && !sees_backs() { hit.distance } else { -hit.distance }
     }
 
     /// Whether most ways from a point meet the back of the surface first, which is how it looks from inside.
@@ -296,8 +320,7 @@ impl Surface {
         const MOST: usize = WAYS.len() / 2 + 1;
         let (mut backs, mut others) = (0, 0);
         for way in WAYS {
-            let hit = self.ray(p, way, 1e4);
-            match hit.is_some_and(|hit| self.area_vector(hit.triangle).dot(way) > 0.0) {
+            match self.sees_back(p, way) {
                 true => backs += 1,
                 false => others += 1,
             }
@@ -306,6 +329,12 @@ impl Surface {
             }
         }
         backs == MOST
+    }
+
+    /// Whether what is first on a way from a point is a back.
+    fn sees_back(&self, p: Vec3, way: Vec3) -> bool {
+        let hit = self.ray(p, way, 1e4);
+        hit.is_some_and(|hit| self.area_vector(hit.triangle).dot(way) > 0.0)
     }
 
     fn pseudo_normal(&self, hit: &Hit) -> Vec3 {
@@ -343,6 +372,7 @@ fn edge(a: u32, b: u32) -> (u32, u32) {
 
 /// Closest point of a triangle (Ericson 2005, "Real-time collision detection", 5.1.5), as the weights of
 /// its second and third corner.
+#[inline]
 pub fn closest_on_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> (Vec2, Vec3) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
@@ -575,6 +605,27 @@ pub(crate) mod tests {
         for (name, surface) in hard_meshes() {
             check_every_triangle(name, &surface, 9000);
         }
+    }
+
+    #[test]
+    fn what_few_looks_find_is_nearly_always_the_closest_and_never_nearer() {
+        let bust = crate::scalp::bust::adult();
+        let surface = Surface::new(bust.points, bust.triangles);
+        let dice = Dice::new(13, 0, "few");
+        let mut same = 0;
+        for id in 0..1000 {
+            let v = Vec3::new(dice.signed(id, 0), dice.signed(id, 1), dice.signed(id, 2));
+            let on = dice.below(id, 3, surface.points.len() as u32) as usize;
+            let p = surface.points[on] + v;
+            let (all, few) =
+                (surface.closest(p).unwrap(), surface.closest_of_few(p, None).unwrap());
+            assert!(few.distance >= all.distance, "{p}: {} {}", few.distance, all.distance);
+            same += u32::from(few == all);
+        }
+        assert!(same > 900, "{same}");
+        // From the middle of a ball of 1984 triangles all are about as near: the 32 that are looked at are no farther than a corner.
+        let few = sphere(2.0, 32).closest_of_few(Vec3::ZERO, None).unwrap();
+        assert!((1.98..=2.0).contains(&few.distance), "{}", few.distance);
     }
 
     #[test]

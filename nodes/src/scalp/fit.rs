@@ -261,33 +261,49 @@ pub(crate) fn cells(points: &[Vec3], triangles: &[[u32; 3]], low: f32, size: f32
 /// start and cannot be stuck. (The sphere of least squared *distance* is 0.7 to 1.7 % larger on three heads,
 /// for it weighs brows and ears more.)
 fn least_squares<'a>(cells: impl Iterator<Item = &'a Cell>) -> Option<(Vec3, f32)> {
-    let mut system = Normal::default();
+    let mut sums = Sums::default();
     for cell in cells {
         let p = cell.at;
-        system.add([p.x, p.y, p.z, 1.0], p.length_squared(), cell.area);
+        sums.add([p.x, p.y, p.z, 1.0], p.length_squared(), cell.area);
     }
-    let [x, y, z, k] = system.solve()?;
+    let [x, y, z, k] = sums.system().solve()?;
     let centre = Vec3::new(x, y, z) * 0.5;
     let radius = (k + centre.length_squared()).sqrt();
     (centre.is_finite() && radius.is_finite() && radius > 0.0).then_some((centre, radius))
 }
 
-/// Normal equations of a weighted least squares problem in four unknowns.
+/// What the normal equations of a weighted least squares problem in four unknowns are made of: sums of products of each two of a
+/// row and its value, row by row, of which the other half mirrors it, for products of two f32 are exact. In one list, which
+/// compilers turn into two at a time.
+#[derive(Default)]
+struct Sums([f64; 14]);
+
+impl Sums {
+    #[inline]
+    fn add(&mut self, row: [f32; 4], value: f32, weight: f32) {
+        let ([a, b, c, d], v, weight) = (row.map(f64::from), f64::from(value), f64::from(weight));
+        let [p, q, r, s] = [a, b, c, d].map(|x| weight * x);
+        let weighted = [p, p, p, p, p, q, q, q, q, r, r, r, s, s];
+        let others = [a, b, c, d, v, b, c, d, v, c, d, v, d, v];
+        for ((sum, weighted), other) in self.0.iter_mut().zip(weighted).zip(others) {
+            *sum += weighted * other;
+        }
+    }
+    fn system(&self) -> Normal {
+        let mut sums = self.0.into_iter();
+        let mut system = Normal::default();
+        for (i, row) in system.0.iter_mut().enumerate() {
+            row.iter_mut().skip(i).zip(&mut sums).for_each(|(x, sum)| *x = sum);
+        }
+        system
+    }
+}
+
+/// Normal equations of such a problem, of which the part under the diagonal is not filled in.
 #[derive(Default)]
 struct Normal([[f64; 5]; 4]);
 
 impl Normal {
-    fn add(&mut self, row: [f32; 4], value: f32, weight: f32) {
-        let (row, value, weight) = (row.map(f64::from), f64::from(value), f64::from(weight));
-        // The other half mirrors it: products of two f32 are exact.
-        for (i, x) in row.into_iter().enumerate() {
-            let (weighted, sums) = (weight * x, &mut self.0[i]);
-            for (sum, other) in sums.iter_mut().zip(row).skip(i) {
-                *sum += weighted * other;
-            }
-            sums[4] += weighted * value;
-        }
-    }
     /// By elimination with pivots; none when the rows do not determine the unknowns.
     fn solve(mut self) -> Option<[f32; 4]> {
         let m = &mut self.0;

@@ -12,7 +12,7 @@ use super::fit::{self, Fit};
 use super::parts::{self, Parts};
 use super::{bust, facing, hollow, region};
 use crate::data::mesh::Mesh;
-use crate::data::rough::{Rough, WIDE};
+use crate::data::rough::{Rough, SCRAPS, WIDE};
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION, Scalp};
 use crate::data::strokes::Strokes;
 use crate::define::{FileData, NodeError, choice, node, short, unless};
@@ -239,6 +239,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 "the region is larger than {:.0} cm2: on so large a one",
                 WIDE * frame.unit() * frame.unit()
             ),
+            Rough::Strewn => {
+                format!("the region is in more than {SCRAPS} parts: on scraps")
+            }
             Rough::Tangled => {
                 "so many triangles cross each other that little of the mesh has an inside: among them".to_owned()
             }
