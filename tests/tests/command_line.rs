@@ -151,6 +151,7 @@ fn check_opens_the_files_and_with_strict_lets_no_warning_pass() {
         ("good", good.clone(), true, 0, &[][..]),
         ("missing", mesh("none.obj"), false, 2, &["head.mesh: none.obj", "no such file"]),
         ("broken", mesh("broken.obj"), false, 2, &["head.mesh: broken.obj"]),
+        ("kind", mesh("broken.fbx"), false, 2, &["head.mesh: broken.fbx"]),
         ("clamped", good.replace("\"count\": 50", "\"count\": -50"), false, 0, &["warning"]),
         ("clamped", good.replace("\"count\": 50", "\"count\": -50"), true, 2, &["--strict"]),
         ("twice", twice.clone(), false, 0, &["out_2.name", "that of out, too"]),
@@ -159,6 +160,7 @@ fn check_opens_the_files_and_with_strict_lets_no_warning_pass() {
         let folder = Folder::new(&format!("check-{test}-{strict}"));
         std::fs::write(folder.path("graph.ron"), text).unwrap();
         std::fs::write(folder.path("broken.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
+        std::fs::write(folder.path("broken.fbx"), "FBX").unwrap();
         let path = folder.path("graph.ron").display().to_string();
         let ran = run([&["check", &path][..], if strict { &["--strict"] } else { &[] }].concat());
         assert_eq!(ran.code, code, "{test}: {}", ran.err);

@@ -7,6 +7,8 @@ use clap::{Args, ValueEnum};
 use coif_graphs::document::Document;
 use coif_graphs::document::graph::{Severity, check, targets, upstream};
 use coif_graphs::schedule::files::{DiskFiles, Files, named};
+use coif_nodes::define::short;
+use coif_nodes::formats::picture_in::{Channel, read_picture};
 use coif_nodes::formats::read_mesh;
 use std::path::{Path, PathBuf};
 
@@ -37,23 +39,21 @@ pub(crate) enum Target {
 fn files(document: &Document, folder: &Path) -> Vec<(bool, String)> {
     let needed = upstream(document, &targets(document));
     let disk = DiskFiles::new(folder);
-    let fault = |path: &str| -> Option<String> {
+    let fault = |kind: &str, path: &str| -> Option<String> {
         let file = match disk.read(path) {
             Ok(file) => file,
             Err(why) => return Some(why),
         };
         let side = |name: &str| file.sides.get(name).cloned();
-        match &*file.extension {
-            "obj" | "gltf" | "glb" => {
-                read_mesh(&file.extension, &file.bytes, &side).err().map(|err| err.to_string())
-            }
-            _ => None,
+        match kind {
+            "texture_mask" => read_picture(&file.bytes, Channel::Luminance).err(),
+            _ => read_mesh(&file.extension, &file.bytes, &side).err().map(|err| err.to_string()),
         }
     };
     let all = named(document).into_iter();
     let told = all.filter_map(|(node, input, path)| {
-        let why = fault(&path)?;
-        Some((needed.contains(node), format!("{node}.{input}: {path}: {why}")))
+        let why = fault(&document.node(node.as_str())?.kind, &path)?;
+        Some((needed.contains(node), format!("{node}.{input}: {}: {why}", short(&path))))
     });
     told.collect()
 }

@@ -335,22 +335,26 @@ fn problem(
     Problem { severity, needed: true, fault, node, socket, text, remedy: remedy.to_owned() }
 }
 
-/// Outputs of one name: files would number them, and nobody knows which is which.
+/// Outputs whose names come to one in files: those would number them, and nobody knows which is which.
 fn same_names(document: &Document, problems: &mut Vec<Problem>) {
-    let mut known: BTreeMap<&str, &NodeId> = BTreeMap::new();
+    let written = |name: &str| -> String {
+        name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
+    };
+    let mut known: BTreeMap<String, &NodeId> = BTreeMap::new();
     for (id, node) in document.nodes.iter().filter(|(_, node)| node.kind == "groom_output") {
         let name = match node.inputs.get("name") {
             Some(Setting::Known(Value::Text(name))) if !name.is_empty() => name,
-            _ => continue,
+            // One without a name goes by its node.
+            _ => id.as_str(),
         };
-        match known.get(&**name) {
+        match known.get(&written(name)) {
             Some(first) => {
-                let text = format!("its name {name:?} is that of {first}, too");
+                let text = format!("its name {} is that of {first}, too, in files", short(name));
                 let remedy = "give each output a name of its own: files tell them apart by it";
                 problems.push(problem(Fault::SameName, id, Some("name"), text, remedy));
             }
             None => {
-                known.insert(name, id);
+                known.insert(written(name), id);
             }
         }
     }

@@ -1,16 +1,19 @@
 //! Pictures read as masks: one channel of a PNG or TIFF file, 16 bits a pixel.
 //!
-//! Guarantees: numbers as they stand in the file, without colour spaces; a picture that asks for more than it may is refused before
-//! room for it is made. Read by the `image` crate, whose readers are the kept ones of each format. JPEG is refused: its standard leaves last bits to the
-//! reader, and readers to the machine.
+//! Guarantees: numbers as they stand in the file, without colour spaces; a picture that is larger than it may be is refused before
+//! room for it is made. Read by the `image` crate, whose readers are the kept ones of each format. JPEG is refused, in a TIFF too:
+//! its standard leaves last bits to the reader, and readers to the machine. So are numbers of 32 bits, and pictures that are stored
+//! turned.
 
-use image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use image::metadata::Orientation;
+use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
+use tiff::tags::{CompressionMethod, Tag};
 
-/// The widest and highest picture, pixels.
-const WIDEST: u32 = 16_384;
-/// The most bytes that reading one may take.
-const MOST_BYTES: u64 = 1 << 30;
+/// The most pixels of a picture: 8192 by 8192.
+const MOST: u64 = 1 << 26;
+/// What is wrong is quoted up to so many letters.
+const QUOTED: usize = 80;
 
 /// Which number of a pixel is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,50 +36,93 @@ pub struct Grey {
 /// Reads a picture.
 ///
 /// # Errors
-/// What is wrong with the file, in one line.
+/// What is wrong with the file and what to do, in one line.
 pub fn read_picture(bytes: &[u8], channel: Channel) -> Result<Grey, String> {
-    let mut reader = ImageReader::new(Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(|err| format!("it cannot be read: {err}"))?;
+    let reader = ImageReader::new(Cursor::new(bytes));
+    let mut reader =
+        reader.with_guessed_format().map_err(|err| format!("it cannot be read: {err}"))?;
     match reader.format() {
-        Some(ImageFormat::Png | ImageFormat::Tiff) => {}
-        Some(ImageFormat::Jpeg) => {
-            let reason = "it is a JPEG, which no two programs read alike: save it as PNG or TIFF";
-            return Err(reason.to_owned());
-        }
+        Some(ImageFormat::Png) => {}
+        Some(ImageFormat::Tiff) if is_jpeg(bytes) => return Err(JPEG.to_owned()),
+        Some(ImageFormat::Tiff) => {}
+        Some(ImageFormat::Jpeg) => return Err(JPEG.to_owned()),
         _ => return Err("it is no picture that can be read: give a PNG or TIFF file".to_owned()),
     }
     let mut limits = Limits::default();
-    limits.max_image_width = Some(WIDEST);
-    limits.max_image_height = Some(WIDEST);
-    limits.max_alloc = Some(MOST_BYTES);
+    limits.max_alloc = Some(8 * MOST);
     reader.limits(limits);
-    let picture = reader.decode().map_err(|err| match err {
-        image::ImageError::Limits(_) => {
-            format!("it is too large: {WIDEST} pixels across and 1 GiB are the most")
-        }
-        err => format!("it cannot be read: {err}"),
-    })?;
-    let grey = match (channel, &picture) {
-        // Half of all masks are grey, and need no room for what they have not.
-        (Channel::Luminance | Channel::Of(0..=2), DynamicImage::ImageLuma8(grey)) => {
-            grey.pixels().map(|p| u16::from(p.0[0]) * 257).collect()
-        }
-        (Channel::Luminance | Channel::Of(0..=2), DynamicImage::ImageLuma16(grey)) => {
-            grey.pixels().map(|p| p.0[0]).collect()
-        }
-        _ => picture.to_rgba16().pixels().map(|p| number(p.0, channel)).collect(),
+    let mut decoder = reader.into_decoder().map_err(|err| told(&err))?;
+    let (width, height) = decoder.dimensions();
+    let count = u64::from(width) * u64::from(height);
+    if count > MOST {
+        return Err(format!(
+            "it has {width} x {height} pixels, more than 8192 x 8192: save it smaller"
+        ));
+    }
+    if decoder.orientation().is_ok_and(|way| way != Orientation::NoTransforms) {
+        return Err("it is stored turned or mirrored: save it upright".to_owned());
+    }
+    let (numbers, wide): (usize, bool) = match decoder.color_type() {
+        ColorType::L8 => (1, false),
+        ColorType::La8 => (2, false),
+        ColorType::Rgb8 => (3, false),
+        ColorType::Rgba8 => (4, false),
+        ColorType::L16 => (1, true),
+        ColorType::La16 => (2, true),
+        ColorType::Rgb16 => (3, true),
+        ColorType::Rgba16 => (4, true),
+        _ => return Err(format!("its numbers have neither 8 nor 16 bits: {SAVE}")),
     };
-    Ok(Grey { width: picture.width() as usize, pixels: grey })
-}
-
-fn number(rgba: [u16; 4], channel: Channel) -> u16 {
-    match channel {
-        Channel::Of(k) => rgba[k.min(3)],
-        Channel::Luminance => {
-            let [r, g, b, _] = rgba.map(u64::from);
+    let room = usize::try_from(decoder.total_bytes()).unwrap_or(usize::MAX);
+    let mut raw: Vec<u8> = vec![];
+    let mut pixels: Vec<u16> = vec![];
+    if raw.try_reserve_exact(room).is_err() || pixels.try_reserve_exact(count as usize).is_err() {
+        return Err(format!("there is no memory for its {width} x {height} pixels"));
+    }
+    raw.resize(room, 0);
+    decoder.read_image(&mut raw).map_err(|err| told(&err))?;
+    let each = numbers * if wide { 2 } else { 1 };
+    let at = |pixel: &[u8], k: usize| match wide {
+        true => u16::from_ne_bytes([pixel[2 * k], pixel[2 * k + 1]]),
+        false => u16::from(pixel[k]) * 257,
+    };
+    // Grey is its own red, green and blue.
+    let coloured = numbers > 2;
+    let alpha = numbers.is_multiple_of(2).then(|| numbers - 1);
+    pixels.extend(raw.chunks_exact(each).map(|pixel| match channel {
+        Channel::Of(3..) => alpha.map_or(u16::MAX, |k| at(pixel, k)),
+        Channel::Of(k) => at(pixel, if coloured { k } else { 0 }),
+        Channel::Luminance if coloured => {
+            let [r, g, b] = [0, 1, 2].map(|k| u64::from(at(pixel, k)));
             ((2126 * r + 7152 * g + 722 * b + 5000) / 10_000) as u16
         }
+        Channel::Luminance => at(pixel, 0),
+    }));
+    Ok(Grey { width: width as usize, pixels })
+}
+
+const SAVE: &str = "save it as a PNG or TIFF of 8 or 16 bits, grey or RGB";
+const JPEG: &str = "it is a JPEG, which no two programs read alike: save it as PNG or TIFF";
+
+/// Whether the pixels of a TIFF are a JPEG.
+fn is_jpeg(bytes: &[u8]) -> bool {
+    let tag = tiff::decoder::Decoder::new(Cursor::new(bytes))
+        .and_then(|mut tiff| tiff.find_tag_unsigned::<u16>(Tag::Compression));
+    // As the standard has it, and as it was before.
+    let jpeg = [CompressionMethod::ModernJPEG, CompressionMethod::JPEG].map(|way| way.to_u16());
+    matches!(tag, Ok(Some(way)) if jpeg.contains(&way))
+}
+
+/// What a reader says, and what to do.
+fn told(err: &ImageError) -> String {
+    let text: String =
+        err.to_string().lines().next().unwrap_or_default().chars().take(QUOTED).collect();
+    match err {
+        ImageError::Unsupported(_) => format!("it is of a kind that is not read ({text}): {SAVE}"),
+        ImageError::Limits(_) => {
+            "it takes more room than a picture may: save it smaller".to_owned()
+        }
+        _ => format!("it is broken or cut short ({text}): save it anew"),
     }
 }
 
@@ -116,8 +162,8 @@ mod tests {
             (&b""[..], "no picture"),
             (b"solid cube", "no picture"),
             (b"\xff\xd8\xff\xe0\0\x10JFIF", "JPEG"),
-            (&whole[..40], "cannot be read"),
-            (&whole[..whole.len() / 2], "cannot be read"),
+            (&whole[..40], "broken or cut short"),
+            (&whole[..whole.len() / 2], "broken or cut short"),
         ] {
             let fault = read_picture(bytes, Channel::Luminance).unwrap_err();
             assert!(fault.contains(wanted) && !fault.contains('\n'), "{fault}");
@@ -126,5 +172,17 @@ mod tests {
         let mut huge = whole;
         huge[16..20].copy_from_slice(&100_000u32.to_be_bytes());
         assert!(read_picture(&huge, Channel::Luminance).is_err());
+        // One of nothing but black: small as a file, 256 MB as pixels.
+        let mut bytes = Cursor::new(vec![]);
+        image::GrayImage::new(16_384, 16_384).write_to(&mut bytes, ImageFormat::Png).unwrap();
+        let fault = read_picture(&bytes.into_inner(), Channel::Luminance).unwrap_err();
+        assert!(fault.contains("16384 x 16384") && fault.contains("smaller"), "{fault}");
+        // Numbers of 32 bits, and of a TIFF what is in it.
+        let mut bytes = Cursor::new(vec![]);
+        let all = image::Rgb32FImage::new(4, 4);
+        image::DynamicImage::from(all).write_to(&mut bytes, ImageFormat::Tiff).unwrap();
+        let fault = read_picture(&bytes.into_inner(), Channel::Luminance).unwrap_err();
+        assert!(fault.contains("8 or 16 bits"), "{fault}");
+        assert!(!is_jpeg(b"II*\0"));
     }
 }

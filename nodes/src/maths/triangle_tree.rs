@@ -311,6 +311,7 @@ impl TriangleTree {
             for i in 0..WIDE {
                 // (A NaN is looked at.) No branches: which children are near nobody can foresee, and a wrong guess costs as much as
                 // four boxes.
+                #[allow(clippy::neg_cmp_op_on_partial_ord)]
                 let is_near = !(far[i] > reach) & (node.children[i] != NONE);
                 let entry = u64::from(far[i].to_bits()) << 32 | u64::from(node.children[i]);
                 next[i] = entry * u64::from(is_near);

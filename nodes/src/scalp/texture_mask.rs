@@ -64,7 +64,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let beyond = beyond.count();
     if beyond > 0 {
         let share = 100.0 * beyond as f32 / (3 * uvs.len()) as f32;
-        cx.remark(format!(
+        cx.warn(format!(
             "{share:.0} % of the head's uvs lie beyond 0 to 1, where the picture repeats: tiles of their own (UDIM) are not read"
         ));
     }

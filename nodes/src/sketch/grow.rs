@@ -242,7 +242,7 @@ pub(super) fn turned(drawn: &[Vec3], made: &[Vec3]) -> f32 {
     if lengths > 0.0 { sum / lengths } else { 0.0 }
 }
 
-fn length(points: &[Vec3]) -> f32 {
+pub(super) fn length(points: &[Vec3]) -> f32 {
     points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
 

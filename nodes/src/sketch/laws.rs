@@ -277,6 +277,9 @@ fn a_point_goes_where_the_pen_puts_it_and_takes_none_along() {
     let by = 50.0 * seen.cm_per_pixel(seen.depth(was[4]));
     assert!((cvs[4] - was[4]).distance(Vec3::X * by) < 1e-3, "{} {}", cvs[4], was[4]);
     assert!((0..was.len()).all(|k| k == 4 || cvs[k] == was[k]));
+    let still = drawn(Tool::Point, Layer::Nearest, &[at, at + Vec2::new(0.125, 0.0)]);
+    let (same, said) = sketch(None, &[one_lock(), still]);
+    assert!(only(&same) == was && said[0].contains("drag the point on"), "{said:?}");
     // Not into the head, not through a pin, and nothing where nothing is.
     let deep = drawn(Tool::Point, Layer::Nearest, &line(from, [at.x, at.y - 60.0]));
     let (after, _) = sketch(None, &[one_lock(), deep]);
@@ -320,6 +323,13 @@ fn a_curve_drawn_anew_keeps_what_lies_before_and_follows_the_stroke() {
     let again = only(&sketch(None, &all(&kept)).0);
     let off = cvs.iter().zip(&again).map(|(p, q)| p.distance(*q)).fold(0.0, f32::max);
     assert!(off < 1e-4 && cvs.len() == again.len(), "{off}");
+    // A tap of a hand that trembles takes nothing off, and no more does a path without length.
+    let tap = drawn(Tool::Redraw, Layer::Nearest, &[at, at + Vec2::new(0.125, 0.0)]);
+    let nowhere = Gesture { path: vec![Vec3::ZERO], ..anew.clone() };
+    for short in [tap, nowhere] {
+        let (same, said) = sketch(None, &[lock.clone(), taper.clone(), short]);
+        assert!(only(&same) == was && said[0].contains("no length"), "{said:?}");
+    }
     // Behind a pin alone.
     let pin = drawn(Tool::Pin, Layer::Nearest, &[seen.pixel(was[4]).unwrap()]);
     let (same, said) = sketch(None, &[lock.clone(), pin.clone(), anew]);

@@ -6,6 +6,9 @@
 use super::hand::{Hand, Sketch};
 use super::relax::CLEARANCE;
 
+/// A pen that goes no farther than this (pixels) takes nothing along.
+const STILL: f32 = 0.5;
+
 pub(super) fn point(hand: &Hand, sketch: &mut Sketch) {
     let nearest = |hand: &Hand, sketch: &Sketch| -> Vec<usize> {
         let seen = |i: usize| {
@@ -19,6 +22,9 @@ pub(super) fn point(hand: &Hand, sketch: &mut Sketch) {
     let taken = hand.takes(sketch, nearest, "no point of a curve is here: begin on one");
     let line = hand.line();
     let way = line[line.len() - 1] - line[0];
+    if way.length() < STILL {
+        return sketch.say("it is no way: drag the point on");
+    }
     for i in taken {
         let mut lock = (*sketch.locks[i]).clone();
         let Some((k, _)) = hand.nearest_cv(&lock) else { continue };

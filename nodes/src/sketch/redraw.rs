@@ -4,7 +4,7 @@
 //! is re-drawn behind its last one. Its values (radius, twist and all it carried) keep their places from there to the tip. What was
 //! drawn is kept in a frame at that place, which is found on each head where the stroke begins.
 
-use super::grow::{clear, even, onward, stroke, turned};
+use super::grow::{clear, even, length, onward, stroke, turned};
 use super::hand::{Hand, Sketch, off_line};
 use super::lock::Lock;
 use super::relax::{CLEARANCE, Rest};
@@ -15,6 +15,8 @@ use glam::{Vec2, Vec3};
 
 /// A place nearer to a CV than this part of a segment is that CV.
 const AT_CV: f32 = 0.1;
+/// The shortest stroke, in segments.
+const SHORTEST: f32 = 0.25;
 
 pub(super) fn redraw(hand: &Hand, sketch: &mut Sketch) {
     let nearest = |hand: &Hand, sketch: &Sketch| -> Vec<usize> {
@@ -53,6 +55,13 @@ pub(super) fn redraw(hand: &Hand, sketch: &mut Sketch) {
     }
 }
 
+const SHORT: &str = "it has no length: draw on from the curve";
+
+/// Whether a line is long enough to be a part of a curve: a tap of a hand that trembles takes none off.
+fn is_long(hand: &Hand, line: &[Vec3]) -> bool {
+    length(line) >= SHORTEST * hand.set.segment
+}
+
 /// The CVs that a stroke gives a curve; none where it has no length.
 fn redrawn(hand: &Hand, sketch: &mut Sketch, lock: &Lock, begin: &Begin) -> Option<Vec<Vec3>> {
     let (mut points, first) = (begin.kept.clone(), begin.kept.len() - 1);
@@ -60,8 +69,8 @@ fn redrawn(hand: &Hand, sketch: &mut Sketch, lock: &Lock, begin: &Begin) -> Opti
     match hand.gesture.path.is_empty() {
         true => {
             let more = even(hand, from, stroke(hand, sketch, &hand.line(), from, lock.id));
-            if more.len() < 2 || more.last().is_some_and(|end| end.distance(from) < 1e-3) {
-                sketch.say("it has no length: draw on from the curve");
+            if !is_long(hand, &more) {
+                sketch.say(SHORT);
                 return None;
             }
             points.extend(&more[1..]);
@@ -71,6 +80,10 @@ fn redrawn(hand: &Hand, sketch: &mut Sketch, lock: &Lock, begin: &Begin) -> Opti
         false => {
             let own = begin.frame(hand.scalp)?;
             points.extend(hand.gesture.path.iter().map(|p| own.world(*p)));
+            if !is_long(hand, &points[first..]) {
+                sketch.say(SHORT);
+                return None;
+            }
             let drawn = points[first..].to_vec();
             clear(hand, &mut points, first);
             let more = turned(&drawn, &points[first..]);
