@@ -85,7 +85,7 @@ fn a_row_is_drawn_braided_saved_and_there_again() {
     screen.write("cornrows");
     screen.key("Return");
     std::thread::sleep(Duration::from_millis(500));
-    screen.drag(1, &[(470, 150), (560, 140), (620, 180)]);
+    screen.drag(1, &[(500, 240), (560, 215), (615, 240)]);
     std::thread::sleep(Duration::from_secs(2));
     wait_for_picture(&screen, &shots, "2-row", 400);
     screen.key("ctrl+s");
