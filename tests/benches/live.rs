@@ -20,7 +20,7 @@ const SLIDERS: &[(&str, &str, f32, f32)] = &[
     ("cornrows", "braid.tie", 0.8, 0.98),
     ("cornrows", "colour.melanin_root", 0.3, 0.97),
     ("cornrows", "rows.smoothing", 0.1, 1.0),
-    ("start", "hair.frizz", 0.0, 0.3),
+    ("start", "hair.clump", 0.0, 0.5),
 ];
 
 /// 150 clusters that the pen combs, and the hair in them.
