@@ -292,7 +292,10 @@ fn hold(name: &str, scalp: &Arc<Scalp>, count: u64) {
         }
     }
     if count >= 1000 {
-        assert_eq!(tools.len(), Tool::ALL.len(), "{name}: {tools:?}");
+        // (On a small animal sixty discs of 1 cm leave no room for a copy.)
+        let all = Tool::ALL.iter().map(|(tool, _)| *tool);
+        let idle: Vec<Tool> = all.filter(|tool| !tools.contains(tool)).collect();
+        assert!(idle.is_empty() || idle == [Tool::Scatter], "{name}: {idle:?} did nothing");
     }
 }
 
