@@ -55,6 +55,19 @@ impl Table {
         table.editor().viewport.look(camera);
         table
     }
+    /// From the front and a little above, in perspective.
+    pub(super) fn look_from_the_front(&mut self) {
+        let state = &self.editor().state;
+        let scalp = state.shown.as_ref().and_then(|shown| shown.scalp());
+        let middle = scalp.map_or(Vec3::ZERO, |scalp| scalp.frame().origin);
+        self.editor().viewport.look(Camera {
+            eye: middle + Vec3::new(0.0, 8.0, 80.0),
+            target: middle,
+            up: Vec3::Y,
+            focal_mm: 85.0,
+            orthographic: None,
+        });
+    }
     /// A place of the sheet in the window.
     pub(super) fn on_screen(&mut self, at: Pos2) -> Pos2 {
         let rect = self.editor().viewport.projection().rect;
@@ -288,14 +301,7 @@ fn a_stroke_in_space_glides_over_the_face_and_leaves_it_at_the_outline() {
     let state = &table.editor().state;
     let scalp = state.shown.as_ref().and_then(|shown| shown.scalp()).expect("a head").clone();
     let frame = *scalp.frame();
-    let middle = frame.origin;
-    table.editor().viewport.look(Camera {
-        eye: middle + Vec3::new(0.0, 8.0, 80.0),
-        target: middle,
-        up: Vec3::Y,
-        focal_mm: 85.0,
-        orthographic: None,
-    });
+    table.look_from_the_front();
     table.editor().pen.free = true;
     // From the crown over the forehead, an eye and a cheek, and aside off the head.
     let down = (0..30).map(|k| (Pos2::new(330.0, 110.0 + 8.0 * k as f32), 0.5));

@@ -7,6 +7,7 @@ use super::suggest::nearest;
 use super::{Document, Node, NodeId, Setting, Socket, values};
 use coif_nodes::data::field::Field;
 use coif_nodes::define::{Arity, InputDef, NodeDef, OutputDef, Type, Unit, Value, short};
+use coif_nodes::formats::usd::groom::identifier;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
@@ -337,9 +338,6 @@ fn problem(
 
 /// Outputs whose names come to one in files: those would number them, and nobody knows which is which.
 fn same_names(document: &Document, problems: &mut Vec<Problem>) {
-    let written = |name: &str| -> String {
-        name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
-    };
     let mut known: BTreeMap<String, &NodeId> = BTreeMap::new();
     for (id, node) in document.nodes.iter().filter(|(_, node)| node.kind == "groom_output") {
         let name = match node.inputs.get("name") {
@@ -347,14 +345,14 @@ fn same_names(document: &Document, problems: &mut Vec<Problem>) {
             // One without a name goes by its node.
             _ => id.as_str(),
         };
-        match known.get(&written(name)) {
+        match known.get(&identifier(name)) {
             Some(first) => {
                 let text = format!("its name {} is that of {first}, too, in files", short(name));
                 let remedy = "give each output a name of its own: files tell them apart by it";
                 problems.push(problem(Fault::SameName, id, Some("name"), text, remedy));
             }
             None => {
-                known.insert(written(name), id);
+                known.insert(identifier(name), id);
             }
         }
     }

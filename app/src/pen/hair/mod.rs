@@ -296,7 +296,14 @@ impl Hair {
                 };
                 let after = sources.iter().find(under).or(sources.first());
                 if after.is_none() && shown.is_some_and(|shown| shown.curves.curve_count() > 0) {
-                    let text = "This hair grows from no guides that the pen could edit: display guides or clusters";
+                    let text = match state.settings.pen.strands {
+                        true => {
+                            "More than 200,000 strands are none to comb one by one: show fewer, or leave Strands"
+                        }
+                        false => {
+                            "This hair grows from no guides that the pen could edit: display guides or clusters"
+                        }
+                    };
                     self.said = Some(Said::new(report.pos, now, text));
                     return;
                 }

@@ -15,7 +15,6 @@ use coif_nodes::data::curves::Curves;
 use coif_nodes::data::gestures::{Gestures, Layer, Tool};
 use coif_nodes::define::Value;
 use coif_nodes::eval::Quality;
-use coif_shaders::camera::Camera;
 use egui::{Pos2, Vec2};
 use glam::Vec3;
 use std::sync::Arc;
@@ -31,16 +30,7 @@ const HEAVY: f32 = 0.9;
 impl Salon {
     fn open(document: Document, action: &str) -> Self {
         let mut table = draw_on(document);
-        let state = &table.editor().state;
-        let scalp = state.shown.as_ref().and_then(|shown| shown.scalp());
-        let middle = scalp.map_or(Vec3::ZERO, |scalp| scalp.frame().origin);
-        table.editor().viewport.look(Camera {
-            eye: middle + Vec3::new(0.0, 8.0, 80.0),
-            target: middle,
-            up: Vec3::Y,
-            focal_mm: 85.0,
-            orthographic: None,
-        });
+        table.look_from_the_front();
         table.editor().act(action);
         table.rest();
         Self(table)

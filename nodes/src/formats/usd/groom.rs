@@ -491,7 +491,7 @@ fn extent(points: &Chunks<Vec3>, widest: f32) -> [Vec3; 2] {
 
 /// The nearest ASCII identifier: other characters become `_`, and a leading digit gets one.
 /// USD allows more letters since 24.03; older readers do not.
-fn identifier(name: &str) -> String {
+pub fn identifier(name: &str) -> String {
     let mut identifier: String =
         name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if !identifier.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_') {
