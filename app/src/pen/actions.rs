@@ -26,16 +26,19 @@ macro_rules! tool {
         tool!($id, |editor| same_on_hair(editor, PenTool::$tool, Tool::$hair), $label, $tip, $words)
     };
     ($id:literal, $run:expr, $label:literal, $tip:literal, $words:literal) => {
-        Action {
-            id: $id,
-            label: $label,
-            tip: $tip,
-            words: $words,
-            menu: "Pen",
-            when: always,
-            run: $run,
-        }
+        taken_up($id, $label, $tip, $words, $run)
     };
+}
+
+/// An action that takes up a tool: it stands in the pen's menu, and can always be done.
+pub(crate) const fn taken_up(
+    id: &'static str,
+    label: &'static str,
+    tip: &'static str,
+    words: &'static str,
+    run: fn(&mut Editor),
+) -> Action {
+    Action { id, label, tip, words, menu: "Pen", when: always, run }
 }
 
 /// A recipe that is made.

@@ -1,23 +1,16 @@
 //! What can be done by name while the pen works on hair: its tools, and how deep touches reach.
 
 use super::super::PenTool;
+use super::super::actions::taken_up;
 use crate::editor::Editor;
-use crate::editor::actions::{Action, always};
+use crate::editor::actions::Action;
 use crate::editor::event::Event;
 use coif_nodes::data::gestures::{Layer, Tool};
 
 /// A tool on hair that is taken up.
 macro_rules! hair {
     ($id:literal, $tool:expr, $label:literal, $tip:literal, $words:literal) => {
-        Action {
-            id: $id,
-            label: $label,
-            tip: $tip,
-            words: $words,
-            menu: "Pen",
-            when: always,
-            run: |editor| editor.pen.tool = PenTool::Hair($tool),
-        }
+        taken_up($id, $label, $tip, $words, |editor| editor.pen.tool = PenTool::Hair($tool))
     };
 }
 

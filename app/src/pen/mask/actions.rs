@@ -1,20 +1,13 @@
 //! What can be done by name while masks are painted.
 
+use super::super::actions::taken_up;
 use super::{Mode, take_up};
 use crate::editor::actions::{Action, always};
 
 /// A tool that is taken up.
 macro_rules! paints {
     ($id:literal, $mode:ident, $label:literal, $tip:literal, $words:literal) => {
-        Action {
-            id: $id,
-            label: $label,
-            tip: $tip,
-            words: $words,
-            menu: "Pen",
-            when: always,
-            run: |editor| take_up(&mut editor.pen, Mode::$mode),
-        }
+        taken_up($id, $label, $tip, $words, |editor| take_up(&mut editor.pen, Mode::$mode))
     };
 }
 
