@@ -1,4 +1,4 @@
-//! The grooms that come with coif, inside the program, so that they open from any folder.
+//! The grooms and recipes that come with coif, inside the program, so that they open from any folder.
 
 /// Name and text of every shipped groom.
 pub const ALL: &[(&str, &str)] = &[
@@ -24,6 +24,25 @@ pub const ALL: &[(&str, &str)] = &[
     ("sketch_bob", include_str!("../grooms/sketch_bob.ron")),
     ("sketch_ponytail", include_str!("../grooms/sketch_ponytail.ron")),
     ("sketch_mohawk", include_str!("../grooms/sketch_mohawk.ron")),
+];
+
+/// Name and text of every recipe: a small groom on a head, to be put onto another document's. Where the pen is to draw, the node
+/// that takes it is there and empty.
+pub const RECIPES: &[(&str, &str)] = &[
+    ("sketch_hair", include_str!("../recipes/sketch_hair.ron")),
+    ("cornrows", include_str!("../recipes/cornrows.ron")),
+    ("flat_twists", include_str!("../recipes/flat_twists.ron")),
+    ("box_braids", include_str!("../recipes/box_braids.ron")),
+    ("two_strand_twists", include_str!("../recipes/two_strand_twists.ron")),
+    ("locks", include_str!("../recipes/locks.ron")),
+    ("long_straight", include_str!("../recipes/long_straight.ron")),
+    ("bob", include_str!("../recipes/bob.ron")),
+    ("waves", include_str!("../recipes/waves.ron")),
+    ("fringe", include_str!("../recipes/fringe.ron")),
+    ("pony_tail", include_str!("../recipes/pony_tail.ron")),
+    ("puff", include_str!("../recipes/puff.ron")),
+    ("afro", include_str!("../recipes/afro.ron")),
+    ("short_back_and_sides", include_str!("../recipes/short_back_and_sides.ron")),
 ];
 
 /// The grooms that are as full as a film's hero: 60,000 strands and more, a few seconds to evaluate.

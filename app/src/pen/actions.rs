@@ -50,7 +50,7 @@ macro_rules! recipe {
             tip: recipes::ALL[$at].tip,
             words: $words,
             menu: "Pen",
-            when: a_head,
+            when: always,
             run: |editor| cook(editor, $at),
         }
     };
@@ -372,6 +372,14 @@ pub(crate) const ACTIONS: &[Action] = &[
     recipe!(3, "recipe braid plait hanging three strand"),
     recipe!(4, "recipe rope hanging"),
     recipe!(5, "recipe clump cluster fringe wisp"),
+    recipe!(6, "recipe loose hair sleek parting middle"),
+    recipe!(7, "recipe loose hair level cut parting side"),
+    recipe!(8, "recipe loose hair wavy parting side"),
+    recipe!(9, "recipe loose hair bangs forehead"),
+    recipe!(10, "recipe tail tied gathered"),
+    recipe!(11, "recipe bun ball afro pom"),
+    recipe!(12, "recipe kinky round natural 4c"),
+    recipe!(13, "recipe loose hair crop fade men barber clippers"),
 ];
 
 fn anything_picked(editor: &Editor) -> Result<(), &'static str> {
@@ -606,23 +614,27 @@ fn join(editor: &mut Editor) {
     step(editor, &node, "strokes joined", edits);
 }
 
-/// Makes a recipe and takes up the pen.
+/// Makes a recipe and takes up the pen, where there is something to draw. What it is made of is selected: the inspector shows
+/// what to draw into, or the colour of hair that is there.
 fn cook(editor: &mut Editor, recipe: usize) {
     let Some(recipe) = recipes::ALL.get(recipe) else { return };
     let state = &editor.state;
     let mirror = state.settings.pen.symmetry;
-    let Some((rows, edits)) = recipe.edits(&state.document, state.active(), mirror) else {
-        editor.apply(Event::Say(Note::warning(format!("{}: it could not be made", recipe.label))));
-        return;
+    let made = match recipe.edits(&state.document, state.active(), mirror) {
+        Ok(made) => made,
+        Err(why) => {
+            return editor.apply(Event::Say(Note::warning(format!("{}: {why}", recipe.label))));
+        }
     };
     editor.apply(Event::Begin(format!("recipe: {}", recipe.label.to_lowercase())));
-    editor.apply(Event::Edit(Edit::Several(edits)));
+    editor.apply(Event::Edit(Edit::Several(made.edits)));
     editor.apply(Event::End);
-    editor.apply(Event::Select(Select::Nodes(vec![rows.clone()])));
-    editor.apply(Event::Pin(Some(rows)));
+    editor.apply(Event::Select(Select::Nodes(vec![made.node.clone()])));
     editor.apply(Event::Show(Room::Viewport));
     editor.pen.tool = match recipe.draws {
         recipes::Draws::Hair => PenTool::Hair(None),
         recipes::Draws::Rows | recipes::Draws::Free => PenTool::Draw,
+        recipes::Draws::Nothing => return,
     };
+    editor.apply(Event::Pin(Some(made.node)));
 }

@@ -18,7 +18,7 @@ pub(crate) mod hair;
 pub(crate) mod mask;
 mod overlay;
 mod panel;
-mod recipes;
+pub(crate) mod recipes;
 pub mod sample;
 pub mod settings;
 mod shapes;

@@ -1,15 +1,20 @@
-//! Recipes: pieces of a graph that are ready to be drawn into, in one undo step. Afterwards they are plain nodes.
+//! Recipes: small grooms that are put onto the head at hand, in one undo step. Afterwards they are plain nodes.
+//!
+//! The grooms are text (`graphs/recipes`), so a recipe is read, changed and reviewed as any graph is. Seeds follow on those
+//! that the document has, so that the same recipe twice is not the same hair twice.
 
-use super::target::{self, Fresh};
+use super::target;
 use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{Document, Node, NodeId, Setting, Socket};
-use coif_nodes::data::field::Field;
-use coif_nodes::data::ramp::{Blend, Ramp};
+use coif_graphs::document::{Document, Node, NodeId, Point, Setting, part};
+use coif_graphs::{file, grooms};
 use coif_nodes::define::Value;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A recipe.
 pub(crate) struct Recipe {
+    /// The groom it puts in.
+    pub(crate) groom: &'static str,
     /// What menus say.
     pub(crate) label: &'static str,
     /// What it makes.
@@ -18,8 +23,6 @@ pub(crate) struct Recipe {
     pub(crate) action: &'static str,
     /// What the pen draws.
     pub(crate) draws: Draws,
-    /// Nodes between what is drawn and the output.
-    steps: fn(&mut Graph) -> Option<()>,
 }
 
 /// What the pen draws into a recipe.
@@ -31,196 +34,329 @@ pub(crate) enum Draws {
     Free,
     /// Hair, by gestures.
     Hair,
+    /// Nothing: the hair is there.
+    Nothing,
 }
 
-/// All recipes.
-pub(crate) const ALL: [Recipe; 6] = [
+/// All recipes: first those to draw into.
+pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
+        groom: "sketch_hair",
         label: "Sketch hair",
         tip: "Draw hair on the head: press and draw to plant a cluster, lightly on from its tip, over hair to comb it.",
         action: "recipe.sketch_hair",
         draws: Draws::Hair,
-        steps: |graph| {
-            // A lock is widest a little above its root and runs out at its tip.
-            let lock = vec![(0.0, 0.85), (0.3, 1.0), (0.75, 0.7), (1.0, 0.2)];
-            let lock = Ramp::new(Blend::Smooth, lock).ok()?;
-            let fill = [
-                ("profile", Value::Ramp(Arc::new(lock))),
-                ("strands", Value::Int(1000)),
-                ("points", Value::Int(24)),
-                ("length_variation", Value::Float(0.15)),
-                ("jitter", Value::Float(0.06)),
-                ("wisps", Value::Int(7)),
-                ("tip_clump", Value::Float(0.35)),
-                ("stray", Value::Float(0.03)),
-                ("width_root", Value::Float(0.009)),
-                ("width_tip", Value::Float(0.004)),
-            ];
-            graph.add("cluster_to_strands", "strands", &fill)?;
-            graph.add("hair_colour", "colour", &[("from", Value::Text("own".into()))])
-        },
     },
     Recipe {
+        groom: "cornrows",
         label: "Cornrows",
         tip: "Draw rows on the head; each becomes a three-strand braid that lies on it.",
         action: "recipe.cornrows",
         draws: Draws::Rows,
-        steps: |graph| row(graph, "cornrows", 3, 1.2),
     },
     Recipe {
+        groom: "flat_twists",
         label: "Flat twists",
         tip: "Draw rows on the head; each becomes two strands turned about each other.",
         action: "recipe.flat_twists",
         draws: Draws::Rows,
-        steps: |graph| row(graph, "flat twists", 2, 1.0),
     },
     Recipe {
+        groom: "box_braids",
         label: "Box braids",
         tip: "Draw braids in space, from the root on the scalp to the tip; each hangs as three strands.",
         action: "recipe.box_braids",
         draws: Draws::Free,
-        steps: |graph| hanging(graph, "braids", 3),
     },
     Recipe {
+        groom: "two_strand_twists",
         label: "Two-strand twists",
         tip: "Draw twists in space, from the root on the scalp to the tip; each is a rope of two.",
         action: "recipe.two_strand_twists",
         draws: Draws::Free,
-        steps: |graph| hanging(graph, "twists", 2),
     },
     Recipe {
+        groom: "locks",
         label: "Locks",
         tip: "Draw locks in space, from the root on the scalp to the tip; each is filled with hair.",
         action: "recipe.locks",
         draws: Draws::Free,
-        steps: |graph| {
-            let radius = Value::Field(Arc::new(Field::Attribute("radius".to_owned())));
-            graph.add("cluster_to_strands", "locks", &[("radius", radius)])
-        },
+    },
+    Recipe {
+        groom: "long_straight",
+        label: "Long straight",
+        tip: "Long hair, parted in the middle and cut to one length.",
+        action: "recipe.long_straight",
+        draws: Draws::Nothing,
+    },
+    Recipe {
+        groom: "bob",
+        label: "Bob with a side parting",
+        tip: "Cut level at the jaw and parted at the side.",
+        action: "recipe.bob",
+        draws: Draws::Nothing,
+    },
+    Recipe {
+        groom: "waves",
+        label: "Waves",
+        tip: "Shoulder-length waves with a side parting, in locks of many sizes.",
+        action: "recipe.waves",
+        draws: Draws::Nothing,
+    },
+    Recipe {
+        groom: "fringe",
+        label: "Fringe",
+        tip: "Hair from a wedge above the forehead, combed forward and cut level over the brows.",
+        action: "recipe.fringe",
+        draws: Draws::Nothing,
+    },
+    Recipe {
+        groom: "pony_tail",
+        label: "Pony tail",
+        tip: "Combed from everywhere into a tie at the back, with a lock wound round the band.",
+        action: "recipe.pony_tail",
+        draws: Draws::Nothing,
+    },
+    Recipe {
+        groom: "puff",
+        label: "Puff",
+        tip: "A round puff at the back of the crown, in coils. Drag its handle to move it.",
+        action: "recipe.puff",
+        draws: Draws::Nothing,
+    },
+    Recipe {
+        groom: "afro",
+        label: "Afro",
+        tip: "Kinks picked out and cut round.",
+        action: "recipe.afro",
+        draws: Draws::Nothing,
+    },
+    Recipe {
+        groom: "short_back_and_sides",
+        label: "Short back and sides",
+        tip: "Clipped at the back and over the ears, longer on top and combed forward.",
+        action: "recipe.short_back_and_sides",
+        draws: Draws::Nothing,
     },
 ];
 
-/// A braid that lies on the scalp.
-fn row(graph: &mut Graph, label: &str, strands: i64, width: f32) -> Option<()> {
-    let braid = [
-        ("strands", Value::Int(strands)),
-        ("width", Value::Float(width)),
-        ("root_amplitude", Value::Float(0.85)),
-        ("tip_amplitude", Value::Float(0.55)),
-        ("tie", Value::Float(0.96)),
-        ("tuft_length", Value::Float(1.5)),
-        ("flare", Value::Float(-0.6)),
-    ];
-    graph.add("lissajous_braid", label, &braid)?;
-    fill(graph, label)
-}
-
-/// A braid that hangs.
-fn hanging(graph: &mut Graph, label: &str, strands: i64) -> Option<()> {
-    let braid = [
-        ("strands", Value::Int(strands)),
-        ("width", Value::Float(1.2)),
-        ("root_amplitude", Value::Float(0.8)),
-        ("tip_amplitude", Value::Float(0.7)),
-        ("tuft_length", Value::Float(2.0)),
-        ("flare", Value::Float(-0.3)),
-    ];
-    graph.add("lissajous_braid", label, &braid)?;
-    fill(graph, label)
-}
-
-/// Hair in the strands of a braid.
-fn fill(graph: &mut Graph, label: &str) -> Option<()> {
-    let radius = Field::Product(vec![Field::Attribute("radius".to_owned()), Field::Constant(1.3)]);
-    let fill = [
-        ("count", Value::Int(170)),
-        ("frizz", Value::Float(0.1)),
-        ("frizz_step", Value::Float(1.0)),
-        ("points", Value::Int(140)),
-        ("radius", radius.into()),
-    ];
-    graph.add("cluster_to_strands", &format!("hair in the {label}"), &fill)
-}
-
-/// A chain of nodes that grows behind the strokes.
-struct Graph {
-    document: Document,
-    head: NodeId,
-    last: NodeId,
-    edits: Vec<Edit>,
-}
-
-impl Graph {
-    /// The next node of the chain, wired to the last one and to the head.
-    fn add(&mut self, kind: &str, label: &str, set: &[(&str, Value)]) -> Option<()> {
-        let def = coif_nodes::by_id(kind)?;
-        let mut inputs: std::collections::BTreeMap<String, Setting> = set
-            .iter()
-            .map(|(name, value)| ((*name).to_owned(), Setting::Known(value.clone())))
-            .collect();
-        if def.input("seed").is_some() {
-            let seed = Value::Int(target::free_seed(&self.document));
-            inputs.insert("seed".to_owned(), Setting::Known(seed));
-        }
-        let id = self.document.free_id(label);
-        let label = (!label.is_empty()).then(|| label.to_owned());
-        let node = Node { kind: kind.to_owned(), label, inputs, ..Node::default() };
-        let at = Some(target::place_beside(&self.document, &self.last, 1.0));
-        self.make(Edit::AddNode { id: id.clone(), node: Arc::new(node), at })?;
-        let first = |node: &NodeId, document: &Document| -> Option<Socket> {
-            let kind = &document.node(node.as_str())?.kind;
-            Some(Socket::new(node.clone(), coif_nodes::by_id(kind)?.outputs.first()?.name))
-        };
-        let curves =
-            def.inputs.iter().find(|input| input.ty == coif_nodes::define::Type::Curves)?;
-        let from = first(&self.last, &self.document)?;
-        let to = Socket::new(id.clone(), curves.name);
-        self.make(Edit::Connect { from, to, at: None })?;
-        if def.input("scalp").is_some() {
-            let (from, to) =
-                (Socket::new(self.head.clone(), "scalp"), Socket::new(id.clone(), "scalp"));
-            self.make(Edit::Connect { from, to, at: None })?;
-        }
-        self.last = id;
-        Some(())
-    }
-
-    fn make(&mut self, edit: Edit) -> Option<()> {
-        edit.apply(&mut self.document).ok()?;
-        self.edits.push(edit);
-        Some(())
-    }
+/// A recipe as it is put into a document.
+pub(crate) struct Made {
+    /// The node that the pen draws into; where it draws nothing, the hair.
+    pub(crate) node: NodeId,
+    /// All of it.
+    pub(crate) edits: Vec<Edit>,
 }
 
 impl Recipe {
-    /// The edits of the recipe, and the node that is to be drawn into: `strokes` when that is given and nothing takes from
-    /// it yet, else a new one. None where the document has no head.
+    /// The edits of the recipe. Its head is the one at hand, where the document has one; rows are drawn into `strokes`, when
+    /// nothing takes from it yet. `mirror`: what is drawn is drawn on both sides.
+    ///
+    /// # Errors
+    /// Why it cannot be made, for people.
     pub(crate) fn edits(
         &self,
         document: &Document,
         strokes: Option<&NodeId>,
         mirror: bool,
-    ) -> Option<(NodeId, Vec<Edit>)> {
-        let head = target::head(document)?;
+    ) -> Result<Made, String> {
+        let found = grooms::RECIPES.iter().find(|(name, _)| *name == self.groom);
+        let (_, text) = found.ok_or("it does not come with this version")?;
+        let mut recipe = file::read(text).map_err(|err| err.to_string())?.document;
+        let after = last_seed(document);
+        let mut known = BTreeMap::new();
+        let (mut drawn, mut out) = (None, None);
         let idle = |id: &&NodeId| {
             let takes = document.links.values().flatten().any(|from| from.node == **id);
-            !takes && self.draws == Draws::Rows && target::draws_curves(document, id)
+            !takes && target::draws_curves(document, id)
         };
-        let free = self.draws == Draws::Free;
-        let (rows, edits) = match strokes.filter(idle) {
-            Some(rows) => (rows.clone(), vec![]),
-            None if self.draws == Draws::Hair => super::hair::target::make(document, None)?,
-            None => target::make(document, Fresh { free, mirror })?,
-        };
-        let mut graph =
-            Graph { document: document.clone(), head, last: rows.clone(), edits: vec![] };
-        for edit in edits {
-            graph.make(edit)?;
+        for (id, node) in &mut recipe.nodes {
+            let is = |kind: &str| node.kind == kind;
+            if is(target::HEAD) {
+                known.extend(target::head(document).map(|head| (id.clone(), head)));
+            }
+            let draws = match self.draws {
+                Draws::Rows | Draws::Free => is(target::KIND),
+                Draws::Hair => is(super::hair::target::KIND),
+                Draws::Nothing => false,
+            };
+            let theirs = strokes.filter(|_| draws && self.draws == Draws::Rows).filter(idle);
+            known.extend(theirs.map(|theirs| (id.clone(), theirs.clone())));
+            drawn = drawn.or(draws.then(|| id.clone()));
+            out = out.or(is("groom_output").then(|| id.clone()));
+            let node = Arc::make_mut(node);
+            follow(node, after);
+            if draws && mirror && self.draws != Draws::Hair {
+                let both = Setting::Known(Value::Text("both".into()));
+                node.inputs.insert("mirror".to_owned(), both);
+            }
         }
-        (self.steps)(&mut graph)?;
-        let hair = graph.last.clone();
-        graph.add("groom_output", "", &[])?;
-        graph.make(Edit::SetDisplay(Some(hair)))?;
-        Some((rows, graph.edits))
+        let shift = shift(document, &recipe, &known);
+        let (edit, ids) = part::insert(document, &recipe, Some(shift), &known)?;
+        let hair = out.and_then(|out| {
+            let from = recipe.links.iter().find(|(to, _)| to.node == out)?.1.first()?;
+            ids.get(&from.node).cloned()
+        });
+        let hair = hair.ok_or("it gives no hair")?;
+        let node = drawn.and_then(|drawn| ids.get(&drawn).cloned()).unwrap_or(hair.clone());
+        // With other hair all outputs are shown, or the one would hide the other.
+        let rest = document.nodes.values().any(|node| node.kind == "groom_output");
+        let show = (!rest).then_some(hair);
+        let edits = vec![edit, Edit::SetDisplay(show)];
+        Ok(Made { node, edits })
+    }
+}
+
+fn seed_of(node: &Node) -> Option<i64> {
+    match node.inputs.get("seed") {
+        Some(Setting::Known(Value::Int(seed))) => Some(*seed),
+        _ => None,
+    }
+}
+
+fn last_seed(document: &Document) -> i64 {
+    document.nodes.values().filter_map(|node| seed_of(node)).max().unwrap_or(0).max(0)
+}
+
+/// Where a document ended with its seeds a recipe goes on.
+fn follow(node: &mut Node, after: i64) {
+    if let Some(seed) = seed_of(node) {
+        let seed = Value::Int(seed.saturating_add(after));
+        node.inputs.insert("seed".to_owned(), Setting::Known(seed));
+    }
+}
+
+/// From the recipe's canvas to the document's: its head onto the head at hand, but under everything else that is there.
+fn shift(document: &Document, recipe: &Document, known: &BTreeMap<NodeId, NodeId>) -> Point {
+    let place = |document: &Document, id: &NodeId| document.layout.get(id).copied();
+    let head = known.iter().find_map(|(old, id)| {
+        let (from, to) = (place(recipe, old)?, place(document, id)?);
+        Some(Point(to.0 - from.0, to.1 - from.1))
+    });
+    let by = head.unwrap_or_default();
+    let theirs = document.layout.iter().filter(|(id, _)| !known.values().any(|known| known == *id));
+    let lowest = theirs.map(|(_, at)| at.1).reduce(f32::max);
+    let new = recipe.layout.iter().filter(|(id, _)| !known.contains_key(*id));
+    let top = new.map(|(_, at)| at.1).reduce(f32::min);
+    match (lowest, top) {
+        (Some(lowest), Some(top)) => Point(by.0, by.1.max(lowest + target::STEP.1 - top)),
+        _ => by,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::editor::event::Event;
+    use crate::pen::tests::{Table, draw_on, head, row};
+    use egui::Pos2;
+    use std::collections::BTreeSet;
+
+    fn table_with(recipe: &Recipe) -> Table {
+        let mut table = draw_on(head());
+        table.editor().act(recipe.action);
+        assert_eq!(table.done(), 1, "{}", recipe.label);
+        let problems = coif_graphs::document::graph::check(&table.editor().state.document);
+        assert!(problems.is_empty(), "{}: {problems:?}", recipe.label);
+        table
+    }
+
+    #[test]
+    fn recipes_have_the_names_of_their_grooms() {
+        for recipe in &ALL {
+            let text = grooms::RECIPES.iter().find(|(name, _)| *name == recipe.groom).unwrap().1;
+            let read = file::read(text).unwrap();
+            assert!(read.warnings.is_empty(), "{}", recipe.groom);
+            assert_eq!(read.document.title, recipe.label);
+            assert_eq!(file::write(&read.document), text, "{}", recipe.groom);
+        }
+        assert_eq!(ALL.len(), grooms::RECIPES.len());
+    }
+
+    #[test]
+    fn recipes_are_one_step_of_plain_nodes_and_a_row_drawn_is_a_braid() {
+        for recipe in ALL.iter().filter(|recipe| recipe.draws != Draws::Nothing) {
+            let mut table = table_with(recipe);
+            // Hair is planted with a heavy hand.
+            let hair = recipe.draws == Draws::Hair;
+            let row: Vec<(Pos2, f32)> =
+                row(300.0).into_iter().map(|(at, p)| (at, if hair { 0.9 } else { p })).collect();
+            table.draw(&row);
+            table.rest();
+            while table.editor().pen.hair.is_busy() {
+                table.rest();
+            }
+            assert_eq!(table.done(), 2, "{}", recipe.label);
+            let shown = table.editor().state.shown.clone().expect("a result");
+            let count = shown.curves.curve_count();
+            assert!(count > 50, "{}: {count}", recipe.label);
+            table.editor().apply(Event::Undo);
+            table.editor().apply(Event::Undo);
+            assert_eq!(table.editor().state.document, head());
+        }
+    }
+
+    #[test]
+    fn loose_hair_is_there_in_one_step_with_its_colour_selected() {
+        let mut table = table_with(&ALL[13]);
+        table.rest();
+        let shown = table.editor().state.shown.clone().expect("a result");
+        assert!(shown.curves.curve_count() > 5000, "{}", shown.curves.curve_count());
+        let state = &table.editor().state;
+        let active = state.active().and_then(|id| state.document.node(id.as_str()));
+        assert_eq!(active.map(|node| node.kind.as_str()), Some("hair_colour"));
+        table.editor().apply(Event::Undo);
+        assert_eq!(table.editor().state.document, head());
+        for recipe in ALL.iter().filter(|recipe| recipe.draws == Draws::Nothing) {
+            let made = recipe.edits(&head(), None, false).expect(recipe.label);
+            let mut document = head();
+            Edit::Several(made.edits).apply(&mut document).expect(recipe.label);
+            let problems = coif_graphs::document::graph::check(&document);
+            assert!(problems.is_empty(), "{}: {problems:?}", recipe.label);
+            assert_eq!(document.display, Some(made.node), "{}", recipe.label);
+            let kinds: Vec<&str> = document.nodes.values().map(|node| node.kind.as_str()).collect();
+            for kind in ["groom_output", "hair_colour", "head"] {
+                let count = kinds.iter().filter(|it| **it == kind).count();
+                assert_eq!(count, 1, "{}: {kind}", recipe.label);
+            }
+        }
+    }
+
+    #[test]
+    fn a_second_recipe_shows_beside_the_first_on_the_same_head_and_has_seeds_of_its_own() {
+        let mut document = head();
+        let bob = &ALL[7];
+        for recipe in [bob, bob, &ALL[9]] {
+            let made = recipe.edits(&document, None, false).unwrap();
+            Edit::Several(made.edits).apply(&mut document).unwrap();
+        }
+        assert_eq!(document.display, None, "all outputs are shown");
+        let count = |kind: &str| document.nodes.values().filter(|node| node.kind == kind).count();
+        assert_eq!((count("head"), count("groom_output")), (1, 3));
+        let seeds: Vec<i64> = document.nodes.values().filter_map(|node| seed_of(node)).collect();
+        assert_eq!(seeds.len(), seeds.iter().collect::<BTreeSet<_>>().len(), "{seeds:?}");
+        let places: BTreeSet<String> =
+            document.layout.values().map(|at| format!("{at:?}")).collect();
+        assert_eq!(places.len(), document.layout.len(), "no node lies on another");
+        // A document without a head gets the recipe's own.
+        let made = bob.edits(&Document::default(), None, false).unwrap();
+        let mut document = Document::default();
+        Edit::Several(made.edits).apply(&mut document).unwrap();
+        assert_eq!(document.nodes.values().filter(|node| node.kind == "head").count(), 1);
+    }
+
+    #[test]
+    fn rows_are_drawn_into_idle_strokes_and_on_both_sides_where_the_pen_does() {
+        let document = head();
+        let (strokes, edits) =
+            target::make(&document, target::Fresh { free: false, mirror: false }).unwrap();
+        let mut document = document;
+        Edit::Several(edits).apply(&mut document).unwrap();
+        let rows = ALL[1].edits(&document, Some(&strokes), false).unwrap();
+        assert_eq!(rows.node, strokes);
+        let fresh = ALL[1].edits(&head(), None, true).unwrap();
+        let mut document = head();
+        Edit::Several(fresh.edits).apply(&mut document).unwrap();
+        assert_eq!(target::choice(&document, &fresh.node, "mirror").as_deref(), Some("both"));
     }
 }

@@ -13,11 +13,11 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
 /// The kind of node that drawing makes.
-pub(crate) const KIND: &str = "stroke_input";
+pub(super) const KIND: &str = "stroke_input";
 /// The kind that strokes are drawn on.
-pub(crate) const HEAD: &str = "head";
+pub(super) const HEAD: &str = "head";
 /// Free space between nodes that are placed here, in units of the canvas.
-const STEP: Point = Point(260.0, 140.0);
+pub(super) const STEP: Point = Point(260.0, 140.0);
 
 /// The input of a kind of node that holds strokes.
 pub(crate) fn strokes_input(kind: &str) -> Option<&'static str> {

@@ -120,7 +120,7 @@ impl Table {
 }
 
 /// From left to right over the head, in three levels of pressure.
-fn row(y: f32) -> Vec<(Pos2, f32)> {
+pub(super) fn row(y: f32) -> Vec<(Pos2, f32)> {
     let pressure = |k: usize| [0.25, 0.5, 1.0][k / 10];
     (0..30).map(|k| (Pos2::new(240.0 + 4.0 * k as f32, y), pressure(k))).collect()
 }
@@ -524,37 +524,6 @@ fn brushes_erase_comb_and_smooth_in_one_step_each_and_locked_strokes_stay() {
     }
     table.step();
     assert_eq!(table.strokes().0.len(), 0);
-}
-
-#[test]
-fn recipes_are_one_step_of_plain_nodes_and_a_row_drawn_is_a_braid() {
-    for recipe in recipes::ALL {
-        let mut table = draw_on(head());
-        table.editor().act(recipe.action);
-        assert_eq!(table.done(), 1, "{}", recipe.label);
-        let problems = coif_graphs::document::graph::check(&table.editor().state.document);
-        assert!(problems.is_empty(), "{}: {problems:?}", recipe.label);
-        // Hair is planted with a heavy hand.
-        let hair = recipe.draws == recipes::Draws::Hair;
-        let row: Vec<(Pos2, f32)> =
-            row(300.0).into_iter().map(|(at, p)| (at, if hair { 0.9 } else { p })).collect();
-        table.draw(&row);
-        table.rest();
-        while table.editor().pen.hair.is_busy() {
-            table.rest();
-        }
-        assert_eq!(table.done(), 2, "{}", recipe.label);
-        let shown = table.editor().state.shown.clone().expect("a result");
-        assert!(
-            shown.curves.curve_count() > 50,
-            "{}: {}",
-            recipe.label,
-            shown.curves.curve_count()
-        );
-        table.editor().apply(Event::Undo);
-        table.editor().apply(Event::Undo);
-        assert_eq!(table.editor().state.document, head());
-    }
 }
 
 #[test]

@@ -63,15 +63,32 @@ pub fn paste(
     at: Option<Point>,
 ) -> Result<(Edit, Vec<NodeId>), String> {
     let part = file::read_part(text).map_err(|err| err.to_string())?.document;
-    if part.nodes.is_empty() {
-        return Err("there are no nodes in it".to_owned());
-    }
-    let ids = fresh_ids(document, &part);
     let corner = part.layout.values().copied().reduce(|a, b| Point(a.0.min(b.0), a.1.min(b.1)));
     let shift = match (at, corner) {
         (Some(at), Some(corner)) => Some(Point(at.0 - corner.0, at.1 - corner.1)),
         _ => None,
     };
+    let (edit, ids) = insert(document, &part, shift, &BTreeMap::new())?;
+    Ok((edit, ids.into_values().collect()))
+}
+
+/// The edit that adds the nodes of another document under ids of their own, `shift` from where they lie there, and these ids by
+/// the ones they had. For nodes of it that are named in `known` a node of this document stands: it is not added, keeps its inputs
+/// and feeds what the other fed.
+///
+/// # Errors
+/// Nothing is left to add, or the outcome is refused: on one line.
+pub fn insert(
+    document: &Document,
+    part: &Document,
+    shift: Option<Point>,
+    known: &BTreeMap<NodeId, NodeId>,
+) -> Result<(Edit, BTreeMap<NodeId, NodeId>), String> {
+    if part.nodes.keys().all(|id| known.contains_key(id)) {
+        return Err("there are no nodes in it".to_owned());
+    }
+    let mut ids = fresh_ids(document, part);
+    ids.extend(known.iter().map(|(old, id)| (old.clone(), id.clone())));
     let moved = |point: &Point| {
         let to = shift.map_or(*point, |by| Point(point.0 + by.0, point.1 + by.1));
         Some(to).filter(|point| point.is_finite())
@@ -81,7 +98,7 @@ pub fn paste(
     let there: BTreeSet<String> =
         document.nodes.values().filter_map(|node| node.label.clone()).collect();
     let mut taken = there.clone();
-    for (old, node) in &part.nodes {
+    for (old, node) in part.nodes.iter().filter(|(old, _)| !known.contains_key(*old)) {
         let at = part.layout.get(old).and_then(moved);
         let node = match &node.label {
             Some(label) if there.contains(label) => {
@@ -94,7 +111,9 @@ pub fn paste(
         edits.push(Edit::AddNode { id: ids[old].clone(), node, at });
     }
     for (to, wires) in &part.links {
-        let Some(node) = ids.get(&to.node) else { continue };
+        let Some(node) = ids.get(&to.node).filter(|_| !known.contains_key(&to.node)) else {
+            continue;
+        };
         let to_new = Socket::new(node.clone(), &to.name);
         let (mut from, mut bends) = (vec![], vec![]);
         for (i, wire) in wires.iter().enumerate() {
@@ -115,7 +134,7 @@ pub fn paste(
             edits.push(Edit::SetBends { to: to_new.clone(), at, bends });
         }
     }
-    for old in &part.collapsed {
+    for old in part.collapsed.iter().filter(|old| !known.contains_key(*old)) {
         edits.push(Edit::SetCollapsed { id: ids[old].clone(), collapsed: true });
     }
     let mut framed = Document { frames: document.frames.clone(), ..Document::default() };
@@ -132,7 +151,7 @@ pub fn paste(
     let edit = Edit::Several(edits);
     // What a text holds may still be refused: said now, and not when half of a gesture is done.
     edit.apply(&mut document.clone()).map_err(|err| err.to_string())?;
-    Ok((edit, ids.into_values().collect()))
+    Ok((edit, ids))
 }
 
 /// A label that nobody has: its words with the first free number behind them.

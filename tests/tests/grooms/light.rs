@@ -11,12 +11,14 @@ use serde_json::Value as Json;
 /// Where a document is not as coif writes it, `UPDATE_EXPECT=1` writes it so.
 #[test]
 fn every_shipped_document_reads_checks_and_writes_back_unchanged() {
-    for (name, text) in grooms::ALL {
-        let loaded = file::read(text).unwrap_or_else(|err| panic!("{name}.ron:{err}"));
-        assert_eq!(loaded.warnings, [], "{name}");
-        assert_eq!(check(&loaded.document), [], "{name}");
-        let on_disk = coif_tests::repository().join(format!("graphs/grooms/{name}.ron"));
-        expect_file![on_disk].assert_eq(&file::write(&loaded.document));
+    for (folder, all) in [("grooms", grooms::ALL), ("recipes", grooms::RECIPES)] {
+        for (name, text) in all {
+            let loaded = file::read(text).unwrap_or_else(|err| panic!("{name}.ron:{err}"));
+            assert_eq!(loaded.warnings, [], "{name}");
+            assert_eq!(check(&loaded.document), [], "{name}");
+            let on_disk = coif_tests::repository().join(format!("graphs/{folder}/{name}.ron"));
+            expect_file![on_disk].assert_eq(&file::write(&loaded.document));
+        }
     }
 }
 
@@ -69,4 +71,26 @@ fn every_groom_sits_on_real_heads() {
     for head in smooth_heads("every_groom_sits_on_real_heads") {
         light().for_each(|name| check_on(name, head.name, &evaluate(name, Some(&head), &[])));
     }
+}
+
+/// Recipes that are full of hair at once; the others wait for the pen.
+#[test]
+fn recipes_sit_on_the_built_in_head_and_on_real_ones() {
+    let hair = grooms::RECIPES
+        .iter()
+        .filter(|(_, text)| !text.contains("\"rows\"") && !text.contains("hair_sketch"));
+    let names: Vec<String> = hair.map(|(name, _)| recipe(name)).collect();
+    assert_eq!(names.len(), 8);
+    let heads: Vec<_> = smooth_heads("recipes_sit_on_the_built_in_head_and_on_real_ones").collect();
+    let preview = ["--quality", "preview"];
+    for name in &names {
+        check_on(name, "the built-in head", &evaluate(name, None, &[]));
+        heads
+            .iter()
+            .for_each(|head| check_on(name, head.name, &evaluate(name, Some(head), &preview)));
+    }
+}
+
+fn recipe(name: &str) -> String {
+    coif_tests::repository().join(format!("graphs/recipes/{name}.ron")).display().to_string()
 }

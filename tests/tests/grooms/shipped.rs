@@ -4,6 +4,7 @@ use coif_graphs::grooms;
 use coif_tests::{Folder, RealHead, eval, run};
 use serde_json::Value as Json;
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::{Mutex, OnceLock};
 
 /// A groom that was evaluated and measured.
@@ -28,14 +29,15 @@ pub(crate) fn shipped(name: &'static str) -> &'static Shipped {
     ALL.get_or_init(all)[name].get_or_init(|| evaluate(name, None, &["--threads", "2"]))
 }
 
-/// Evaluates a groom to a file and measures that.
+/// Evaluates a groom, by its name or its file, to a file and measures that.
 #[track_caller]
 pub(crate) fn evaluate(name: &str, head: Option<&RealHead>, more: &[&str]) -> Shipped {
     // Evaluations use both cores and, on a real head, a quarter of a gigabyte: one at a time.
     static TURN: Mutex<u32> = Mutex::new(0);
     let mut turn = TURN.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     *turn += 1;
-    let folder = Folder::new(&format!("groom-{name}-{turn}"));
+    let stem = Path::new(name).file_stem().unwrap_or_default().display();
+    let folder = Folder::new(&format!("groom-{stem}-{turn}"));
     let out = folder.path("groom.usdc").display().to_string();
     let on = head.map_or(vec![], RealHead::eval_args);
     let report = eval(name, &[&["--out", &out], &on[..], more].concat());

@@ -8,6 +8,7 @@ use crate::editor::event::Event;
 use crate::editor::panel;
 use crate::editor::settings::Settings;
 use crate::editor::state::State;
+use crate::pen::recipes;
 use coif_graphs::grooms;
 use egui::{
     Align, Button, ColorImage, Image, Layout, Pos2, Rect, RichText, ScrollArea, TextureHandle, Vec2,
@@ -38,6 +39,18 @@ const PICTURES: &[(&str, &[u8])] = &[
     ("sketch_bob", include_bytes!("thumbnails/sketch_bob.png")),
     ("sketch_ponytail", include_bytes!("thumbnails/sketch_ponytail.png")),
     ("sketch_mohawk", include_bytes!("thumbnails/sketch_mohawk.png")),
+];
+
+/// Pictures of recipes in which the hair is there at once, likewise.
+const RECIPES: &[(&str, &[u8])] = &[
+    ("long_straight", include_bytes!("thumbnails/recipes/long_straight.png")),
+    ("bob", include_bytes!("thumbnails/recipes/bob.png")),
+    ("waves", include_bytes!("thumbnails/recipes/waves.png")),
+    ("fringe", include_bytes!("thumbnails/recipes/fringe.png")),
+    ("pony_tail", include_bytes!("thumbnails/recipes/pony_tail.png")),
+    ("puff", include_bytes!("thumbnails/recipes/puff.png")),
+    ("afro", include_bytes!("thumbnails/recipes/afro.png")),
+    ("short_back_and_sides", include_bytes!("thumbnails/recipes/short_back_and_sides.png")),
 ];
 
 const SIZE: Vec2 = Vec2::new(160.0, 120.0);
@@ -120,14 +133,32 @@ pub(super) fn window(
                     );
                     recent_files(recent, ui, &mut say);
                     ui.add_space(8.0);
-                    ui.heading("Grooms");
                     let wide = ui.available_width() - SCROLL_BAR;
                     let columns = (wide / (SIZE.x * 0.75)).floor().max(1.0);
                     let size = SIZE * ((wide / columns - CARD.x) / SIZE.x).clamp(0.25, 1.0);
+                    ui.heading("Recipes").on_hover_text("Hair on an empty head, to go on from");
+                    ui.horizontal_wrapped(|ui| {
+                        for (name, bytes) in RECIPES {
+                            let Some(recipe) = recipes::ALL.iter().find(|it| it.groom == *name)
+                            else {
+                                continue;
+                            };
+                            let picture =
+                                picture(&mut welcome.pictures, (recipe.action, bytes), ctx);
+                            if card(ui, recipe.tip, recipe.label, picture, size) {
+                                say(FileEvent::Begin(recipe.action));
+                            }
+                        }
+                    });
+                    ui.add_space(8.0);
+                    ui.heading("Grooms");
                     ui.horizontal_wrapped(|ui| {
                         for (name, text) in grooms::ALL {
-                            let picture = picture(&mut welcome.pictures, name, ctx);
-                            if card(ui, name, title_of(text), picture, size) {
+                            let bytes = PICTURES.iter().find(|(known, _)| known == name);
+                            let picture =
+                                bytes.and_then(|found| picture(&mut welcome.pictures, *found, ctx));
+                            let tip = format!("New from {name}");
+                            if card(ui, &tip, title_of(text), picture, size) {
                                 say(FileEvent::New(Some(name)));
                             }
                         }
@@ -181,7 +212,7 @@ fn recent_files(recent: &Recent, ui: &mut egui::Ui, say: &mut dyn FnMut(FileEven
 /// A picture with its name, to press on.
 fn card(
     ui: &mut egui::Ui,
-    name: &str,
+    tip: &str,
     title: &str,
     picture: Option<&TextureHandle>,
     size: Vec2,
@@ -197,7 +228,7 @@ fn card(
             }
             None => ui.add_sized(size, Button::new(title)),
         };
-        clicked = button.on_hover_text(format!("New from {name}")).clicked();
+        clicked = button.on_hover_text(tip).clicked();
         ui.add(egui::Label::new(RichText::new(title).small()).truncate());
     });
     clicked
@@ -205,10 +236,9 @@ fn card(
 
 fn picture<'a>(
     known: &'a mut BTreeMap<&'static str, TextureHandle>,
-    name: &str,
+    (name, bytes): (&'static str, &[u8]),
     ctx: &egui::Context,
 ) -> Option<&'a TextureHandle> {
-    let (name, bytes) = PICTURES.iter().find(|(known, _)| *known == name)?;
     if !known.contains_key(name) {
         let icon = eframe::icon_data::from_png_bytes(bytes).ok()?;
         let size = [icon.width as usize, icon.height as usize];
@@ -238,5 +268,13 @@ mod tests {
             assert_eq!(title_of(text), coif_graphs::file::read(text).unwrap().document.title);
         }
         assert_eq!(PICTURES.len(), grooms::ALL.len());
+        let there = recipes::ALL.iter().filter(|it| it.draws == recipes::Draws::Nothing);
+        let named: Vec<&str> = there.map(|it| it.groom).collect();
+        assert_eq!(named, RECIPES.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+        for (name, bytes) in RECIPES {
+            let icon = eframe::icon_data::from_png_bytes(bytes).unwrap();
+            assert_eq!((icon.width, icon.height), (160, 120), "{name}");
+            assert!(bytes.len() <= 12 << 10, "{name}: {} bytes", bytes.len());
+        }
     }
 }

@@ -310,7 +310,10 @@ impl Hair {
                 // On a bare head what is sketched is filled with hair, or it would hardly be seen.
                 let made = match after {
                     Some(after) => target::make(document, Some(after)),
-                    None => super::recipes::ALL[0].edits(document, None, false),
+                    None => {
+                        let made = super::recipes::ALL[0].edits(document, None, false);
+                        made.ok().map(|made| (made.node, made.edits))
+                    }
                 };
                 let Some((node, make)) = made else {
                     let note = "there is no head to sketch on: add a head to the graph";
