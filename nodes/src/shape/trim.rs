@@ -137,6 +137,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
+/// Points on what is left of a hair, at least.
+const FEWEST: usize = 4;
+
 /// Every curve of `tuft` up to where `over` of it and its id first is more than 0, but at least `least` cm. Curves without length
 /// are left out and noted.
 fn cut(
@@ -177,13 +180,23 @@ fn cut(
         }
         let share = end / long;
         shares.push(share);
-        let n = ((old.len() - 1) as f32 * share).ceil().max(3.0) as usize + 1;
         points.clear();
-        let mut cursor = 0;
-        for k in 0..n {
-            let at = spline.locate_rising(&mut cursor, end * k as f32 / (n - 1) as f32);
-            points.push(spline.point(at));
-            places.push((first + at.span as u32, at.t));
+        // Where a point of the hair is kept the hair lies as it did: out of the skin. The last of them is no nearer to the cut than
+        // half the way to the next.
+        let cut = spline.locate_length(end);
+        let whole = if cut.t < 0.5 { cut.span } else { cut.span + 1 };
+        if whole >= FEWEST - 1 {
+            points.extend_from_slice(&old[..whole]);
+            places.extend((0..whole).map(place));
+            points.push(spline.point(cut));
+            places.push((first + cut.span as u32, cut.t));
+        } else {
+            let mut cursor = 0;
+            for k in 0..FEWEST {
+                let at = spline.locate_rising(&mut cursor, end * k as f32 / (FEWEST - 1) as f32);
+                points.push(spline.point(at));
+                places.push((first + at.span as u32, at.t));
+            }
         }
         points[0] = old[0];
         out.push_curve(&points);
@@ -277,6 +290,9 @@ mod tests {
             if long < 9.999 {
                 cuts += 1;
                 assert!((inside(tip) - 1.0).abs() < 1e-3 || long < 0.31 * unit, "{}", inside(tip));
+                // What is left lies where it lay: hair that a node led out of the skin stays out of it.
+                let kept = b.len() - 1;
+                assert!(long < 3.0 || a[..kept] == b[..kept], "{long}");
             } else {
                 assert_eq!(a, b);
                 assert!(inside(tip) < 1.001);

@@ -91,7 +91,7 @@ fn recipes_sit_on_the_built_in_head_and_on_real_ones() {
     let heads: Vec<_> = smooth_heads("recipes_sit_on_the_built_in_head_and_on_real_ones").collect();
     let preview = ["--quality", "preview"];
     for name in &names {
-        check_on(name, "the built-in head", &evaluate(name, None, &[]), 0.0);
+        check_on(name, "the built-in head", &evaluate(name, None, &preview), 0.005);
         heads.iter().for_each(|head| {
             check_on(name, head.name, &evaluate(name, Some(head), &preview), 0.005)
         });
