@@ -204,6 +204,34 @@ fn a_saved_view_is_a_camera_and_others_are_listed() {
 }
 
 #[test]
+fn light_and_skin_that_are_saved_with_the_groom_are_drawn_with_unless_others_are_asked_for() {
+    const NAME: &str =
+        "light_and_skin_that_are_saved_with_the_groom_are_drawn_with_unless_others_are_asked_for";
+    if !adapter(NAME) {
+        return;
+    }
+    let folder = Folder::new("render-look");
+    let graph = folder.path("look.ron");
+    let start = coif_graphs::grooms::by_name("start").unwrap();
+    let look = "    look: (light: \"backlit\", exposure: 1.0, skin: \"9\"),\n    layout: {";
+    std::fs::write(&graph, start.replace("    layout: {", look)).unwrap();
+    let (graph, out) = (graph.display().to_string(), folder.path("hair.png").display().to_string());
+    let drawn = |graph: &str, more: &[&str]| {
+        let mut args = small(&["--out", &out]);
+        args[1] = graph;
+        let ran = run_with(program(), args.iter().chain(more).copied());
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        std::fs::read(folder.path("hair.png")).unwrap()
+    };
+    let saved = drawn(&graph, &[]);
+    assert_eq!(png(&folder.path("hair.png")).1["light"], "backlit");
+    let asked = ["--light", "backlit", "--exposure", "1", "--skin", "9"];
+    assert!(saved == drawn("start", &asked), "the same picture");
+    let usual = drawn("start", &[]);
+    assert!(saved != usual && usual == drawn(&graph, &["--light", "studio", "--skin", "5"]));
+}
+
+#[test]
 fn a_preview_says_so_and_hashes_are_those_of_eval() {
     if !adapter("a_preview_says_so_and_hashes_are_those_of_eval") {
         return;

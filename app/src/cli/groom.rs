@@ -30,7 +30,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What is evaluated, and how.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub(crate) struct GroomArgs {
     /// The graph: a .ron file, or the name of a shipped groom
     pub(crate) graph: PathBuf,

@@ -169,6 +169,11 @@ impl Editor {
         (document, OpenFile::default())
     }
 
+    /// Where a room was drawn last; none where its tab is covered.
+    pub fn place_of(&self, room: Room) -> Option<egui::Rect> {
+        self.rooms.iter().find(|(it, _)| *it == room).map(|(_, rect)| *rect)
+    }
+
     /// Whether nothing is being evaluated and nothing waits to be.
     pub fn is_idle(&self) -> bool {
         self.evaluation.as_ref().is_none_or(Evaluation::is_idle)
@@ -496,6 +501,7 @@ fn means_something(edit: &Edit) -> bool {
         | Edit::SetBends { .. }
         | Edit::SetCollapsed { .. }
         | Edit::SetView { .. }
+        | Edit::SetLook(_)
         | Edit::SetComment { .. } => false,
         Edit::Several(edits) => edits.iter().any(means_something),
         _ => true,

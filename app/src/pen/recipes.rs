@@ -23,6 +23,8 @@ pub(crate) struct Recipe {
     pub(crate) action: &'static str,
     /// What the pen draws.
     pub(crate) draws: Draws,
+    /// What is selected then, by its name in the groom; else what is drawn into, or the colour of the hair.
+    selects: Option<&'static str>,
 }
 
 /// What the pen draws into a recipe.
@@ -46,6 +48,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "Draw hair on the head: press and draw to plant a cluster, lightly on from its tip, over hair to comb it.",
         action: "recipe.sketch_hair",
         draws: Draws::Hair,
+        selects: None,
     },
     Recipe {
         groom: "cornrows",
@@ -53,6 +56,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "Draw rows on the head; each becomes a three-strand braid that lies on it.",
         action: "recipe.cornrows",
         draws: Draws::Rows,
+        selects: None,
     },
     Recipe {
         groom: "flat_twists",
@@ -60,6 +64,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "Draw rows on the head; each becomes two strands turned about each other.",
         action: "recipe.flat_twists",
         draws: Draws::Rows,
+        selects: None,
     },
     Recipe {
         groom: "box_braids",
@@ -67,6 +72,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "Draw braids in space, from the root on the scalp to the tip; each hangs as three strands.",
         action: "recipe.box_braids",
         draws: Draws::Free,
+        selects: None,
     },
     Recipe {
         groom: "two_strand_twists",
@@ -74,6 +80,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "Draw twists in space, from the root on the scalp to the tip; each is a rope of two.",
         action: "recipe.two_strand_twists",
         draws: Draws::Free,
+        selects: None,
     },
     Recipe {
         groom: "locks",
@@ -81,6 +88,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "Draw locks in space, from the root on the scalp to the tip; each is filled with hair.",
         action: "recipe.locks",
         draws: Draws::Free,
+        selects: None,
     },
     Recipe {
         groom: "long_straight",
@@ -88,6 +96,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "Long hair, parted in the middle and cut to one length.",
         action: "recipe.long_straight",
         draws: Draws::Nothing,
+        selects: None,
     },
     Recipe {
         groom: "bob",
@@ -95,6 +104,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "Cut level at the jaw and parted at the side.",
         action: "recipe.bob",
         draws: Draws::Nothing,
+        selects: None,
     },
     Recipe {
         groom: "waves",
@@ -102,6 +112,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "Shoulder-length waves with a side parting, in locks of many sizes.",
         action: "recipe.waves",
         draws: Draws::Nothing,
+        selects: None,
     },
     Recipe {
         groom: "fringe",
@@ -109,6 +120,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "Hair from a wedge above the forehead, combed forward and cut level over the brows.",
         action: "recipe.fringe",
         draws: Draws::Nothing,
+        selects: None,
     },
     Recipe {
         groom: "pony_tail",
@@ -116,6 +128,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "Combed from everywhere into a tie at the back, with a lock wound round the band.",
         action: "recipe.pony_tail",
         draws: Draws::Nothing,
+        selects: Some("base"),
     },
     Recipe {
         groom: "puff",
@@ -123,6 +136,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "A round puff at the back of the crown, in coils. Drag its handle to move it.",
         action: "recipe.puff",
         draws: Draws::Nothing,
+        selects: Some("base"),
     },
     Recipe {
         groom: "afro",
@@ -130,6 +144,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "Kinks picked out and cut round.",
         action: "recipe.afro",
         draws: Draws::Nothing,
+        selects: None,
     },
     Recipe {
         groom: "short_back_and_sides",
@@ -137,18 +152,24 @@ pub(crate) const ALL: [Recipe; 14] = [
         tip: "Clipped at the back and over the ears, longer on top and combed forward.",
         action: "recipe.short_back_and_sides",
         draws: Draws::Nothing,
+        selects: None,
     },
 ];
 
 /// A recipe as it is put into a document.
 pub(crate) struct Made {
-    /// The node that the pen draws into; where it draws nothing, the hair.
+    /// The node that the pen draws into; where it draws nothing, the one to be selected.
     pub(crate) node: NodeId,
     /// All of it.
     pub(crate) edits: Vec<Edit>,
 }
 
 impl Recipe {
+    /// Whether the pen is to draw it.
+    pub(crate) fn is_drawn(&self) -> bool {
+        self.draws != Draws::Nothing
+    }
+
     /// The edits of the recipe. Its head is the one at hand, where the document has one; rows are drawn into `strokes`, when
     /// nothing takes from it yet. `mirror`: what is drawn is drawn on both sides.
     ///
@@ -198,7 +219,8 @@ impl Recipe {
             ids.get(&from.node).cloned()
         });
         let hair = hair.ok_or("it gives no hair")?;
-        let node = drawn.and_then(|drawn| ids.get(&drawn).cloned()).unwrap_or(hair.clone());
+        let wanted = self.selects.and_then(|id| NodeId::new(id).ok()).or(drawn);
+        let node = wanted.and_then(|id| ids.get(&id).cloned()).unwrap_or(hair.clone());
         // With other hair all outputs are shown, or the one would hide the other.
         let rest = document.nodes.values().any(|node| node.kind == "groom_output");
         let show = (!rest).then_some(hair);
@@ -275,7 +297,7 @@ mod tests {
 
     #[test]
     fn recipes_are_one_step_of_plain_nodes_and_a_row_drawn_is_a_braid() {
-        for recipe in ALL.iter().filter(|recipe| recipe.draws != Draws::Nothing) {
+        for recipe in ALL.iter().filter(|recipe| recipe.is_drawn()) {
             let mut table = table_with(recipe);
             // Hair is planted with a heavy hand.
             let hair = recipe.draws == Draws::Hair;
@@ -307,13 +329,17 @@ mod tests {
         assert_eq!(active.map(|node| node.kind.as_str()), Some("hair_colour"));
         table.editor().apply(Event::Undo);
         assert_eq!(table.editor().state.document, head());
-        for recipe in ALL.iter().filter(|recipe| recipe.draws == Draws::Nothing) {
+        for recipe in ALL.iter().filter(|recipe| !recipe.is_drawn()) {
             let made = recipe.edits(&head(), None, false).expect(recipe.label);
             let mut document = head();
             Edit::Several(made.edits).apply(&mut document).expect(recipe.label);
             let problems = coif_graphs::document::graph::check(&document);
             assert!(problems.is_empty(), "{}: {problems:?}", recipe.label);
-            assert_eq!(document.display, Some(made.node), "{}", recipe.label);
+            let output = document.links.iter().find(|(to, _)| to.node.as_str() == "out").unwrap();
+            assert_eq!(document.display, Some(output.1[0].node.clone()), "{}", recipe.label);
+            let active = document.node(made.node.as_str()).map(|node| node.kind.as_str());
+            let tied = recipe.selects.is_some();
+            assert_eq!(active, Some(if tied { "gather" } else { "hair_colour" }));
             let kinds: Vec<&str> = document.nodes.values().map(|node| node.kind.as_str()).collect();
             for kind in ["groom_output", "hair_colour", "head"] {
                 let count = kinds.iter().filter(|it| **it == kind).count();

@@ -29,7 +29,8 @@ use crate::editor::state::State;
 use crate::feeders::feeders;
 use crate::pen::Holds;
 use crate::scene::Show;
-use coif_graphs::document::Socket;
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{SavedLook, Socket};
 use coif_nodes::data::curves::Curves;
 use coif_shaders::camera::PORTRAIT_FOCAL;
 use coif_shaders::{Camera, Look};
@@ -61,6 +62,9 @@ const NEAR: f32 = 6.0;
 pub struct Viewport {
     /// How the groom is looked at.
     pub options: Options,
+    /// Light and skin as the groom has them, and as the options had them then.
+    look: Option<SavedLook>,
+    chosen: SavedLook,
     /// What pictures cost, for the status line and tests.
     pub stats: DrawStats,
     /// What the pen has hold of, and is left alone here.
@@ -154,6 +158,8 @@ impl Default for Viewport {
     fn default() -> Self {
         Self {
             options: Options::default(),
+            look: None,
+            chosen: Options::default().saved(),
             stats: DrawStats::default(),
             pen: Holds::default(),
             hovered: false,
@@ -272,6 +278,7 @@ impl Viewport {
             egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "Picture of the groom")
         });
         self.hovered = response.hovered() || response.dragged();
+        self.follow_look(state, ui, out);
         self.frame_first(state);
         self.take_framing();
         self.take_picture(ui.ctx());
@@ -283,6 +290,21 @@ impl Viewport {
         self.overlay_ui(state, ui, out);
         chrome::ui(self, state, ui, out);
         self.hover(state, ui, &response, out);
+    }
+
+    /// Light and skin are kept with the groom: what the groom says is shown, what was chosen becomes its own, once a hand that
+    /// drags has let go.
+    fn follow_look(&mut self, state: &State, ui: &egui::Ui, out: &mut Vec<Event>) {
+        if state.document.look != self.look {
+            self.look = state.document.look.clone();
+            self.options.take(self.look.as_ref());
+            self.chosen = self.options.saved();
+        } else if self.options.saved() != self.chosen && !ui.input(|input| input.pointer.any_down())
+        {
+            self.chosen = self.options.saved();
+            self.look = Some(self.chosen.clone());
+            out.push(Event::Edit(Edit::SetLook(self.look.clone())));
+        }
     }
 
     /// Asks for the picture of what is there now.

@@ -1,6 +1,7 @@
 //! How the groom is looked at: colours, lights, what is laid over it. Never part of a groom.
 
 use crate::scene::Show;
+use coif_graphs::document::SavedLook;
 use coif_shaders::surface::Tone;
 use coif_shaders::view::View;
 use coif_shaders::{Look, Model, Rig, Transform};
@@ -77,7 +78,7 @@ impl Options {
     }
     /// The same in the words of `coif render`.
     pub fn words(&self) -> Vec<String> {
-        let skin = if self.skin == 0 { "clay".to_owned() } else { self.skin.min(10).to_string() };
+        let SavedLook { skin, .. } = self.saved();
         let mut words = vec![
             format!("--view={}", self.show),
             format!("--light={}", self.rig()),
@@ -122,6 +123,25 @@ impl Options {
     pub fn toggle_groom(&mut self) {
         let groom = std::mem::replace(&mut self.groom, self.show.clone());
         self.show = groom;
+    }
+    /// Light and skin, as a groom keeps them.
+    pub fn saved(&self) -> SavedLook {
+        let skin = if self.skin == 0 { "clay".to_owned() } else { self.skin.min(10).to_string() };
+        SavedLook { light: self.rig().to_owned(), exposure: self.exposure, skin }
+    }
+    /// Takes the light and skin that a groom keeps, else those of the beginning. What means nothing here is left.
+    pub fn take(&mut self, look: Option<&SavedLook>) {
+        let first = Self::default();
+        let Some(look) = look else {
+            (self.rig, self.exposure, self.skin) = (first.rig, first.exposure, first.skin);
+            return;
+        };
+        self.rig = look.light.clone();
+        self.exposure = look.exposure.clamp(EXPOSURES.0, EXPOSURES.1);
+        self.skin = match look.skin.as_str() {
+            "clay" => 0,
+            skin => skin.parse().ok().filter(|n| (1..=10).contains(n)).unwrap_or(first.skin),
+        };
     }
     /// Changes the exposure by so many stops.
     pub fn expose(&mut self, stops: f32) {
@@ -194,5 +214,20 @@ mod tests {
         assert_eq!((options.tone(), options.rig()), (Tone::Monk(10), "studio"));
         let read: Options = ron::from_str("(skin: 2)").expect("fields may lack");
         assert_eq!(read, Options { skin: 2, ..Options::default() });
+    }
+
+    #[test]
+    fn what_a_groom_keeps_comes_back_and_what_means_nothing_here_is_left() {
+        let mine =
+            Options { rig: "dark-hair".into(), exposure: 1.5, skin: 0, ..Options::default() };
+        let mut other = Options { show: "braid".into(), ..Options::default() };
+        other.take(Some(&mine.saved()));
+        assert_eq!((other.rig(), other.exposure, other.skin), ("dark-hair", 1.5, 0));
+        assert_eq!(other.show, "braid");
+        let odd = SavedLook { light: "disco".into(), exposure: 19.0, skin: "file".into() };
+        other.take(Some(&odd));
+        assert_eq!((other.rig(), other.exposure, other.skin), ("studio", 8.0, 5));
+        other.take(None);
+        assert_eq!(other.exposure, 0.0);
     }
 }

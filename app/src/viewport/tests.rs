@@ -245,7 +245,7 @@ mod window {
     use super::*;
     use crate::editor::Editor;
     use crate::editor::state::{OpenFile, Select};
-    use coif_graphs::document::{NodeId, Setting};
+    use coif_graphs::document::{Document, NodeId, Setting};
     use coif_graphs::{file, grooms};
     use coif_nodes::define::Value;
     use egui::{Event as Input, Key, Modifiers};
@@ -269,6 +269,10 @@ mod window {
                 }
             }
         }
+        on(document)
+    }
+
+    fn on(document: Document) -> Ui {
         let editor = Editor::new(&egui::Context::default(), document, OpenFile::default());
         let mut ui = Harness::builder()
             .with_size(Vec2::new(1400.0, 900.0))
@@ -371,6 +375,33 @@ mod window {
         pick(&mut ui, "From ⏷", "Back");
         settle(&mut ui);
         assert!(camera(&ui).eye.z < -20.0, "it is seen from behind");
+    }
+
+    #[test]
+    fn light_and_skin_are_kept_with_the_groom() {
+        let mut ui = on_groom("start");
+        let look = |ui: &Ui| ui.state().state.document.look.clone();
+        assert_eq!((look(&ui), ui.state().state.history.is_changed()), (None, false));
+        ui.state_mut().viewport.options.skin = 9;
+        ui.run_steps(3);
+        let chosen = look(&ui).expect("it is kept");
+        assert_eq!((chosen.skin.as_str(), chosen.light.as_str()), ("9", "studio"));
+        assert!(ui.state().is_idle(), "no hair is made anew");
+        ui.state_mut().act("edit.undo");
+        ui.run_steps(3);
+        assert_eq!((look(&ui), ui.state().viewport.options.skin), (None, 5));
+        // Another groom brings its own, and one without any begins as at first.
+        let mut document = ui.state().state.document.clone();
+        let light = "dark-hair".to_owned();
+        document.look = Some(SavedLook { light, exposure: 1.0, skin: "clay".into() });
+        ui.state_mut().act("edit.redo");
+        ui.run_steps(3);
+        assert_eq!(ui.state().viewport.options.skin, 9);
+        let mut ui = on(document);
+        ui.run_steps(3);
+        let options = &ui.state().viewport.options;
+        assert_eq!((options.rig(), options.exposure, options.skin), ("dark-hair", 1.0, 0));
+        assert!(!ui.state().state.history.is_changed());
     }
 
     #[test]

@@ -6,7 +6,8 @@
 //! because undo must also restore a broken file.
 
 use super::{
-    Document, Frame, Node, NodeId, Place, Point, SavedView, Setting, Socket, graph, values,
+    Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket, graph,
+    values,
 };
 use coif_nodes::data::gestures::Gesture;
 use coif_nodes::data::strokes::Stroke;
@@ -122,6 +123,8 @@ pub enum Edit {
         /// The camera.
         view: Option<SavedView>,
     },
+    /// Light and skin that the groom is looked at with; none where nobody chose.
+    SetLook(Option<SavedLook>),
     /// Moves a node on the canvas.
     Move {
         /// Which.
@@ -446,6 +449,13 @@ impl Edit {
                 };
                 Ok(Edit::SetView { name: name.clone(), view: old })
             }
+            Edit::SetLook(look) => {
+                if let Some(reason) = look.as_ref().and_then(SavedLook::fault) {
+                    let name = String::new();
+                    return Err(EditError::BadEntry { what: "look", name, reason });
+                }
+                Ok(Edit::SetLook(std::mem::replace(&mut document.look, look.clone())))
+            }
             Edit::Move { id, to } => {
                 slot(document, id)?;
                 let old = place(document, id, *to)?;
@@ -550,7 +560,8 @@ impl Edit {
             (SetTitle(_), SetTitle(_))
             | (SetNote(_), SetNote(_))
             | (SetSeed(_), SetSeed(_))
-            | (SetDisplay(_), SetDisplay(_)) => true,
+            | (SetDisplay(_), SetDisplay(_))
+            | (Edit::SetLook(_), Edit::SetLook(_)) => true,
             (
                 Edit::ReplaceStroke { node, input, stroke },
                 Edit::ReplaceStroke { node: other, input: same, stroke: newer },

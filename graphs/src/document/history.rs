@@ -76,6 +76,7 @@ fn node_of(edit: &Edit) -> Option<&NodeId> {
         | E::SetComment { .. }
         | E::SetFrame { .. }
         | E::SetView { .. }
+        | E::SetLook(_)
         | E::Several(_) => None,
     }
 }
@@ -333,6 +334,7 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
             Some(_) => format!("view {name}: saved"),
             None => format!("view {name}: removed"),
         },
+        E::SetLook(_) => "light and skin".to_owned(),
         E::SetBypass { id, bypass: true } => format!("{}: works again", name(id)),
         E::SetBypass { id, bypass: false } => format!("{}: bypassed", name(id)),
         E::SetComment { .. } => "comment".to_owned(),

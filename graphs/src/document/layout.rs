@@ -1,4 +1,5 @@
-//! What a document keeps besides its meaning: frames behind nodes, bends of wires, saved views.
+//! What a document keeps besides its meaning: frames behind nodes, bends of wires, saved views, the light that
+//! it is looked at in.
 //!
 //! Everything here is for people; evaluation never looks at it, and [`document_hash`] leaves it out.
 //!
@@ -68,6 +69,44 @@ impl SavedView {
         }
     }
 }
+
+/// Light and skin that a groom is looked at with, in the words of `coif render`. Words that a version does not know are kept;
+/// it shows its own light and skin then.
+#[derive(Clone, Debug)]
+pub struct SavedLook {
+    /// The lights.
+    pub light: String,
+    /// Brighter or darker than the lights' own exposure, stops within ±20.
+    pub exposure: f32,
+    /// The skin.
+    pub skin: String,
+}
+
+impl SavedLook {
+    /// Why it cannot be kept; none when it can.
+    pub fn fault(&self) -> Option<&'static str> {
+        let is_word = |text: &str| {
+            let letter = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+            !text.is_empty() && text.len() <= LONGEST_NAME && text.chars().all(letter)
+        };
+        if !is_word(&self.light) || !is_word(&self.skin) {
+            Some("light and skin are words of 1 to 64 letters, digits and hyphens")
+        } else if !(-20.0..=20.0).contains(&self.exposure) {
+            Some("its exposure is not within -20 to 20 stops")
+        } else {
+            None
+        }
+    }
+}
+
+/// By bits, so that equality holds for every value.
+impl PartialEq for SavedLook {
+    fn eq(&self, other: &Self) -> bool {
+        let bits = (self.exposure.to_bits(), other.exposure.to_bits());
+        (&self.light, &self.skin) == (&other.light, &other.skin) && bits.0 == bits.1
+    }
+}
+impl Eq for SavedLook {}
 
 /// By bits, so that equality holds for every value.
 impl PartialEq for SavedView {

@@ -28,7 +28,7 @@ pub(crate) mod testing;
 pub mod values;
 pub mod wiring;
 
-pub use layout::{Frame, LONGEST_NAME, SavedView};
+pub use layout::{Frame, LONGEST_NAME, SavedLook, SavedView};
 
 /// A groom as it is edited. Cloning is the snapshot: maps of pointers are copied, nodes are shared.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -53,6 +53,8 @@ pub struct Document {
     pub collapsed: BTreeSet<NodeId>,
     /// Cameras that were saved, by name.
     pub views: BTreeMap<String, SavedView>,
+    /// Light and skin that it is looked at with; none where nobody chose.
+    pub look: Option<SavedLook>,
     /// Where nodes stand on the canvas, in its own units. Means nothing to evaluation.
     pub layout: BTreeMap<NodeId, Point>,
     /// Comment lines of a hand-edited file, each with its `//`, by the entry that they stand
@@ -350,6 +352,7 @@ impl Document {
                 "bends" => !self.bends.is_empty(),
                 "collapsed" => !self.collapsed.is_empty(),
                 "views" => !self.views.is_empty(),
+                "look" => self.look.is_some(),
                 "layout" => !self.layout.is_empty(),
                 _ => false,
             },

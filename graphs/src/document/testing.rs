@@ -2,8 +2,8 @@
 
 use super::edit::Edit;
 use super::{
-    Document, Frame, Node, NodeId, Place, Point, SavedView, Setting, Socket, gestures, strokes,
-    values,
+    Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket, gestures,
+    strokes, values,
 };
 use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
@@ -296,6 +296,7 @@ impl Random {
                     "bends",
                     "collapsed",
                     "views",
+                    "look",
                     "layout",
                 ];
                 Place::Field(field(self, &names))
@@ -315,7 +316,7 @@ impl Random {
     pub(crate) fn edit(&mut self, document: &Document) -> Edit {
         let (id, to) = (self.id(), self.socket());
         let kind = document.node(id.as_str()).map_or("", |node| &node.kind).to_owned();
-        match self.below(31) {
+        match self.below(32) {
             0..=2 => Edit::AddNode { id, node: self.node().into(), at: self.point() },
             3 => Edit::RemoveNode { id },
             4 => Edit::ReplaceNode { id, node: self.node().into() },
@@ -375,7 +376,12 @@ impl Random {
                 };
                 Edit::SetView { name: self.text(), view: (!self.chance(4)).then_some(view) }
             }
-            27..=28 => self.edit_of_list(document, id),
+            27 => {
+                let light = self.pick(&["studio", "of-tomorrow", "", "a b"]).to_owned();
+                let look = SavedLook { light, exposure: 30.0 * self.unit(), skin: "5".to_owned() };
+                Edit::SetLook((!self.chance(4)).then_some(look))
+            }
+            28..=29 => self.edit_of_list(document, id),
             _ => {
                 let count = self.below(4);
                 Edit::Several((0..count).map(|_| self.edit(document)).collect())

@@ -3,7 +3,9 @@
 use super::scan::{Scan, error_at, errors_at, scan, trimmed};
 use super::values::{Wrong, placed_value};
 use super::{FORMAT, FileError, Loaded, PART, upgrade};
-use crate::document::{Document, Frame, Node, NodeId, Place, Point, SavedView, Setting, Socket};
+use crate::document::{
+    Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
+};
 use coif_nodes::define::{NodeDef, short};
 use ron::value::RawValue;
 use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
@@ -45,6 +47,8 @@ struct FileGroom<'a> {
     collapsed: Vec<String>,
     #[serde(default)]
     views: Entries<String, FileView>,
+    #[serde(default, deserialize_with = "there")]
+    look: Option<FileLook>,
     #[serde(default)]
     layout: Entries<NodeId, (f32, f32)>,
 }
@@ -103,6 +107,23 @@ struct FileView {
     /// 0 where there is perspective.
     #[serde(default)]
     orthographic: f32,
+}
+
+/// As [`SavedLook`].
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Look")]
+struct FileLook {
+    light: String,
+    #[serde(default)]
+    exposure: f32,
+    skin: String,
+}
+
+/// What may lack, without the `Some` that RON asks for.
+fn there<'de, D: serde::Deserializer<'de>, T: serde::Deserialize<'de>>(
+    from: D,
+) -> Result<Option<T>, D::Error> {
+    T::deserialize(from).map(Some)
 }
 
 /// A map in the order of the file. Two entries of one name are refused: a merge made them, and one
@@ -378,6 +399,16 @@ fn convert(text: &str, groom: FileGroom) -> Loaded {
         }
     }
     reader.besides(&mut document, groom.frames, groom.bends, groom.collapsed, groom.views);
+    if let Some(FileLook { light, exposure, skin }) = groom.look {
+        let look = SavedLook { light, exposure, skin };
+        match look.fault() {
+            Some(why) => {
+                let place = Place::Field("look".to_owned());
+                reader.warn(&place, format!("look: {why}: dropped"));
+            }
+            None => document.look = Some(look),
+        }
+    }
     for (id, (x, y)) in groom.layout.0 {
         let why = if !document.nodes.contains_key(&id) {
             "there is no such node"

@@ -59,6 +59,8 @@ const FULL: &str = r#"// Cornrows for the wedding scene.
         // for the poster
         "hero": (eye: (31.5, 8.0, 42.0), target: (0.0, 1.5, 0.0), up: (0.0, 1.0, 0.0), focal_mm: 85.0),
     },
+    // as it was approved
+    look: (light: "dark-hair", exposure: 0.5, skin: "8"),
     layout: {
         "all": (640.5, -20.0),
         "rows": (320.0, 0.0),
@@ -264,7 +266,7 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
     said(
         "(format: 1, colour: 3)",
         expect![
-            "x.ron:1:13: unexpected field named `colour` in `Groom`, expected one of `format`, `title`, `note`, `seed`, `display`, `nodes`, `links`, `frames`, `bends`, `collapsed`, `views`, or `layout` instead"
+            "x.ron:1:13: unexpected field named `colour` in `Groom`, expected one of `format`, `title`, `note`, `seed`, `display`, `nodes`, `links`, `frames`, `bends`, `collapsed`, `views`, `look`, or `layout` instead"
         ],
     );
     said("(format: 1, seed: -1)", expect!["x.ron:1:21: the number is out of range"]);
@@ -326,7 +328,7 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
          frames: {\"\": (at: (0, 0), size: (1, 1)), \"f\": (at: (0, 0), size: (0, 1))},\n\
          bends: {\"a.curves\": [[], []], \"b.curves\": [[(1, 2)]], \"a.x\": [[(1, NaN)]]},\n\
          collapsed: [\"a\", \"b\", \"B\"],\n\
-         views: {\"v\": (eye: (0, 0, 0), target: (0, 0, 0), up: (0, 1, 0), focal_mm: 50)})",
+         views: {\"v\": (eye: (0, 0, 0), target: (0, 0, 0), up: (0, 1, 0), focal_mm: 50)}, look: (light: \"studio\", skin: \"a b\"))",
         expect![[r#"
             2:14: frame "": it has no name: dropped
             2:47: frame "f": its width and height must be over 0: dropped
@@ -336,6 +338,7 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
             4:12: collapsed: there is no node "B": dropped
             4:18: collapsed: there is no node "b": dropped
             5:14: view "v": its eye is where it looks: dropped
+            5:87: look: light and skin are words of 1 to 64 letters, digits and hyphens: dropped
         "#]],
     );
     said(

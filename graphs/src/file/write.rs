@@ -2,7 +2,7 @@
 
 use super::values::{new_line, quoted, write_to};
 use super::{FORMAT, PART};
-use crate::document::{Document, Node, NodeId, Place, Point, SavedView, Setting};
+use crate::document::{Document, Node, NodeId, Place, Point, SavedLook, SavedView, Setting};
 use std::fmt::Write as _;
 
 pub(super) fn write(document: &Document) -> String {
@@ -122,6 +122,15 @@ impl Writer<'_> {
                     }
                     out.text(")");
                 });
+            });
+        }
+        if let Some(SavedLook { light, exposure, skin }) = &document.look {
+            out.field("look", |out| {
+                out.text("(light: ");
+                out.quoted(light);
+                let _ = write!(out.out, ", exposure: {exposure:?}, skin: ");
+                out.quoted(skin);
+                out.text(")");
             });
         }
         if !document.layout.is_empty() {

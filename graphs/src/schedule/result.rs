@@ -107,6 +107,7 @@ pub fn document_hash(document: &Document) -> String {
     meaning.bends.clear();
     meaning.collapsed.clear();
     meaning.views.clear();
+    meaning.look = None;
     meaning.comments.clear();
     meaning.note.clear();
     for node in meaning.nodes.values_mut() {

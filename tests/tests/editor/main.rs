@@ -6,4 +6,6 @@ mod grooms;
 mod harness;
 mod own_head;
 mod stories;
+mod story;
+mod tasks;
 mod tour;

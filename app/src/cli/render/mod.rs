@@ -16,7 +16,7 @@ use crate::files::{Together, read_at_most};
 use crate::scene::{self, Dressed, Show};
 use crate::words::grouped;
 use clap::Args;
-use coif_graphs::document::Socket;
+use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::result::document_hash;
 use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::curves::Curves;
@@ -38,7 +38,7 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     groom: GroomArgs,
@@ -70,7 +70,7 @@ pub(crate) struct RenderArgs {
     /// What is shown: hair; guides, the curves that hair follows; clusters, the same as tubes; or an attribute as colours
     #[arg(long, value_name = "hair|guides|clusters|ATTRIBUTE", default_value = "hair")]
     view: String,
-    /// Lights: studio (the default), backlit, overcast, flat, dark-hair, neutral
+    /// Lights: studio, backlit, overcast, flat, dark-hair, neutral; else those saved with the groom, else studio
     #[arg(long, value_name = "RIG")]
     light: Option<String>,
     /// Light from a photographed sphere instead: .hdr or .exr, equirectangular
@@ -82,18 +82,18 @@ pub(crate) struct RenderArgs {
     /// Blur that sphere behind the head, in degrees; its light stays as it is
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     hdri_blur: Option<f32>,
-    /// Brighter or darker than the lights' own exposure, in stops
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
-    exposure: f32,
+    /// Brighter or darker than the lights' own exposure, in stops: what is saved with the groom's lights, else 0
+    #[arg(long, value_name = "EV", allow_negative_numbers = true)]
+    exposure: Option<f32>,
     /// How a .png is made for a display: agx, srgb, rec1886
     #[arg(long, value_name = "TRANSFORM", default_value = "agx")]
     display: String,
     /// How hair scatters light: karis, chiang, kajiya-kay
     #[arg(long, value_name = "MODEL", default_value = "karis")]
     model: String,
-    /// Skin of the head: 1 (lightest) to 10 on the Monk scale, or clay
-    #[arg(long, value_name = "1..10|clay", default_value = "5")]
-    skin: String,
+    /// Skin of the head: 1 (lightest) to 10 on the Monk scale, or clay; else the one saved with the groom, else 5
+    #[arg(long, value_name = "1..10|clay")]
+    skin: Option<String>,
     /// See through hair: 1 is hair, 0.1 shows roots and skin
     #[arg(long, value_name = "0..1", default_value_t = 1.0, allow_negative_numbers = true)]
     opacity: f32,
@@ -139,6 +139,21 @@ impl RenderArgs {
         }
     }
 
+    /// With the light and skin that are saved with the groom where nothing else is asked for.
+    fn as_saved(&self, document: &Document) -> Self {
+        let mut args = self.clone();
+        let Some(look) = &document.look else { return args };
+        let lights = Rig::NAMES.contains(&look.light.as_str());
+        if args.light.is_none() && args.hdri.is_none() && lights {
+            args.light = Some(look.light.clone());
+            args.exposure = args.exposure.or(Some(look.exposure));
+        }
+        if args.skin.is_none() && tone(&look.skin).is_some() {
+            args.skin = Some(look.skin.clone());
+        }
+        args
+    }
+
     /// Refuses words that mean nothing, in one line each.
     fn understood(&self) -> Result<Asked, Stop> {
         let show = self.view.parse();
@@ -148,12 +163,6 @@ impl RenderArgs {
         let displays = displays.each_ref().map(String::as_str);
         let display =
             |text: &str| displays.iter().position(|name| *name == text).map(|i| Transform::ALL[i]);
-        let tones: Vec<String> = (1..=10).map(|n: u8| n.to_string()).collect();
-        let tones: Vec<&str> = tones.iter().map(String::as_str).chain(["clay"]).collect();
-        let tone = |text: &str| match tones.iter().position(|name| *name == text)? {
-            10 => Some(Tone::Clay),
-            n => Some(Tone::Monk(n as u8 + 1)),
-        };
         Ok(Asked {
             size: options::size(&self.size)?,
             formats: options::files(&self.out, self.series()?)?,
@@ -175,7 +184,7 @@ impl RenderArgs {
                 share: within("--share", self.share, (0.001, 1.0), "")?,
                 ..Look::default()
             },
-            tone: options::named("--skin", &self.skin, &tones, tone)?,
+            tone: options::named("--skin", self.skin.as_deref().unwrap_or("5"), &TONES, tone)?,
         })
     }
 
@@ -214,7 +223,7 @@ impl RenderArgs {
     fn rig(&self) -> Result<Rig, Stop> {
         let turn = within("--hdri-rotation", self.hdri_rotation.unwrap_or(0.0), TURNS, " degrees")?;
         let blur = within("--hdri-blur", self.hdri_blur.unwrap_or(0.0), (0.0, 180.0), " degrees")?;
-        let exposure = within("--exposure", self.exposure, (-20.0, 20.0), " stops")?;
+        let exposure = within("--exposure", self.exposure.unwrap_or(0.0), (-20.0, 20.0), " stops")?;
         let mut rig = match (&self.light, &self.hdri) {
             (Some(_), Some(_)) => {
                 return Err(Stop::refused("--light and --hdri: the light comes from one of them"));
@@ -237,6 +246,17 @@ impl RenderArgs {
         };
         rig.exposure += exposure;
         Ok(rig)
+    }
+}
+
+/// The words of skins: the Monk scale from the lightest on, and clay.
+const TONES: [&str; 11] = ["1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "clay"];
+
+/// The skin of a word.
+fn tone(text: &str) -> Option<Tone> {
+    match TONES.iter().position(|name| *name == text)? {
+        10 => Some(Tone::Clay),
+        n => Some(Tone::Monk(n as u8 + 1)),
     }
 }
 
@@ -265,8 +285,10 @@ fn draw(
         files.reads(path, format!("--hdri {}", path.display())).map_err(Stop::refused)?;
     }
     args.claim(files)?;
-    let asked = args.understood()?;
+    args.understood()?;
     let opened = args.groom.open(report, files)?;
+    let args = &args.as_saved(&opened.document);
+    let asked = args.understood()?;
     let bar = Bar::new("nodes");
     let drawn = draw_opened(args, &asked, &opened, cancel, &bar, report, files);
     bar.clear();

@@ -112,10 +112,6 @@ pub(super) fn window(
                         if button.clicked() {
                             say(FileEvent::New(None));
                         }
-                        let tip = "A head and the pen in hand: draw hair on it";
-                        if ui.button("Sketch hair").on_hover_text(tip).clicked() {
-                            say(FileEvent::Begin("recipe.sketch_hair"));
-                        }
                         let tip = "A mesh (.obj, .glb, .gltf) instead of the built-in head";
                         if ui.button("Your own head…").on_hover_text(tip).clicked() {
                             say(FileEvent::Ask(Purpose::Mesh));
@@ -131,6 +127,15 @@ pub(super) fn window(
                         RichText::new("A mesh or a groom can also be dropped on the window.")
                             .weak(),
                     );
+                    ui.add_space(8.0);
+                    ui.heading("Draw").on_hover_text("A head, and the pen in hand");
+                    ui.horizontal_wrapped(|ui| {
+                        for recipe in recipes::ALL.iter().filter(|it| it.is_drawn()) {
+                            if ui.button(recipe.label).on_hover_text(recipe.tip).clicked() {
+                                say(FileEvent::Begin(recipe.action));
+                            }
+                        }
+                    });
                     recent_files(recent, ui, &mut say);
                     ui.add_space(8.0);
                     let wide = ui.available_width() - SCROLL_BAR;
@@ -268,7 +273,7 @@ mod tests {
             assert_eq!(title_of(text), coif_graphs::file::read(text).unwrap().document.title);
         }
         assert_eq!(PICTURES.len(), grooms::ALL.len());
-        let there = recipes::ALL.iter().filter(|it| it.draws == recipes::Draws::Nothing);
+        let there = recipes::ALL.iter().filter(|it| !it.is_drawn());
         let named: Vec<&str> = there.map(|it| it.groom).collect();
         assert_eq!(named, RECIPES.iter().map(|(name, _)| *name).collect::<Vec<_>>());
         for (name, bytes) in RECIPES {
