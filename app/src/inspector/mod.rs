@@ -17,6 +17,7 @@ pub(crate) mod target;
 mod tests;
 pub(crate) mod text;
 mod value;
+mod wheel;
 
 use crate::editor::evaluation::Shown;
 use crate::editor::event::Event;

@@ -654,3 +654,45 @@ fn groups_of_inputs_open_and_close_and_a_filter_shows_what_it_finds() {
     typed(&mut hands, "Filter inputs", "columns");
     assert!(shown(&hands, "Columns") && shown(&hands, "Detail") && !shown(&hands, "Tie"));
 }
+
+/// Blue on the wheel is to the left and above (two thirds round): no hair is blue, and that is said. The wheel keeps what was
+/// picked under the hand, hair gets the pigment that comes nearest, and it is one step.
+#[test]
+fn a_wheel_picks_colours_and_says_which_no_hair_has() {
+    let mut hands = hands(nodes(&[("a", "hair_colour")]), &["a"], (420.0, 2400.0));
+    let press = |hands: &mut Hands, at: Pos2| {
+        hands.hover_at(at);
+        hands.run_steps(1);
+        hands.drag_at(at);
+        hands.run_steps(2);
+        hands.drop_at(at);
+        hands.run_steps(3);
+    };
+    let wheel = |hands: &Hands| hands.get_by_label("Root colour: hue and saturation").rect();
+    let well = |hands: &Hands, name: &str| {
+        hands.get_by_role_and_label(egui::accesskit::Role::ColorWell, name).click();
+    };
+    hands.get_by_label("Light blond").click();
+    hands.run_steps(3);
+    well(&hands, "Root colour");
+    hands.run_steps(3);
+    let rect = wheel(&hands);
+    let before = done(&hands);
+    press(&mut hands, rect.center() + egui::Vec2::angled(std::f32::consts::TAU / 30.0) * 40.0);
+    assert!(number(&hands, "a", "redness").is_some_and(|red| red > 0.2), "an orange is red hair");
+    assert_eq!(done(&hands), before + 1, "one step");
+    let says = |hands: &Hands| hands.query_by_label_contains("no natural hair is").is_some();
+    press(&mut hands, rect.center() + egui::Vec2::angled(std::f32::consts::TAU * 2.0 / 3.0) * 70.0);
+    assert!(says(&hands), "no hair is blue");
+    assert_eq!(wheel(&hands), rect, "what is said moves nothing");
+    hands.get_by_label("Copper").click();
+    hands.run_steps(3);
+    assert_eq!(number(&hands, "a", "melanin_root"), Some(0.55));
+    // The same wheel for a colour that is no pigment: full red is 1, 0, 0.
+    well(&hands, "Dye");
+    hands.run_steps(3);
+    let rect = hands.get_by_label("Dye: hue and saturation").rect();
+    press(&mut hands, rect.center() + vec2(90.0, 0.0));
+    let dye = value(&hands, "a", "dye");
+    assert!(matches!(dye, Some(Value::Vec3(glam::Vec3::X))), "{dye:?}");
+}
