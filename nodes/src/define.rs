@@ -250,6 +250,8 @@ pub enum Handle {
     Point,
     /// A circle whose radius is the value.
     Radius,
+    /// The circle of a ball whose middle the node's curves carry (`puff_centre`).
+    Ball,
     /// The height of something over the scalp or along a curve.
     Length,
     /// An arc.

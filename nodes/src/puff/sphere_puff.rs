@@ -53,7 +53,7 @@ node! {
         /// Radius on the scalp within which hair is rooted.
         root_radius: f32 = 3.0, hard(0.01, 30.0), soft(0.5, 8.0), unit(Length), handle(Handle::Radius), words("base section");
         /// Radius of the sphere.
-        sphere_radius: f32 = 6.0, hard(0.1, 60.0), soft(2.0, 15.0), unit(Length), handle(Handle::Radius), words("size ball");
+        sphere_radius: f32 = 6.0, hard(0.1, 60.0), soft(2.0, 15.0), unit(Length), handle(Handle::Ball), words("size ball");
         /// Whether the number of hairs is given, or how densely they are rooted.
         fill: Fill = Fill::Count;
         /// Hairs in a puff, when given by count. More only adds hairs.
