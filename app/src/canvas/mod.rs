@@ -180,6 +180,8 @@ impl Canvas {
     pub fn ui(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         let area = ui.available_rect_before_wrap();
         if area.width() < 8.0 || area.height() < 8.0 {
+            // What is not seen takes no keys.
+            self.close_search();
             return;
         }
         let faces = self.cache.of(state);

@@ -292,7 +292,15 @@ fn footer(ui: &Ui, face: &Face, rect: Rect, mood: Mood) {
         text = if face.bypass { "bypassed" } else { "not run yet" }.to_owned();
     }
     p.hline(rect.x_range().shrink(6.0), top, Stroke::new(1.0, Color32::from_gray(50)));
-    let words = line(ui, &text, look::SMALL, colour, rect.right() - 8.0 - x);
+    let room = rect.right() - 8.0 - x;
+    let mut words = line(ui, &text, look::SMALL, colour, room);
+    // Half a number says nothing: what has no room is left to the tooltip.
+    while words.is_cut()
+        && let Some((shorter, _)) = text.rsplit_once(super::faces::PARTS)
+    {
+        text = shorter.to_owned();
+        words = line(ui, &text, look::SMALL, colour, room);
+    }
     let at = pos2(x, middle - words.size().y / 2.0);
     words.show(p, at, colour);
     if let Some(share) = mood.running {

@@ -5,6 +5,7 @@
 
 use super::target::How;
 use super::text::set_name;
+use crate::editor::panel;
 use egui::ecolor::Hsva;
 use egui::{
     Color32, EventFilter, Key, Mesh, Popup, PopupCloseBehavior, Pos2, Response, Sense, Shape,
@@ -40,23 +41,27 @@ pub(super) fn picker(
     let mut how = How::Once;
     let open = Popup::menu(&button).close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     open.show(|ui| {
-        ui.set_width(2.0 * RADIUS);
-        how = wheel(ui, name, &mut hsva);
-        let slider = Slider::new(&mut hsva.v, 0.0..=1.0).text("Lightness");
-        ui.spacing_mut().slider_width = (2.0 * RADIUS - 110.0).max(20.0);
-        let slider = ui.add(slider);
-        set_name(ui, &slider, &format!("{name}: lightness"));
-        if slider.changed() {
-            how = How::of(ui);
-        }
-        // It has its room whether there is anything to say or not.
-        ui.allocate_ui(vec2(2.0 * RADIUS, 48.0), |ui| {
-            ui.set_min_height(48.0);
-            match told(hsva.to_srgb()) {
-                Some(text) => ui.add(egui::Label::new(egui::RichText::new(text).small()).wrap()),
-                None => ui.weak(""),
+        panel::list(ui, |ui| {
+            ui.set_width(2.0 * RADIUS);
+            how = wheel(ui, name, &mut hsva);
+            let slider = Slider::new(&mut hsva.v, 0.0..=1.0).text("Lightness");
+            ui.spacing_mut().slider_width = (2.0 * RADIUS - 110.0).max(20.0);
+            let slider = ui.add(slider);
+            set_name(ui, &slider, &format!("{name}: lightness"));
+            if slider.changed() {
+                how = How::of(ui);
             }
-        });
+            // It has its room whether there is anything to say or not.
+            ui.allocate_ui(vec2(2.0 * RADIUS, 48.0), |ui| {
+                ui.set_min_height(48.0);
+                match told(hsva.to_srgb()) {
+                    Some(text) => {
+                        ui.add(egui::Label::new(egui::RichText::new(text).small()).wrap())
+                    }
+                    None => ui.weak(""),
+                }
+            });
+        })
     });
     if hsva == before {
         return (button, None);

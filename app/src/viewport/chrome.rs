@@ -303,11 +303,13 @@ pub(super) fn shows(options: &mut Options, state: &State, ui: &mut egui::Ui) {
 pub(super) fn looks(options: &mut Options, ui: &mut egui::Ui) {
     let choice = |ui: &mut egui::Ui, label: &str, tip: &str, value: &mut String, all: &[&str]| {
         ui.menu_button(format!("{label}: {value}"), |ui| {
-            for name in all {
-                if ui.radio(value == name, *name).clicked() {
-                    (*name).clone_into(value);
+            panel::list(ui, |ui| {
+                for name in all {
+                    if ui.radio(value == name, *name).clicked() {
+                        (*name).clone_into(value);
+                    }
                 }
-            }
+            });
         })
         .response
         .on_hover_text(tip);
