@@ -64,6 +64,49 @@ pub struct InputDef {
     pub handle: Option<Handle>,
     /// Whether it counts for nothing beside what else the node is set to, and why.
     pub idle: Option<Idle>,
+    /// The group that opens with it; what follows belongs there too.
+    pub opens: Option<Group>,
+}
+
+/// What the inputs of a node are grouped by. Those before the first group are what one uses most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Group {
+    /// Where it is, and how it lies on the skin.
+    Placement,
+    /// The way and the form that it takes.
+    Shape,
+    /// What its ends do.
+    RootAndTip,
+    /// Where and how it is tied.
+    Tie,
+    /// What hair has in common with its neighbours.
+    Clumping,
+    /// How thick hair is, and what makes it thicker.
+    Thickness,
+    /// How finely it is made, and whether it grows with the head.
+    Detail,
+    /// What differs from one to the next.
+    Randomness,
+}
+
+impl Group {
+    /// What the inspector and the manual call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Group::Placement => "Placement",
+            Group::Shape => "Shape",
+            Group::RootAndTip => "Root and tip",
+            Group::Tie => "Tie",
+            Group::Clumping => "Clumping",
+            Group::Thickness => "Thickness",
+            Group::Detail => "Detail",
+            Group::Randomness => "Randomness",
+        }
+    }
+    /// Whether it is seldom wanted: the inspector has it closed at first.
+    pub fn rare(self) -> bool {
+        self == Group::Detail
+    }
 }
 
 /// Given a node's values by input (none: unset, or not known before it runs), why an input counts for nothing now.
@@ -207,6 +250,8 @@ pub enum Handle {
     Point,
     /// A circle whose radius is the value.
     Radius,
+    /// The circle of a ball whose middle the node's curves carry (`puff_centre`).
+    Ball,
     /// The height of something over the scalp or along a curve.
     Length,
     /// An arc.
@@ -747,7 +792,12 @@ impl InputDef {
             words: "",
             handle: None,
             idle: None,
+            opens: None,
         }
+    }
+    pub(crate) const fn opens(mut self, group: Group) -> Self {
+        self.opens = Some(group);
+        self
     }
     pub(crate) const fn default(mut self, default: fn() -> Value) -> Self {
         self.default = Some(default);
@@ -826,6 +876,10 @@ impl NodeDef {
             .find(|(_, d)| d.name == name)
             .or_else(|| inputs.clone().find(|(_, d)| d.old_names.contains(&name)))
     }
+    /// The inputs by group, in order; those before the first group have none.
+    pub fn groups(&self) -> impl Iterator<Item = (Option<Group>, &'static [InputDef])> {
+        self.inputs.chunk_by(|_, next| next.opens.is_none()).map(|inputs| (inputs[0].opens, inputs))
+    }
     /// The output of a name and its number.
     pub fn output(&self, name: &str) -> Option<(usize, &'static OutputDef)> {
         self.outputs.iter().enumerate().find(|(_, d)| d.name == name)
@@ -847,13 +901,15 @@ fn paragraphs(lines: &[&str]) -> String {
     text.trim_end().to_owned()
 }
 
-/// Declares a node. See `shape/resample.rs` for a whole file.
+/// Declares a node. See `shape/resample.rs` for a whole file. A [`Group`] in brackets stands before the first input that is in
+/// it (`cluster/interpolate.rs`).
 macro_rules! node {
     (
         $(#[doc = $doc:literal])*
         $id:literal, version $version:literal, label $label:literal, words $words:literal
             $(, $flag:ident)*;
         inputs {$(
+            $([$group:ident])?
             $(#[doc = $in_doc:literal])*
             $input:ident $(| $old:ident)*: $in_ty:ty $(= $default:expr)?
                 $(, $opt:ident($($arg:expr),*))*;
@@ -865,9 +921,10 @@ macro_rules! node {
 
         pub(crate) static NODE: $crate::define::NodeDef = {
             #[allow(unused_imports)]
-            use $crate::define::{Handle, InputDef, OutputDef, Unit::*, Value};
+            use $crate::define::{Group, Handle, InputDef, OutputDef, Unit::*, Value};
             static INPUTS: &[InputDef] = &[$(
                 InputDef::new::<$in_ty>(stringify!($input), &[$($in_doc),*], &[$(stringify!($old)),*])
+                    $(.opens(Group::$group))?
                     $(.default(|| Value::from($default)))?
                     $(.$opt($($arg),*))*,
             )*];

@@ -57,7 +57,7 @@ pub fn by_id(id: &str) -> Option<&'static NodeDef> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::define::Value;
+    use crate::define::{Group, InputDef, Type, Value};
     use std::{collections::BTreeSet, fs, path::Path};
 
     #[test]
@@ -81,6 +81,31 @@ mod tests {
             for output in node.outputs {
                 assert!(!output.doc().is_empty(), "{}.{}", node.id, output.name);
             }
+        }
+    }
+
+    /// Few inputs are read at a glance and need no headings; many are found by them. Groups have the same order in every node.
+    #[test]
+    fn many_inputs_stand_in_groups_and_the_seed_is_last() {
+        for node in all() {
+            let set = |inputs: &[InputDef]| {
+                let wired = |input: &&InputDef| matches!(input.ty, Type::Curves | Type::Scalp);
+                inputs.iter().filter(|input| !wired(input)).count()
+            };
+            let groups: Vec<Group> = node.groups().filter_map(|(group, _)| group).collect();
+            match set(node.inputs) {
+                0..7 => assert!(groups.is_empty(), "{} has too few inputs for groups", node.id),
+                7..10 => {}
+                many => assert!(!groups.is_empty(), "{}: {many} inputs in no groups", node.id),
+            }
+            assert!(groups.is_sorted_by(|a, b| a < b), "{}: {groups:?}", node.id);
+            for (group, inputs) in node.groups() {
+                let (n, most) = (set(inputs), 11);
+                assert!(group.is_none() || n >= 2, "{}: {n} in {group:?}", node.id);
+                assert!(n <= most, "{}: {n} inputs in {group:?}", node.id);
+            }
+            let seed = node.inputs.iter().position(|input| input.name == "seed");
+            assert!(seed.is_none_or(|at| at + 1 == node.inputs.len()), "{}: the seed", node.id);
         }
     }
 

@@ -25,6 +25,9 @@ pub(super) const ROW: f32 = 22.0;
 /// Height of the footer.
 pub(super) const FOOTER: f32 = 19.0;
 
+/// What stands between the parts of a footer.
+pub(super) const PARTS: &str = "  ·  ";
+
 /// One end for wires.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Plug {
@@ -334,7 +337,7 @@ fn footer(report: &coif_graphs::schedule::result::NodeReport) -> String {
         parts.push(format!("{} curve{plural}", count(report.curves)));
         parts.push(format!("{} pts", count(report.points)));
     }
-    parts.join("  ·  ")
+    parts.join(PARTS)
 }
 
 /// Milliseconds as people read them.

@@ -15,6 +15,8 @@ const HEADER: Color32 = Color32::from_gray(54);
 pub(super) const DOTS: Color32 = Color32::from_gray(38);
 /// Outlines at rest.
 pub(super) const EDGE: Color32 = Color32::from_gray(68);
+/// Size of the smallest text on a node: it is read at full size, without coming nearer.
+pub(super) const SMALL: f32 = 11.0;
 /// Radius of a socket's mark.
 pub(super) const SOCKET: f32 = 4.6;
 

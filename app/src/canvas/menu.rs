@@ -1,10 +1,9 @@
 //! What the right button offers on nodes and on the empty canvas: actions of the table, by their
 //! names.
 
-use crate::editor::actions;
 use crate::editor::event::Event;
 use crate::editor::panel;
-use egui::Response;
+use egui::{Pos2, Response};
 
 /// Actions on nodes; empty lines part them.
 const NODE: &[&str] = &[
@@ -39,30 +38,14 @@ const BACKGROUND: &[&str] = &[
     "canvas.fit_selection",
 ];
 
-/// The menu of a node.
-pub(super) fn node(response: &Response, out: &mut Vec<Event>) {
-    menu(response, NODE, out);
+/// The menu of a node; keys open it at a place.
+pub(super) fn node(response: &Response, by_key: Option<Pos2>, out: &mut Vec<Event>) {
+    let opens = by_key.or_else(|| panel::right_click(response));
+    panel::menu_at(response, opens, |ui| panel::actions(ui, NODE, out));
 }
 
 /// The menu of the empty canvas.
-pub(super) fn background(response: &Response, out: &mut Vec<Event>) {
-    menu(response, BACKGROUND, out);
-}
-
-fn menu(response: &Response, ids: &[&str], out: &mut Vec<Event>) {
-    response.context_menu(|ui| {
-        panel::list(ui, |ui| {
-            for id in ids {
-                if id.is_empty() {
-                    ui.separator();
-                    continue;
-                }
-                let Some(action) = actions::by_id(id) else { continue };
-                if ui.button(action.label).on_hover_text(action.tip).clicked() {
-                    out.push(Event::Act(action.id));
-                    ui.close();
-                }
-            }
-        })
-    });
+pub(super) fn background(response: &Response, by_key: Option<Pos2>, out: &mut Vec<Event>) {
+    let opens = by_key.or_else(|| panel::right_click(response));
+    panel::menu_at(response, opens, |ui| panel::actions(ui, BACKGROUND, out));
 }

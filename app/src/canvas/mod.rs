@@ -73,6 +73,8 @@ struct Memory {
     /// A wire on which a node is to be inserted, by its menu.
     insert_at: Option<(Wire, Pos2)>,
     naming: Option<Naming>,
+    /// Somebody asked for the menu with a key.
+    menu_by_key: bool,
     /// Selected wires; nodes are not selected then.
     wires: BTreeSet<Wire>,
     /// The wire under the pointer.
@@ -154,6 +156,11 @@ impl Canvas {
         self.searches() || self.memory.naming.is_some()
     }
 
+    /// Opens the menu of the active node or, where there is none, of the empty canvas.
+    pub(crate) fn open_menu_by_key(&mut self) {
+        self.memory.menu_by_key = true;
+    }
+
     /// Closes the search, or the field of a name, which is not kept; whether there was one.
     pub(crate) fn close_search(&mut self) -> bool {
         self.memory.finder.take().is_some() || self.memory.naming.take().is_some()
@@ -173,6 +180,8 @@ impl Canvas {
     pub fn ui(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         let area = ui.available_rect_before_wrap();
         if area.width() < 8.0 || area.height() < 8.0 {
+            // What is not seen takes no keys.
+            self.close_search();
             return;
         }
         let faces = self.cache.of(state);
@@ -344,7 +353,10 @@ impl Canvas {
         {
             self.open_search(state, faces, Some(at));
         }
-        menu::background(response, out);
+        // The active node takes it first, where it is in sight.
+        let by_key = std::mem::take(&mut self.memory.menu_by_key);
+        let middle = self.area.map(|area| area.center()).filter(|_| by_key);
+        menu::background(response, middle, out);
     }
 
     /// Nodes are dragged, or were.

@@ -258,7 +258,7 @@ fn header(ui: &mut Ui, face: &Face, rect: Rect, touched: &mut Touched) {
     let (height, p) = (label.size().y, ui.painter());
     match &face.kind {
         Some(kind) => {
-            let kind = line(ui, kind, 10.0, theme::QUIET, room);
+            let kind = line(ui, kind, look::SMALL, theme::QUIET, room);
             let top = middle - (height + kind.size().y - 1.0) / 2.0;
             label.show(p, pos2(x, top), colour);
             kind.show(p, pos2(x, top + height - 1.0), theme::QUIET);
@@ -292,7 +292,15 @@ fn footer(ui: &Ui, face: &Face, rect: Rect, mood: Mood) {
         text = if face.bypass { "bypassed" } else { "not run yet" }.to_owned();
     }
     p.hline(rect.x_range().shrink(6.0), top, Stroke::new(1.0, Color32::from_gray(50)));
-    let words = line(ui, &text, 10.0, colour, rect.right() - 8.0 - x);
+    let room = rect.right() - 8.0 - x;
+    let mut words = line(ui, &text, look::SMALL, colour, room);
+    // Half a number says nothing: what has no room is left to the tooltip.
+    while words.is_cut()
+        && let Some((shorter, _)) = text.rsplit_once(super::faces::PARTS)
+    {
+        text = shorter.to_owned();
+        words = line(ui, &text, look::SMALL, colour, room);
+    }
     let at = pos2(x, middle - words.size().y / 2.0);
     words.show(p, at, colour);
     if let Some(share) = mood.running {

@@ -633,3 +633,27 @@ fn pictures() {
     ui.run_steps(4);
     ui.render().unwrap().save(file("editor")).unwrap();
 }
+
+/// Footers, kinds and sockets are read at full size: nothing is smaller than 11 points there.
+#[test]
+fn text_on_nodes_is_large_enough_to_be_read_at_full_size() {
+    let mut window = window(document("cornrows"));
+    window.run_steps(3);
+    let zoom = {
+        let to = |x: f32| window.state().canvas.to_screen(Pos2::new(x, 0.0)).x;
+        to(1.0) - to(0.0)
+    };
+    let mut least = f32::INFINITY;
+    let mut texts = vec![];
+    for shape in &window.output().shapes {
+        if let egui::Shape::Text(text) = &shape.shape {
+            let size = |section: &egui::text::LayoutSection| section.format.font_id.size;
+            let sizes = text.galley.job.sections.iter().map(size);
+            least = sizes.fold(least, f32::min);
+            texts.push(text.galley.text().to_owned());
+        }
+    }
+    assert!(texts.iter().any(|text| text == "not run yet"), "a footer: {texts:?}");
+    // Letters are laid out in half points.
+    assert!(least >= 11.0 * zoom - 0.26, "{least} at {zoom}");
+}

@@ -42,6 +42,11 @@ impl Line {
         self.galley.size() / self.scale
     }
 
+    /// Whether it had no room for all of its letters.
+    pub(super) fn is_cut(&self) -> bool {
+        self.galley.elided
+    }
+
     /// Paints it with its upper left corner at a place.
     pub(super) fn show(self, painter: &Painter, at: Pos2, colour: Color32) {
         let mut shape = Shape::Text(TextShape::new(Pos2::ZERO, self.galley, colour));

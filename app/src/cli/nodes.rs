@@ -46,15 +46,20 @@ fn page(stage: &str, node: &NodeDef) -> String {
     let mut text = format!("## {} (`{}`)\n\n{}\n\n", node.label, node.id, node.doc());
     text += &format!("Menu: {stage}. Also found as: {}.\n\n", node.words);
     text += "| input | takes | default | range | |\n|---|---|---|---|---|\n";
-    for input in node.inputs {
-        text += &format!(
-            "| `{}` | {} | {} | {} | {} |\n",
-            input.name,
-            takes(input),
-            default_of(input).unwrap_or_default(),
-            range_of(input),
-            cell(&input.doc())
-        );
+    for (group, inputs) in node.groups() {
+        if let Some(group) = group {
+            text += &format!("| **{}** | | | | |\n", group.name());
+        }
+        for input in inputs {
+            text += &format!(
+                "| `{}` | {} | {} | {} | {} |\n",
+                input.name,
+                takes(input),
+                default_of(input).unwrap_or_default(),
+                range_of(input),
+                cell(&input.doc())
+            );
+        }
     }
     text += "\n| output | gives | |\n|---|---|---|\n";
     for output in node.outputs {
@@ -124,9 +129,9 @@ fn attributes() -> String {
 
 fn as_json(stage: &str, node: &NodeDef) -> Json {
     let inputs: Vec<Json> = node
-        .inputs
-        .iter()
-        .map(|input| {
+        .groups()
+        .flat_map(|(group, inputs)| inputs.iter().map(move |input| (group, input)))
+        .map(|(group, input)| {
             let words: Option<Vec<Json>> = match input.ty {
                 Type::Choice(words) => {
                     Some(words.iter().map(|(w, d)| json!({"word": w, "doc": d.trim()})).collect())
@@ -135,6 +140,7 @@ fn as_json(stage: &str, node: &NodeDef) -> Json {
             };
             json!({
                 "name": input.name,
+                "group": group.map(|group| group.name()),
                 "old_names": input.old_names,
                 "type": input.ty.name(),
                 "arity": match input.arity {

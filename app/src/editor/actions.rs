@@ -165,6 +165,22 @@ const ACTIONS: &[Action] = &[
         run: |editor| editor.key_sheet = !editor.key_sheet,
     },
     Action {
+        id: "window.menu",
+        label: "Menu",
+        tip: "The menu of the right button: of what is under the pointer, or of the active node or row.",
+        words: "context right click",
+        menu: "Window",
+        when: |editor| match editor.state.focus {
+            Room::Viewport | Room::Canvas | Room::Outliner => Ok(()),
+            _ => Err("this room has no menu of the right button"),
+        },
+        run: |editor| match editor.state.focus {
+            Room::Viewport => editor.viewport.open_menu_by_key(),
+            Room::Canvas => editor.canvas.open_menu_by_key(),
+            _ => editor.outliner.open_menu_by_key(),
+        },
+    },
+    Action {
         id: "window.reset_layout",
         label: "Reset the layout",
         tip: "Docks every room where it was at first.",

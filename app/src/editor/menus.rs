@@ -129,13 +129,19 @@ fn manual(def: &NodeDef, ui: &mut egui::Ui) {
     ui.separator();
     ui.heading(def.label);
     ui.label(def.doc());
-    for input in def.inputs {
-        ui.add_space(4.0);
-        ui.label(RichText::new(spoken(input.name)).color(theme::ACCENT));
-        ui.label(input.doc());
-        if let Some((least, most)) = input.hard {
-            let unit = input.unit.suffix();
-            ui.label(RichText::new(format!("{least} to {most}{unit}")).color(theme::QUIET));
+    for (group, inputs) in def.groups() {
+        if let Some(group) = group {
+            ui.add_space(8.0);
+            ui.strong(group.name());
+        }
+        for input in inputs {
+            ui.add_space(4.0);
+            ui.label(RichText::new(spoken(input.name)).color(theme::ACCENT));
+            ui.label(input.doc());
+            if let Some((least, most)) = input.hard {
+                let unit = input.unit.suffix();
+                ui.label(RichText::new(format!("{least} to {most}{unit}")).color(theme::QUIET));
+            }
         }
     }
 }

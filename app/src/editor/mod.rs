@@ -84,7 +84,7 @@ pub struct Editor {
     spreadsheet: Spreadsheet,
     /// The groom on the screen.
     pub viewport: Viewport,
-    outliner: Outliner,
+    pub(crate) outliner: Outliner,
     /// The pen room: tools, and what they hold.
     pub pen: Pen,
     dock: DockState<Room>,

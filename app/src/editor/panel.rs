@@ -7,7 +7,10 @@
 use super::Editor;
 use super::event::Event;
 use super::keys::escape_at;
-use egui::{Area, Context, Id, LayerId, Order, Popup, Rect, ScrollArea, Sense, Ui, Vec2, Window};
+use egui::{
+    Area, Context, Id, LayerId, Order, Popup, Pos2, Rect, Response, ScrollArea, Sense,
+    SetOpenCommand, Ui, Vec2, Window,
+};
 
 /// Height of a panel's title, and what its frame takes.
 const TITLE: f32 = 46.0;
@@ -75,6 +78,42 @@ pub(crate) fn list<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
     ui.set_max_height(room);
     let area = ScrollArea::vertical().max_height(room).min_scrolled_height(16.0);
     area.show(ui, add).inner
+}
+
+/// The menu of a widget that opens at a place, and stays there until something is picked or pressed beside it.
+pub(crate) fn menu_at(response: &Response, opens: Option<Pos2>, add: impl FnOnce(&mut Ui)) {
+    let kept = response.id.with("menu at");
+    let data = |opens: Option<Pos2>| {
+        response.ctx.data_mut(|data| {
+            if let Some(at) = opens {
+                data.insert_temp(kept, at);
+            }
+            data.get_temp(kept)
+        })
+    };
+    let Some(at) = data(opens) else { return };
+    let opens = opens.map(|_| SetOpenCommand::Bool(true));
+    Popup::menu(response).open_memory(opens).at_position(at).show(|ui| list(ui, add));
+}
+
+/// Where the right button was pressed on a widget, and let go.
+pub(crate) fn right_click(response: &Response) -> Option<Pos2> {
+    response.secondary_clicked().then(|| response.ctx.pointer_latest_pos()).flatten()
+}
+
+/// Actions of the table by their ids, as entries of a menu; empty ones part them.
+pub(crate) fn actions(ui: &mut Ui, ids: &[&str], out: &mut Vec<Event>) {
+    for id in ids {
+        if id.is_empty() {
+            ui.separator();
+            continue;
+        }
+        let Some(action) = super::actions::by_id(id) else { continue };
+        if ui.button(action.label).on_hover_text(action.tip).clicked() {
+            out.push(Event::Act(action.id));
+            ui.close();
+        }
+    }
 }
 
 impl Editor {

@@ -1,10 +1,12 @@
-//! Colour as people pick it, over the pigment of *Hair colour*: hair's own colours by name, and root and tip by a picker or as
+//! Colour as people pick it, over the pigment of *Hair colour*: hair's own colours by name, and root and tip by a wheel or as
 //! hex. What is picked becomes the pigment that comes nearest; the numbers below say which.
 //!
-//! Pure but for [`show`]. A colour that hair cannot have becomes the nearest that it can: for others there is the dye.
+//! Pure but for [`show`]. A colour that hair cannot have becomes the nearest that it can, which is said: for others there is
+//! the dye.
 
 use super::target::{Held, How, Target};
-use super::text::{set_name, text_field};
+use super::text::text_field;
+use super::wheel;
 use coif_graphs::document::Setting;
 use coif_graphs::document::edit::Edit;
 use coif_nodes::define::{InputDef, NodeDef, Value};
@@ -49,6 +51,32 @@ fn nearest(wanted: [u8; 3]) -> (f32, f32) {
     best.unwrap_or((0.9, 0.1))
 }
 
+/// The melanin and redness that a colour becomes, beside this redness.
+fn pigment(wanted: [u8; 3], red: f32) -> (f32, f32) {
+    let (melanin, redness) = nearest(wanted);
+    // Root and tip share what is red; white has none to say.
+    (melanin, if melanin < 0.05 { red } else { redness })
+}
+
+/// As far as this a colour of pigment is taken for the one that was picked: in 255ths of a channel.
+const ALIKE: u8 = 20;
+
+/// What is said where no pigment gives a colour, or nearly.
+fn told(wanted: [u8; 3], red: f32) -> Option<String> {
+    let (melanin, redness) = pigment(wanted, red);
+    let got = shown(of_pigment(melanin, redness));
+    let off = got.iter().zip(wanted).map(|(a, b)| a.abs_diff(b)).max();
+    (off > Some(ALIKE)).then(|| {
+        let percent = |x: f32| (100.0 * x).round();
+        format!(
+            "no natural hair is {}: melanin {} %, redness {} % comes nearest; Dye gives other colours",
+            hex(wanted),
+            percent(melanin),
+            percent(redness)
+        )
+    })
+}
+
 /// Reads "#7a3b1e" or "7a3b1e".
 fn read_hex(text: &str) -> Option<[u8; 3]> {
     let digits = text.trim().trim_start_matches('#');
@@ -78,6 +106,7 @@ pub(super) fn show(ui: &mut Ui, target: &mut Target, def: &'static NodeDef, widt
     let now = [root, tip, red].map(|input| number(target, input));
     let counts = target.idle(root).is_none();
     let mut new = None;
+    let mut said = [None, None];
     ui.add_enabled_ui(counts, |ui| {
         ui.set_max_width(width);
         ui.horizontal_wrapped(|ui| {
@@ -93,30 +122,37 @@ pub(super) fn show(ui: &mut Ui, target: &mut Target, def: &'static NodeDef, widt
         for (end, name) in [(0, "Root colour"), (1, "Tip colour")] {
             ui.horizontal(|ui| {
                 let colour = shown(of_pigment(now[end], now[2]));
-                let mut picked = colour;
-                let button = ui.color_edit_button_srgb(&mut picked);
-                set_name(ui, &button, name);
-                let button = button.on_hover_text("Becomes the pigment that comes nearest.");
-                let how = if button.changed() { How::of(ui) } else { How::Once };
+                let becomes = |wanted| {
+                    let (melanin, redness) = pigment(wanted, now[2]);
+                    shown(of_pigment(melanin, redness))
+                };
+                let (button, mut picked) =
+                    wheel::picker(ui, name, colour, becomes, |wanted| told(wanted, now[2]));
+                button.on_hover_text("Becomes the pigment that comes nearest.");
                 ui.label(name);
                 let rest = ui.available_width().min(90.0);
                 let typed =
                     text_field(ui, &format!("{name} as hex"), &hex(colour), "hex", (rest, 1));
                 if let Some(typed) = typed.and_then(|text| read_hex(&text)) {
-                    picked = typed;
+                    picked = Some((typed, How::Once));
                 }
-                if picked != colour {
-                    let (melanin, redness) = nearest(picked);
+                if let Some((wanted, how)) = picked {
+                    let (melanin, redness) = pigment(wanted, now[2]);
                     let mut to = now;
-                    to[end] = melanin;
-                    // Root and tip share what is red; white has none to say.
-                    to[2] = if melanin < 0.05 { now[2] } else { redness };
+                    (to[end], to[2]) = (melanin, redness);
                     new = Some((to, how));
+                    said[end] = Some(told(wanted, now[2]));
                 }
             });
         }
     });
     let Some((to, how)) = new else { return };
+    for (input, said) in [root, tip].into_iter().zip(said) {
+        match said.flatten() {
+            Some(text) => target.said.insert(input.name, text),
+            None => target.said.remove(input.name),
+        };
+    }
     let mut edits = vec![];
     for node in target.nodes {
         for (input, x) in [root, tip, red].into_iter().zip(to) {
@@ -173,8 +209,10 @@ mod tests {
             assert_eq!(read_hex(bad), None, "{bad}");
         }
         assert_eq!(hex([0x7a, 0x3b, 0x1e]), "#7a3b1e");
-        // No hair is blue: the nearest is some hair's colour.
+        // No hair is blue: the nearest is some hair's colour, and that is said.
         let (melanin, redness) = nearest([0, 0, 255]);
         assert!((0.0..=1.0).contains(&melanin) && (0.0..=1.0).contains(&redness));
+        assert!(told([0, 0, 255], 0.1).is_some_and(|text| text.contains("#0000ff")));
+        assert_eq!(told(shown(of_pigment(0.55, 0.8)), 0.1), None);
     }
 }

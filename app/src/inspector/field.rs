@@ -5,6 +5,7 @@ use super::ramp::RampField;
 use super::slider::{Done, NumberField};
 use super::target::How;
 use super::text::{icon_button, set_name, text_field};
+use crate::editor::panel;
 use coif_graphs::document::values::DEEPEST_FIELD;
 use coif_nodes::data::field::Field;
 use coif_nodes::data::ramp::{Blend, Ramp};
@@ -101,16 +102,18 @@ impl FieldEditor<'_> {
         let name = format!("{} source", self.name);
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, ui.is_enabled(), &name));
         Popup::menu(&response).show(|ui| {
-            for (to, (label, tip)) in SOURCES.iter().enumerate() {
-                let can = to != 3 || at == 3 || !self.known.masks.is_empty();
-                let chosen =
-                    ui.add_enabled_ui(can, |ui| ui.selectable_label(at == to, *label)).inner;
-                let chosen = chosen.on_hover_text(*tip);
-                if chosen.on_disabled_hover_text("No head with masks is shown.").clicked() {
-                    new = (to != at).then(|| self.switched(field, to));
-                    ui.close();
+            panel::list(ui, |ui| {
+                for (to, (label, tip)) in SOURCES.iter().enumerate() {
+                    let can = to != 3 || at == 3 || !self.known.masks.is_empty();
+                    let chosen =
+                        ui.add_enabled_ui(can, |ui| ui.selectable_label(at == to, *label)).inner;
+                    let chosen = chosen.on_hover_text(*tip);
+                    if chosen.on_disabled_hover_text("No head with masks is shown.").clicked() {
+                        new = (to != at).then(|| self.switched(field, to));
+                        ui.close();
+                    }
                 }
-            }
+            })
         });
         response.on_hover_text(format!("{}: {} Click to switch.", SOURCES[at].0, SOURCES[at].1));
         new

@@ -17,6 +17,7 @@ pub(crate) mod target;
 mod tests;
 pub(crate) mod text;
 mod value;
+mod wheel;
 
 use crate::editor::evaluation::Shown;
 use crate::editor::event::Event;
@@ -28,7 +29,7 @@ use coif_graphs::document::graph::{self, Problem, Severity};
 use coif_graphs::document::{Node, NodeId, Setting};
 use coif_graphs::file::write_value;
 use coif_nodes::data::attributes::{Column, DECLARED};
-use coif_nodes::define::{InputDef, NodeDef, NodeError, Type};
+use coif_nodes::define::{Group, InputDef, NodeDef, NodeError, Type};
 use egui::{Color32, Label, RichText, ScrollArea, TextEdit, Ui};
 use field::Known;
 use std::collections::{BTreeMap, BTreeSet};
@@ -44,6 +45,8 @@ const FILTERED_FROM: usize = 6;
 pub(crate) struct Inspector {
     gesture: Gesture,
     filter: String,
+    /// Groups that somebody has opened or closed, in whichever node.
+    groups: BTreeMap<Group, bool>,
     /// The node that is shown, and what was said about its inputs.
     node: Option<NodeId>,
     said: BTreeMap<&'static str, String>,
@@ -120,31 +123,42 @@ impl Inspector {
             let filter = ui.add(filter);
             set_name(ui, &filter, "Filter inputs");
         }
-        let Self { gesture, said, known, filter, .. } = self;
+        let Self { gesture, said, known, filter, groups, .. } = self;
         let mut target = Target { state, nodes: &nodes, out, gesture, said };
-        let wired = |input: &&&InputDef| matches!(input.ty, Type::Curves | Type::Scalp);
+        let wired = |input: &&InputDef| matches!(input.ty, Type::Curves | Type::Scalp);
         let asked = |input: &&'static InputDef| matches(input, filter);
         let width = ui.available_width();
-        let inputs: Vec<&'static InputDef> = def.inputs.iter().filter(asked).collect();
-        for input in inputs.iter().filter(wired) {
-            ui.push_id(input.name, |ui| row::show(ui, &mut target, input, known, width));
-        }
-        if inputs.iter().any(|input| wired(&input)) && inputs.iter().any(|input| !wired(&input)) {
+        let (wires, set): (Vec<&'static InputDef>, Vec<&'static InputDef>) =
+            def.inputs.iter().filter(asked).partition(wired);
+        let row = |ui: &mut Ui, target: &mut Target, input: &'static InputDef| {
+            ui.push_id(input.name, |ui| row::show(ui, target, input, known, width));
+        };
+        wires.iter().for_each(|input| row(ui, &mut target, input));
+        if !wires.is_empty() && !set.is_empty() {
             ui.separator();
         }
-        if filter.trim().is_empty() {
+        let filtered = !filter.trim().is_empty();
+        if !filtered {
             colours::show(ui, &mut target, def, width);
         }
-        // The seed is what one sets last.
-        let (seeds, others): (Vec<&'static InputDef>, Vec<&'static InputDef>) = inputs
-            .iter()
-            .copied()
-            .filter(|input| !wired(&input))
-            .partition(|input| input.name == "seed");
-        for input in others.into_iter().chain(seeds) {
-            ui.push_id(input.name, |ui| row::show(ui, &mut target, input, known, width));
+        for (group, inputs) in def.groups() {
+            let inputs: Vec<_> = inputs.iter().filter(asked).filter(|it| !wired(it)).collect();
+            if inputs.is_empty() {
+                continue;
+            }
+            if let Some(group) = group {
+                // What is looked for is shown wherever it is.
+                let open = filtered || groups.get(&group).copied().unwrap_or(!group.rare());
+                if heading(ui, &target, group, &inputs, open).clicked() && !filtered {
+                    groups.insert(group, !open);
+                }
+                if !open {
+                    continue;
+                }
+            }
+            inputs.into_iter().for_each(|input| row(ui, &mut target, input));
         }
-        if inputs.is_empty() && !def.inputs.is_empty() {
+        if wires.is_empty() && set.is_empty() && !def.inputs.is_empty() {
             ui.weak(format!("No input is called {filter:?}."));
         }
         let unknown = node.inputs.keys().filter(|name| def.input(name).is_none());
@@ -304,6 +318,34 @@ fn alike(state: &State, active: &NodeId, kind: &str) -> Vec<NodeId> {
     };
     let others = state.selection.nodes.iter().filter(same);
     std::iter::once(active).chain(others).cloned().collect()
+}
+
+/// The line over a group of inputs, which opens and closes it. Closed, it says what it holds.
+fn heading(
+    ui: &mut Ui,
+    target: &Target,
+    group: Group,
+    inputs: &[&'static InputDef],
+    open: bool,
+) -> egui::Response {
+    let own = |input: &&&InputDef| target.is_changed(input) || !target.wires(input).is_empty();
+    let name = match inputs.iter().filter(own).count() {
+        n if n > 0 && !open => format!("{}: {n} changed", group.name()),
+        _ => group.name().to_owned(),
+    };
+    let sign = if open { "⏷" } else { "⏵" };
+    let text = RichText::new(format!("{sign} {name}")).color(theme::ACCENT);
+    ui.add_space(4.0);
+    let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+    let line = egui::Button::new(text).frame(false).right_text("").truncate().min_size(size);
+    let line = ui.add(line);
+    set_name(ui, &line, &name);
+    ui.ctx().accesskit_node_builder(line.id, |node| node.set_expanded(open));
+    line.on_hover_ui(|ui| {
+        let names: Vec<String> = inputs.iter().map(|input| text::spoken(input.name)).collect();
+        ui.set_max_width(380.0);
+        ui.label(if open { "Closes the group.".to_owned() } else { names.join(", ") });
+    })
 }
 
 /// Whether an input is one that the filter asks for: every word of it somewhere in what the input is called.

@@ -4,6 +4,7 @@ use super::number::Scale;
 use super::slider::{Done, NumberField};
 use super::target::How;
 use super::text::{set_name, spoken};
+use crate::editor::panel;
 use crate::editor::theme;
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};
 use coif_nodes::define::Unit;
@@ -209,18 +210,20 @@ fn row(
 fn row_menu(ui: &mut Ui, name: &str, list: &ShapeList, i: usize) -> Option<ShapeList> {
     let (mut all, last) = (list.0.clone(), list.0.len() - 1);
     let menu = ui.menu_button("…", |ui| {
-        if ui.add_enabled(i > 0, egui::Button::new("Move up")).clicked() {
-            all.swap(i, i - 1);
-        }
-        if ui.add_enabled(i < last, egui::Button::new("Move down")).clicked() {
-            all.swap(i, i + 1);
-        }
-        if ui.button("Duplicate").clicked() {
-            all.insert(i, all[i].clone());
-        }
-        if ui.add_enabled(last > 0, egui::Button::new("Remove")).clicked() {
-            all.remove(i);
-        }
+        panel::list(ui, |ui| {
+            if ui.add_enabled(i > 0, egui::Button::new("Move up")).clicked() {
+                all.swap(i, i - 1);
+            }
+            if ui.add_enabled(i < last, egui::Button::new("Move down")).clicked() {
+                all.swap(i, i + 1);
+            }
+            if ui.button("Duplicate").clicked() {
+                all.insert(i, all[i].clone());
+            }
+            if ui.add_enabled(last > 0, egui::Button::new("Remove")).clicked() {
+                all.remove(i);
+            }
+        })
     });
     set_name(ui, &menu.response, &format!("{name}: more"));
     (all != list.0).then_some(ShapeList(all))

@@ -30,7 +30,9 @@ pub(super) fn id(text: &str) -> NodeId {
 /// The inspector on a document with these nodes selected, the last one active.
 pub(super) fn hands(document: Document, nodes: &[&str], size: (f32, f32)) -> Hands {
     let editor = Editor::new(&egui::Context::default(), document, OpenFile::default());
-    let bench = Bench { editor, inspector: Inspector::default(), events: vec![] };
+    // Every input is found, also those of groups that are closed at first.
+    let inspector = Inspector { groups: [(Group::Detail, true)].into(), ..Inspector::default() };
+    let bench = Bench { editor, inspector, events: vec![] };
     let mut hands =
         Harness::builder().with_size(vec2(size.0, size.1)).with_step_dt(0.02).build_ui_state(
             |ui, bench: &mut Bench| {
@@ -623,4 +625,76 @@ fn hair_has_its_own_colours_by_name_and_the_seed_stands_last() {
     for other in ["Melanin root", "Grey", "Dye", "Amount"] {
         assert!(last(other) < seed, "{other}");
     }
+}
+
+/// Sphere puff has its seldom wanted inputs in a group of their own: rows, columns, points, scale with head.
+#[test]
+fn groups_of_inputs_open_and_close_and_a_filter_shows_what_it_finds() {
+    let mut hands = hands(nodes(&[("a", "sphere_puff"), ("b", "gather")]), &["a"], (420.0, 2400.0));
+    hands.state_mut().inspector = Inspector::default();
+    hands.run_steps(3);
+    let shown = |hands: &Hands, input: &str| hands.query_all_by_label(input).next().is_some();
+    let press = |hands: &mut Hands, label: &str| {
+        hands.get_by_label(label).click();
+        hands.run_steps(3);
+    };
+    assert!(shown(&hands, "Bulge") && !shown(&hands, "Columns"), "Detail alone is closed at first");
+    press(&mut hands, "Detail");
+    typed(&mut hands, "Columns", "20");
+    assert!(shown(&hands, "Detail"), "an open group does not count its inputs");
+    press(&mut hands, "Detail");
+    assert!(shown(&hands, "Detail: 1 changed") && !shown(&hands, "Columns"));
+    // Another node keeps what is open, by the group's name.
+    press(&mut hands, "Tie");
+    hands.state_mut().editor.apply(Event::Select(Select::Nodes(vec![id("b")])));
+    hands.run_steps(3);
+    assert!(!shown(&hands, "Lean") && shown(&hands, "Volume"));
+    hands.state_mut().editor.apply(Event::Select(Select::Nodes(vec![id("a")])));
+    hands.run_steps(3);
+    typed(&mut hands, "Filter inputs", "columns");
+    assert!(shown(&hands, "Columns") && shown(&hands, "Detail") && !shown(&hands, "Tie"));
+}
+
+/// Blue on the wheel is to the left and above (two thirds round): no hair is blue, and that is said. The wheel keeps what was
+/// picked under the hand, hair gets the pigment that comes nearest, and it is one step.
+#[test]
+fn a_wheel_picks_colours_and_says_which_no_hair_has() {
+    let mut hands = hands(nodes(&[("a", "hair_colour")]), &["a"], (420.0, 2400.0));
+    let press = |hands: &mut Hands, at: Pos2| {
+        hands.hover_at(at);
+        hands.run_steps(1);
+        hands.drag_at(at);
+        hands.run_steps(2);
+        hands.drop_at(at);
+        hands.run_steps(3);
+    };
+    let wheel = |hands: &Hands| hands.get_by_label("Root colour: hue and saturation").rect();
+    let well = |hands: &Hands, name: &str| {
+        hands.get_by_role_and_label(egui::accesskit::Role::ColorWell, name).click();
+    };
+    hands.get_by_label("Light blond").click();
+    hands.run_steps(3);
+    well(&hands, "Root colour");
+    hands.run_steps(3);
+    let rect = wheel(&hands);
+    let before = done(&hands);
+    press(&mut hands, rect.center() + egui::Vec2::angled(std::f32::consts::TAU / 30.0) * 40.0);
+    assert_ne!(number(&hands, "a", "melanin_root"), Some(0.17), "another pigment");
+    assert_eq!(done(&hands), before + 1, "one step");
+    // In the picker, and among what is said of the node.
+    let says =
+        |hands: &Hands| hands.query_all_by_label_contains("no natural hair is").next().is_some();
+    press(&mut hands, rect.center() + egui::Vec2::angled(std::f32::consts::TAU * 2.0 / 3.0) * 70.0);
+    assert!(says(&hands), "no hair is blue");
+    assert_eq!(wheel(&hands), rect, "what is said moves nothing");
+    hands.get_by_label("Copper").click();
+    hands.run_steps(3);
+    assert_eq!(number(&hands, "a", "melanin_root"), Some(0.55));
+    // The same wheel for a colour that is no pigment: full red is 1, 0, 0.
+    well(&hands, "Dye");
+    hands.run_steps(3);
+    let rect = hands.get_by_label("Dye: hue and saturation").rect();
+    press(&mut hands, rect.center() + vec2(73.5, 0.0));
+    let dye = value(&hands, "a", "dye");
+    assert!(matches!(dye, Some(Value::Vec3(glam::Vec3::X))), "{dye:?}");
 }

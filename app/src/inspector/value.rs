@@ -8,6 +8,7 @@ use super::shapes;
 use super::slider::{Done, NumberField};
 use super::target::{Held, How, Target};
 use super::text::{icon_button, set_name, spoken, text_field};
+use super::wheel;
 use crate::editor::documents;
 use crate::editor::event::Event;
 use crate::editor::theme;
@@ -16,6 +17,7 @@ use coif_nodes::data::gestures::{Gestures, Tool};
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};
 use coif_nodes::data::strokes::Strokes;
 use coif_nodes::define::{Arity, InputDef, Type, Unit, Value, choice_name};
+use egui::ecolor::{gamma_u8_from_linear_f32, linear_f32_from_gamma_u8};
 use egui::{Checkbox, ComboBox, Ui};
 use glam::Vec3;
 
@@ -340,11 +342,10 @@ fn colour(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, v: Vec
     let scale = Scale::new(Unit::None, Some((0.0, 1.0)), Some((0.0, 1e6)), false);
     let mut new = None;
     ui.horizontal(|ui| {
-        let mut rgb = v.to_array();
-        let picker = ui.color_edit_button_rgb(&mut rgb);
-        set_name(ui, &picker, name);
-        if picker.changed() {
-            new = Some((Vec3::from(rgb), How::of(ui)));
+        let shown = v.to_array().map(|c| gamma_u8_from_linear_f32(c.clamp(0.0, 1.0)));
+        let (picker, picked) = wheel::picker(ui, name, shown, |picked| picked, |_| None);
+        if let Some((picked, how)) = picked {
+            new = Some((Vec3::from(picked.map(linear_f32_from_gamma_u8)), how));
         }
         let swatch = picker.rect.width() + 3.0;
         picker.on_hover_text("Click to pick. Stored as linear Rec.709; the picker shows sRGB.");

@@ -7,7 +7,10 @@ use super::select::names;
 use crate::editor::Editor;
 use crate::editor::actions::{Action, always};
 use crate::editor::event::Event;
+use crate::editor::rooms::Room;
 use crate::editor::state::Select;
+use coif_graphs::document::NodeId;
+use coif_graphs::document::graph::upstream;
 use egui::Vec2;
 use std::collections::BTreeSet;
 
@@ -35,6 +38,14 @@ fn curves_selected(editor: &Editor) -> Result<(), &'static str> {
     match editor.state.selection.curves.is_empty() {
         true => Err("no curve is selected"),
         false => Ok(()),
+    }
+}
+
+fn a_head(editor: &Editor) -> Result<(), &'static str> {
+    let shown = editor.state.shown.as_ref();
+    match shown.is_some_and(|shown| !shown.scalps.is_empty()) {
+        true => Ok(()),
+        false => Err("no head is displayed"),
     }
 }
 
@@ -103,6 +114,15 @@ pub(crate) const ACTIONS: &[Action] = &[
         menu: "View",
         when: something_shown,
         run: |editor| editor.viewport.frame_selected(&editor.state),
+    },
+    Action {
+        id: "view.frame_head",
+        label: "Frame the head",
+        tip: "Fills the picture with skull and face.",
+        words: "focus zoom fit look at skull",
+        menu: "View",
+        when: a_head,
+        run: |editor| editor.viewport.frame_heads(&editor.state),
     },
     Action {
         id: "view.frame_all",
@@ -324,6 +344,51 @@ pub(crate) const ACTIONS: &[Action] = &[
             let more = all().filter(|n| kin(*n).is_some_and(|owner| owners.contains(&owner)));
             let more = ids.iter().copied().chain(more.map(|n| n[0])).collect();
             editor.apply(Event::Select(Select::Curves(more)));
+        },
+    },
+    Action {
+        id: "view.select_node",
+        label: "Go to its node",
+        tip: "Shows the node that made the hair that was clicked last.",
+        words: "maker source canvas find reveal",
+        menu: "View",
+        when: |editor| match editor.state.active() {
+            Some(_) => curves_selected(editor),
+            None => Err("it is not known which node made it"),
+        },
+        run: |editor| {
+            editor.apply(Event::Show(Room::Canvas));
+            editor.act("canvas.fit_selection");
+        },
+    },
+    Action {
+        id: "view.reveal",
+        label: "Show in the outliner",
+        tip: "Scrolls the outliner to the braid or cluster that the selected hair belongs to.",
+        words: "reveal find tree list braid",
+        menu: "View",
+        when: curves_selected,
+        run: |editor| {
+            editor.outliner.reveal();
+            editor.apply(Event::Show(Room::Outliner));
+        },
+    },
+    Action {
+        id: "view.select_head",
+        label: "Select the head's node",
+        tip: "Selects the node that gives the head, for the inspector.",
+        words: "scalp bust mesh",
+        menu: "View",
+        when: a_head,
+        run: |editor| {
+            let document = &editor.state.document;
+            let shown = editor.state.shown.iter().flat_map(|shown| &shown.sockets);
+            let way = upstream(document, shown.map(|socket| &socket.node));
+            let is_head =
+                |id: &&NodeId| document.node(id.as_str()).is_some_and(|n| n.kind == "head");
+            if let Some(head) = way.iter().find(is_head) {
+                editor.apply(Event::Select(Select::Nodes(vec![head.clone()])));
+            }
         },
     },
     key_step!("view.orbit_left", "Orbit left", Step::Orbit { around: -TURN, over: 0.0 }),

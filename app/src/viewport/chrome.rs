@@ -162,20 +162,7 @@ fn tools(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Ve
     menu.response.on_hover_text("What is shown: hair as it is, the groom in plain colours, or any number of it as a heat map.");
     let menu = ui.menu_button("Look ⏷", |ui| panel::list(ui, |ui| looks(options, ui)));
     menu.response.on_hover_text("Lights, exposure, skin, and how hair is drawn.");
-    let menu = ui.menu_button("Over it ⏷", |ui| {
-        panel::list(ui, |ui| {
-            ui.checkbox(&mut options.guides, "Guides")
-                .on_hover_text("The curves that hair follows, as lines over the picture.");
-            ui.checkbox(&mut options.partings, "Partings")
-                .on_hover_text("Lines on the skin between hair of different braids or curves.");
-            ui.checkbox(&mut options.roots, "Roots").on_hover_text("A dot where each hair grows.");
-            ui.checkbox(&mut options.handles, "Handles")
-                .on_hover_text("What of the active node can be dragged here.");
-            ui.checkbox(&mut options.head, "Head").on_hover_text("The head under the hair.");
-            ui.checkbox(&mut options.card, "Card of the hair under the pointer")
-                .on_hover_text("Its attributes, when the pointer rests on it.");
-        })
-    });
+    let menu = ui.menu_button("Over it ⏷", |ui| panel::list(ui, |ui| over(options, ui)));
     menu.response.on_hover_text("What is drawn over the picture.");
     let menu = ui.menu_button("From ⏷", |ui| {
         panel::list(ui, |ui| views(viewport, state, ui, out));
@@ -183,7 +170,25 @@ fn tools(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Ve
     menu.response.on_hover_text("Where it is seen from.");
 }
 
-fn views(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+pub(super) fn over(options: &mut Options, ui: &mut egui::Ui) {
+    ui.checkbox(&mut options.guides, "Guides")
+        .on_hover_text("The curves that hair follows, as lines over the picture.");
+    ui.checkbox(&mut options.partings, "Partings")
+        .on_hover_text("Lines on the skin between hair of different braids or curves.");
+    ui.checkbox(&mut options.roots, "Roots").on_hover_text("A dot where each hair grows.");
+    ui.checkbox(&mut options.handles, "Handles")
+        .on_hover_text("What of the active node can be dragged here.");
+    ui.checkbox(&mut options.head, "Head").on_hover_text("The head under the hair.");
+    ui.checkbox(&mut options.card, "Card of the hair under the pointer")
+        .on_hover_text("Its attributes, when the pointer rests on it.");
+}
+
+pub(super) fn views(
+    viewport: &mut Viewport,
+    state: &State,
+    ui: &mut egui::Ui,
+    out: &mut Vec<Event>,
+) {
     for name in Viewpoint::NAMES {
         if ui.button(view_label(name)).clicked() {
             out.push(Event::Act(super::actions::view_action(name)));
@@ -267,7 +272,7 @@ pub(super) fn view_label(name: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
-fn shows(options: &mut Options, state: &State, ui: &mut egui::Ui) {
+pub(super) fn shows(options: &mut Options, state: &State, ui: &mut egui::Ui) {
     for (i, (words, label)) in SHOWS.iter().enumerate() {
         if [6, 8].contains(&i) {
             ui.separator();
@@ -295,14 +300,16 @@ fn shows(options: &mut Options, state: &State, ui: &mut egui::Ui) {
     });
 }
 
-fn looks(options: &mut Options, ui: &mut egui::Ui) {
+pub(super) fn looks(options: &mut Options, ui: &mut egui::Ui) {
     let choice = |ui: &mut egui::Ui, label: &str, tip: &str, value: &mut String, all: &[&str]| {
         ui.menu_button(format!("{label}: {value}"), |ui| {
-            for name in all {
-                if ui.radio(value == name, *name).clicked() {
-                    (*name).clone_into(value);
+            panel::list(ui, |ui| {
+                for name in all {
+                    if ui.radio(value == name, *name).clicked() {
+                        (*name).clone_into(value);
+                    }
                 }
-            }
+            });
         })
         .response
         .on_hover_text(tip);

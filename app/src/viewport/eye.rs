@@ -97,6 +97,16 @@ impl Viewport {
         self.find(move || navigation::fitted(&camera, everything(&shown).into_iter(), aspect));
     }
 
+    /// Fills the picture with the heads: skull and face.
+    pub fn frame_heads(&mut self, state: &State) {
+        let Some(shown) = state.shown.clone() else { return };
+        let (camera, aspect) = (self.camera, self.aspect());
+        self.find(move || {
+            let points = shown.scalps.iter().flat_map(|scalp| skull(scalp));
+            navigation::fitted(&camera, points, aspect)
+        });
+    }
+
     /// Finds a place for the eye beside the window's thread, for there may be millions of points to look at.
     fn find(&mut self, place: impl FnOnce() -> Option<Camera> + Send + 'static) {
         let (send, receive) = channel();

@@ -3,8 +3,9 @@
 //! Declarations say which inputs have one. Grips have the same size at any distance. A drag is one undo step; Escape takes it
 //! back. Inputs that are wired, unset or vary over the hair have none.
 //!
-//! Where they stand: points where they are; everything else about the node's own point, else about the first curve that it
-//! gives. Guaranteed: what a drag gives lies within the input's hard limits, and a grip that is let go where it was taken
+//! Where they stand: points where they are; balls about the middle that the node's curves carry; everything else about the
+//! node's own point, else about the first curve that it gives. What the head hides is not drawn ([`Seen`]) and cannot be taken.
+//! Lengths are as large as they are made: in head units where the node measures in those. Guaranteed: what a drag gives lies within the input's hard limits, and a grip that is let go where it was taken
 //! leaves the value as it was.
 
 use super::projection::Projection;
@@ -14,7 +15,7 @@ use crate::editor::state::State;
 use crate::editor::theme;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Setting};
-use coif_nodes::data::attributes::NORMAL;
+use coif_nodes::data::attributes::{NORMAL, PUFF_CENTRE};
 use coif_nodes::data::field::Field;
 use coif_nodes::data::scalp::{HeadFrame, Scalp};
 use coif_nodes::define::{Handle, InputDef, Type, Unit, Value};
@@ -58,6 +59,47 @@ struct Grip {
     frame: HeadFrame,
     /// Points stay on the skin.
     on_skin: bool,
+    /// What a typed centimetre is, cm.
+    unit: f32,
+}
+
+/// Inputs that say where a node's things are, instead of its own point.
+const PLACES: [&str; 2] = ["placements", "ties"];
+/// What a tie says instead of these.
+const TIED: [&str; 2] = ["root_radius", "tie_height"];
+/// Places of the skin itself lie up to so far under it, cm.
+const UNDER: f32 = 0.5;
+
+/// What the head lets be seen.
+struct Seen<'a> {
+    view: &'a Projection,
+    /// The heads that are shown.
+    scalps: &'a [&'a Scalp],
+}
+
+impl Seen<'_> {
+    /// Whether a head stands before a place.
+    fn hides(&self, p: Vec3) -> bool {
+        let Some(at) = self.view.screen(p) else { return true };
+        let ray = self.view.ray(at);
+        let far = (p - ray.origin).dot(ray.direction) - UNDER;
+        let hit = |scalp: &&&Scalp| scalp.surface().ray(ray.origin, ray.direction, far).is_some();
+        far > 0.0 && self.scalps.iter().any(|scalp| hit(&scalp))
+    }
+
+    /// Draws what is seen of a line.
+    fn line(&self, points: impl Iterator<Item = Vec3>, stroke: Stroke, painter: &egui::Painter) {
+        let mut run = vec![];
+        for p in points {
+            match self.view.screen(p).filter(|_| !self.hides(p)) {
+                Some(at) => run.push(at),
+                None => {
+                    painter.add(Shape::line(std::mem::take(&mut run), stroke));
+                }
+            }
+        }
+        painter.add(Shape::line(run, stroke));
+    }
 }
 
 /// What is being dragged.
@@ -86,6 +128,7 @@ impl Handles {
         &mut self,
         state: &State,
         view: &Projection,
+        head: bool,
         ui: &mut egui::Ui,
         out: &mut Vec<Event>,
     ) {
@@ -97,9 +140,15 @@ impl Handles {
             self.drag = None;
         }
         let scalps: Vec<&Scalp> = shown.scalps.iter().map(|scalp| &**scalp).collect();
-        for grip in grips(&state.document, shown, node) {
-            let Some(at) = grip.place(view, &scalps) else { continue };
-            grip.draw(view, at, ui);
+        let seen = Seen { view, scalps: if head { &scalps } else { &[] } };
+        for grip in grips(&state.document, shown, node, view) {
+            let held =
+                self.drag.as_ref().is_some_and(|drag| drag.grip.input.name == grip.input.name);
+            let Some((at, hidden)) = grip.place(&seen, &scalps) else { continue };
+            if hidden && !held {
+                continue;
+            }
+            grip.draw(&seen, ui);
             let id = ui.id().with(("handle", node.as_str(), grip.input.name));
             let target = egui::Rect::from_center_size(at, Vec2::splat(2.0 * TARGET));
             let response = ui.interact(target, id, Sense::drag());
@@ -107,8 +156,6 @@ impl Handles {
                 let label = format!("Handle of {}", grip.input.name);
                 egui::WidgetInfo::labeled(egui::WidgetType::Slider, true, label)
             });
-            let held =
-                self.drag.as_ref().is_some_and(|drag| drag.grip.input.name == grip.input.name);
             let colour = if held || response.hovered() { Color32::WHITE } else { theme::ACCENT };
             ui.painter().circle(at, GRIP, theme::GROUND, Stroke::new(2.0, colour));
             if held || response.hovered() {
@@ -189,7 +236,7 @@ fn number(document: &Document, node: &NodeId, input: &InputDef) -> Option<Number
 }
 
 /// The grips of a node, in the order of its inputs.
-fn grips(document: &Document, shown: &Shown, node: &NodeId) -> Vec<Grip> {
+fn grips(document: &Document, shown: &Shown, node: &NodeId, view: &Projection) -> Vec<Grip> {
     let kind = document.node(node.as_str()).and_then(|node| coif_nodes::by_id(&node.kind));
     let Some(def) = kind else { return vec![] };
     let on_head = def
@@ -198,8 +245,22 @@ fn grips(document: &Document, shown: &Shown, node: &NodeId) -> Vec<Grip> {
         .any(|input| input.ty == Type::Scalp && !document.wires(node, input.name).is_empty());
     let scalp = shown.scalp().filter(|_| on_head);
     let frame = scalp.map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
-    let curve = first_output(document, node).and_then(|socket| {
-        let (tuft, i) = shown.curves_of(&socket)?.each().next()?;
+    let gives = first_output(document, node).and_then(|socket| shown.curves_of(&socket));
+    // Of several balls, the one that is nearest to the eye.
+    let balls = gives.iter().flat_map(|curves| curves.tufts()).filter_map(|tuft| {
+        let has = tuft.attributes().iter().any(|a| *a.name == *PUFF_CENTRE.name);
+        let first = tuft.range(0).start;
+        (has && tuft.len() > 0).then(|| tuft.view(PUFF_CENTRE).at(0, first))
+    });
+    let ball = balls.min_by(|a, b| view.depth(*a).total_cmp(&view.depth(*b)));
+    let wired = |name: &&str| !document.wires(node, name).is_empty();
+    let tied = PLACES.iter().any(|name| *name == "ties" && wired(name));
+    let foot = ball.filter(|_| PLACES.iter().any(wired)).zip(scalp).and_then(|(ball, scalp)| {
+        let root = scalp.closest_root(ball)?;
+        Some((root.point, root.normal))
+    });
+    let curve = gives.and_then(|curves| {
+        let (tuft, i) = curves.each().next()?;
         let normal = tuft.view(NORMAL).at(i, tuft.range(i).start);
         Some((Arc::<[Vec3]>::from(tuft.curve(i)), normal))
     });
@@ -210,6 +271,7 @@ fn grips(document: &Document, shown: &Shown, node: &NodeId) -> Vec<Grip> {
         _ => None,
     });
     let (anchor, normal) = match (point, &curve) {
+        _ if foot.is_some() => foot.unwrap_or_default(),
         (Some((p, on_skin)), _) => match scalp.filter(|_| on_skin) {
             Some(scalp) => on_skin_of(scalp, frame.vector_from_head(p)),
             None => (frame.point_from_head(p), Vec3::ZERO),
@@ -222,15 +284,26 @@ fn grips(document: &Document, shown: &Shown, node: &NodeId) -> Vec<Grip> {
         .or_else(|| (anchor - frame.origin).try_normalize())
         .unwrap_or(frame.up);
     let line: Arc<[Vec3]> = curve.map_or_else(|| Arc::from([]), |(curve, _)| curve);
+    let scales = def.input("scale_with_head").is_some_and(|(_, input)| {
+        let set = document.node(node.as_str()).and_then(|node| node.inputs.get(input.name));
+        !matches!(set, Some(Setting::Known(Value::Bool(false))))
+    });
+    let unit = if scales { frame.unit() } else { 1.0 };
     let mut all: Vec<Grip> = vec![];
     for input in def.inputs {
         let (Some(handle), Some(value)) = (input.handle, number(document, node, input)) else {
             continue;
         };
         let fits = matches!(value, Number::Point(_)) == (handle == Handle::Point);
-        if !fits || (handle == Handle::Along && line.len() < 2) {
+        let elsewhere = foot.is_some() && handle == Handle::Point;
+        let by_tie = tied && TIED.contains(&input.name);
+        if !fits || elsewhere || by_tie || (handle == Handle::Along && line.len() < 2) {
             continue;
         }
+        let anchor = match handle {
+            Handle::Ball => ball.unwrap_or(anchor),
+            _ => anchor,
+        };
         all.push(Grip {
             input,
             handle,
@@ -241,16 +314,18 @@ fn grips(document: &Document, shown: &Shown, node: &NodeId) -> Vec<Grip> {
             curve: line.clone(),
             frame,
             on_skin: scalp.is_some() && input.unit != Unit::Length,
+            unit: if input.unit == Unit::Length { unit } else { 1.0 },
         });
     }
     all
 }
 
-/// The skin in a direction from the head's middle, and its normal; a ball where there is none.
+/// The outermost skin in a direction from the head's middle, and its normal; a ball where there is none.
 fn on_skin_of(scalp: &Scalp, direction: Vec3) -> (Vec3, Vec3) {
     let frame = scalp.frame();
     let out = direction.normalize_or(frame.up);
-    let hit = scalp.surface().ray(frame.origin, out, 4.0 * frame.radius);
+    let far = 4.0 * frame.radius;
+    let hit = scalp.surface().ray(frame.origin + out * far, -out, far);
     hit.map_or((frame.origin + out * frame.radius, out), |hit| {
         (hit.point, scalp.surface().smooth_normal(hit.triangle, hit.bary))
     })
@@ -258,9 +333,9 @@ fn on_skin_of(scalp: &Scalp, direction: Vec3) -> (Vec3, Vec3) {
 
 impl Grip {
     /// Across the picture, for radii: each of a node's circles is held at another place.
-    fn across(&self, view: &Projection) -> Vec3 {
+    fn across(&self, view: &Projection, turns: f32) -> Vec3 {
         let [across, up, _] = view.axes();
-        let angle = 0.5 + 0.9 * self.number as f32;
+        let angle = 0.5 + 0.9 * self.number as f32 + turns * std::f32::consts::TAU;
         across * angle.cos() + up * angle.sin()
     }
 
@@ -270,27 +345,29 @@ impl Grip {
         self.anchor + view.axes()[0] * aside
     }
 
-    /// Where the grip is drawn.
-    fn place(&self, view: &Projection, scalps: &[&Scalp]) -> Option<Pos2> {
-        match (self.handle, self.value) {
-            (Handle::Point, Number::Point(p)) => {
-                let place = match scalps.first().filter(|_| self.on_skin) {
-                    Some(scalp) => on_skin_of(scalp, self.frame.vector_from_head(p)).0,
-                    None => self.frame.point_from_head(p),
+    /// Where the grip is drawn, and whether the head hides it. That of a circle goes to where it is seen.
+    fn place(&self, seen: &Seen, scalps: &[&Scalp]) -> Option<(Pos2, bool)> {
+        let view = seen.view;
+        let place = match (self.handle, self.value) {
+            (Handle::Point, Number::Point(p)) => match scalps.first().filter(|_| self.on_skin) {
+                Some(scalp) => on_skin_of(scalp, self.frame.vector_from_head(p)).0,
+                None => self.frame.point_from_head(p),
+            },
+            (Handle::Radius | Handle::Ball, Number::One(r)) => {
+                let on = |k: usize| {
+                    self.anchor + self.across(view, k as f32 / 12.0) * r.max(0.0) * self.unit
                 };
-                view.screen(place)
+                (0..12).map(on).find(|p| !seen.hides(*p)).unwrap_or(on(0))
             }
-            (Handle::Radius, Number::One(r)) => {
-                view.screen(self.anchor + self.across(view) * r.max(0.0))
-            }
-            (Handle::Length, Number::One(x)) => view.screen(self.foot(view) + self.out * x),
+            (Handle::Length, Number::One(x)) => self.foot(view) + self.out * x * self.unit,
             (Handle::Angle, Number::One(degrees)) => {
                 let middle = view.screen(self.anchor)?;
-                Some(middle + self.turned(degrees))
+                return Some((middle + self.turned(degrees), seen.hides(self.anchor)));
             }
-            (Handle::Along, Number::One(u)) => view.screen(along(&self.curve, u)?),
-            _ => None,
-        }
+            (Handle::Along, Number::One(u)) => along(&self.curve, u)?,
+            _ => return None,
+        };
+        Some((view.screen(place)?, seen.hides(place)))
     }
 
     /// From an arc's middle to its grip: 0 degrees is to the right, positive turns left.
@@ -316,13 +393,13 @@ impl Grip {
                 };
                 return Some(Number::Point(self.frame.head_from_point(place)));
             }
-            Handle::Radius => {
+            Handle::Radius | Handle::Ball => {
                 let depth = view.depth(self.anchor);
-                view.at_depth(at, depth).distance(self.anchor)
+                view.at_depth(at, depth).distance(self.anchor) / self.unit
             }
             Handle::Length => {
                 let foot = self.foot(view);
-                (view.on_line(at, foot, self.out)? - foot).dot(self.out)
+                (view.on_line(at, foot, self.out)? - foot).dot(self.out) / self.unit
             }
             Handle::Angle => {
                 let off = at - view.screen(self.anchor)?;
@@ -348,23 +425,22 @@ impl Grip {
         }
     }
 
-    fn draw(&self, view: &Projection, at: Pos2, ui: &egui::Ui) {
+    fn draw(&self, seen: &Seen, ui: &egui::Ui) {
+        let view = seen.view;
         let painter = ui.painter_at(view.rect);
         let stroke = Stroke::new(1.2, theme::ACCENT.gamma_multiply(0.75));
         let line = |points: Vec<Pos2>| painter.add(Shape::line(points, stroke));
         match (self.handle, self.value) {
-            (Handle::Radius, Number::One(r)) => {
-                let [across, up, _] = view.axes();
-                let place = |k: usize| {
-                    let angle = std::f32::consts::TAU * k as f32 / 64.0;
-                    view.screen(
-                        self.anchor + (across * angle.cos() + up * angle.sin()) * r.max(0.0),
-                    )
+            (Handle::Radius | Handle::Ball, Number::One(r)) => {
+                let on = |k: usize| {
+                    self.anchor + self.across(view, k as f32 / 64.0) * r.max(0.0) * self.unit
                 };
-                line((0..=64).filter_map(place).collect());
+                seen.line((0..=64).map(on), stroke, &painter);
             }
-            (Handle::Length, _) => {
-                line(view.screen(self.foot(view)).into_iter().chain([at]).collect());
+            (Handle::Length, Number::One(x)) => {
+                let foot = self.foot(view);
+                let on = |k: usize| foot + self.out * (x * self.unit * k as f32 / 16.0);
+                seen.line((0..=16).map(on), stroke, &painter);
             }
             (Handle::Angle, Number::One(degrees)) => {
                 let Some(middle) = view.screen(self.anchor) else { return };
@@ -373,7 +449,10 @@ impl Grip {
                 line([middle].into_iter().chain((0..=32).map(part)).collect());
             }
             (Handle::Along, _) => {
-                line(self.curve.iter().filter_map(|p| view.screen(*p)).collect());
+                let step = self.curve.len().div_ceil(64).max(1);
+                let tip = self.curve.last();
+                let points = self.curve.iter().step_by(step).chain(tip).copied();
+                seen.line(points, stroke, &painter);
             }
             _ => {}
         }
@@ -432,6 +511,7 @@ mod tests {
             curve: (0..20).map(|k| anchor + Vec3::new(k as f32 * 0.5, 0.0, 0.1)).collect(),
             frame: HeadFrame::IDENTITY,
             on_skin: false,
+            unit: 1.0,
         }
     }
 
@@ -444,14 +524,16 @@ mod tests {
             let x = dice.range(0, 1, 0.5, 6.0);
             let point = Number::Point(anchor);
             for (handle, input, kind, value) in [
-                (Handle::Radius, "sphere_radius", "sphere_puff", Number::One(x)),
+                (Handle::Ball, "sphere_radius", "sphere_puff", Number::One(x)),
+                (Handle::Radius, "root_radius", "sphere_puff", Number::One(x)),
                 (Handle::Length, "tie_height", "sphere_puff", Number::One(x)),
                 (Handle::Angle, "coverage", "sphere_puff", Number::One(20.0 * x)),
                 (Handle::Along, "tie", "lissajous_braid", Number::One(0.1 + 0.1 * x)),
                 (Handle::Point, "pivot", "transform", point),
             ] {
                 let grip = grip(handle, input, kind, value, anchor);
-                let Some(at) = grip.place(&view, &[]) else { continue };
+                let seen = Seen { view: &view, scalps: &[] };
+                let Some((at, _)) = grip.place(&seen, &[]) else { continue };
                 let steep = view.axes()[2].dot(Vec3::Y).abs() > 0.95
                     || (handle == Handle::Along && view.axes()[2].x.abs() > 0.9);
                 let Some(back) = grip.value_at(&view, &[], at).filter(|_| !steep) else { continue };
@@ -472,7 +554,7 @@ mod tests {
     fn drags_end_at_the_hard_limits() {
         let view = Projection::new(any_camera(3), any_rect(3));
         let anchor = view.at_depth(view.rect.center(), 40.0);
-        let grip = grip(Handle::Radius, "sphere_radius", "sphere_puff", Number::One(6.0), anchor);
+        let grip = grip(Handle::Ball, "sphere_radius", "sphere_puff", Number::One(6.0), anchor);
         let far = view.rect.center() + Vec2::new(1e6, 0.0);
         assert_eq!(grip.value_at(&view, &[], far), Some(Number::One(60.0)));
         let middle = view.screen(anchor).unwrap();

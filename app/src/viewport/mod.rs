@@ -12,6 +12,7 @@ pub mod drawing;
 mod eye;
 mod handles;
 pub mod input;
+mod menu;
 pub mod navigation;
 pub mod options;
 mod overlay;
@@ -90,6 +91,7 @@ pub struct Viewport {
     followed: Followed,
     overlay: Overlay,
     handles: Handles,
+    menu: menu::Menu,
     /// The name that the next saved view gets.
     view_name: String,
     /// The first state of the open document.
@@ -125,6 +127,8 @@ enum Purpose {
     Click {
         more: bool,
     },
+    /// The right button opens the menu.
+    Menu,
 }
 
 struct Question {
@@ -186,6 +190,7 @@ impl Default for Viewport {
             followed: Followed::default(),
             overlay: Overlay::default(),
             handles: Handles::default(),
+            menu: menu::Menu::default(),
             view_name: String::new(),
             born: 0,
         }
@@ -290,6 +295,12 @@ impl Viewport {
         self.overlay_ui(state, ui, out);
         chrome::ui(self, state, ui, out);
         self.hover(state, ui, &response, out);
+        self.menu(state, ui, &response, out);
+    }
+
+    /// Opens the menu of what is under the pointer, for keys.
+    pub(crate) fn open_menu_by_key(&mut self) {
+        self.menu.by_key = true;
     }
 
     /// Light and skin are kept with the groom: what the groom says is shown, what was chosen becomes its own, once a hand that
@@ -402,7 +413,7 @@ impl Viewport {
         let turning = self.drag.is_some() || self.primary_moves(state, ui);
         let free = !turning && !self.pen.pointer;
         if self.options.handles && (free || self.handles.is_dragging()) {
-            self.handles.ui(state, &view, ui, out);
+            self.handles.ui(state, &view, self.options.head, ui, out);
         }
     }
 

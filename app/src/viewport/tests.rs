@@ -461,6 +461,67 @@ mod window {
         assert!(ui.state().state.visibility.locked.is_empty());
     }
 
+    /// A press of the right button that is let go where it was opens a menu of what is there; a drag turns the view as before.
+    #[test]
+    fn the_right_button_opens_the_menu_of_what_is_there() {
+        let mut ui = on_groom("start");
+        let rect = ui.state().viewport.rect;
+        let press = |ui: &mut Ui, at: Pos2| {
+            ui.event(Input::PointerMoved(at));
+            ui.step();
+            for pressed in [true, false] {
+                let (button, modifiers) = (PointerButton::Secondary, Modifiers::NONE);
+                ui.event(Input::PointerButton { pos: at, button, pressed, modifiers });
+                ui.step();
+            }
+            ui.run_steps(4);
+        };
+        let close = |ui: &mut Ui| {
+            ui.key_press(Key::Escape);
+            ui.run_steps(3);
+        };
+        let says = |ui: &Ui, words: &str| ui.query_by_label_contains(words).is_some();
+        press(&mut ui, rect.center());
+        assert!(says(&ui, "Frame the head") && says(&ui, "Light and skin"), "a head");
+        let before = camera(&ui);
+        ui.get_by_label("Frame the head").click();
+        ui.run_steps(3);
+        settle(&mut ui);
+        assert!(camera(&ui) != before && !says(&ui, "Frame the head"));
+        let corner = rect.right_center() - Vec2::new(20.0, 0.0);
+        press(&mut ui, corner);
+        assert!(says(&ui, "Frame all") && says(&ui, "Over the picture"), "nothing");
+        assert!(!says(&ui, "Frame the head"));
+        close(&mut ui);
+        // A drag is no press.
+        let before = camera(&ui);
+        let to = rect.center() + Vec2::new(0.0, 80.0);
+        drag(&mut ui, rect.center(), to, PointerButton::Secondary, Modifiers::ALT);
+        ui.run_steps(4);
+        assert!(camera(&ui) != before && !says(&ui, "Light and skin"));
+        // Keys open it where the pointer is.
+        ui.event(Input::PointerMoved(rect.center()));
+        ui.run_steps(2);
+        ui.key_press_modifiers(Modifiers::SHIFT, Key::F10);
+        ui.run_steps(4);
+        assert!(says(&ui, "Light and skin"));
+        close(&mut ui);
+        // On hair: it is selected with what it belongs to.
+        let shown = ui.state().state.shown.clone().expect("hair");
+        let tuft = shown.curves.tufts()[0].clone();
+        let hair = HairHit { tuft, curve: 0, point: 0, place: Vec3::ZERO };
+        let editor = ui.state_mut();
+        let mut out = vec![];
+        editor.viewport.open_menu(&editor.state, corner, Some(hair.clone()), true, &mut out);
+        out.into_iter().for_each(|event| editor.apply(event));
+        ui.run_steps(4);
+        assert!(ui.state().state.selection.curves.contains(&hair.id()));
+        assert!(says(&ui, "Show in the outliner"));
+        ui.get_by_label("Isolate").click();
+        ui.run_steps(3);
+        assert!(ui.state().state.visibility.alone.contains(&hair.id()));
+    }
+
     #[test]
     fn a_handle_drags_its_input_in_one_step() {
         let mut ui = on_groom("puffs");
@@ -483,6 +544,37 @@ mod window {
         assert!(!ui.state().state.gesture);
         ui.state_mut().act("edit.undo");
         assert_eq!(value(&ui), before);
+    }
+
+    /// The circle of a puff is round its ball: its middle is the `puff_centre` of its curves, its radius what they lie on. From
+    /// behind the head the grip of the position is not seen and cannot be taken, until the head is not shown.
+    #[test]
+    fn a_puffs_circle_is_round_its_ball_and_the_head_hides_handles() {
+        use coif_nodes::data::attributes::{PUFF_CENTRE, PUFF_RADIUS};
+        let mut ui = on_groom("puffs");
+        let node = NodeId::new("left").expect("an id");
+        ui.state_mut().apply(Event::Select(Select::Nodes(vec![node.clone()])));
+        ui.state_mut().act("view.from_left");
+        settle(&mut ui);
+        let shown = ui.state().state.shown.clone().expect("hair");
+        let socket = crate::editor::evaluation::first_output(&ui.state().state.document, &node);
+        let curves = shown.curves_of(&socket.expect("it gives curves")).expect("curves").clone();
+        let tuft = &curves.tufts()[0];
+        let (centre, radius) = (tuft.view(PUFF_CENTRE).at(0, 0), tuft.view(PUFF_RADIUS).at(0, 0));
+        let view = ui.state().viewport.projection();
+        let middle = view.screen(centre).expect("before the eye");
+        let expected = radius / view.cm_per_point(view.depth(centre));
+        let grip = ui.get_by_label("Handle of sphere_radius").rect().center();
+        let found = grip.distance(middle);
+        assert!((found - expected).abs() < 0.02 * expected, "{found} for {expected}");
+        // At the side of the head where the puff is not, the head stands before its root.
+        ui.get_by_label("Handle of position");
+        ui.state_mut().act("view.from_right");
+        settle(&mut ui);
+        assert!(ui.query_by_label("Handle of position").is_none(), "the head stands before it");
+        ui.state_mut().act("view.head");
+        ui.run_steps(3);
+        ui.get_by_label("Handle of position");
     }
 
     #[test]

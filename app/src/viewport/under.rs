@@ -15,7 +15,7 @@ use egui::{Pos2, Response};
 use std::collections::BTreeSet;
 
 impl Viewport {
-    fn question(&mut self, at: Pos2, purpose: Purpose) {
+    pub(super) fn question(&mut self, at: Pos2, purpose: Purpose) {
         let (Some(drawing), Some(screen)) = (&self.drawing, &self.on_screen) else { return };
         let camera = screen.drawn.wanted.camera;
         let view = Projection::new(camera, self.rect);
@@ -66,8 +66,13 @@ impl Viewport {
         let Some(picked) = self.drawing.as_ref().and_then(Drawing::picked) else { return };
         let Some(question) = self.question.take_if(|q| q.number <= picked.number) else { return };
         let camera = self.on_screen.as_ref().map_or(self.camera, |s| s.drawn.wanted.camera);
-        if let Purpose::Click { more } = question.purpose {
-            self.clicked_on(state, picked.hair.clone(), more, out);
+        match question.purpose {
+            Purpose::Click { more } => self.clicked_on(state, picked.hair.clone(), more, out),
+            Purpose::Menu => {
+                let (hair, head) = (picked.hair.clone(), picked.skin.is_some());
+                self.open_menu(state, question.at, hair, head, out);
+            }
+            Purpose::Hover => {}
         }
         self.under = Some(Under { at: question.at, camera, picked });
     }

@@ -57,8 +57,8 @@ node! {
         settling: f32 = 0.8, hard(0.05, 10.0), soft(0.2, 3.0), words("blend merge");
         /// Turn of each strand in itself, degrees for each centimetre.
         twist: f32 = 0.0, hard(-3600.0, 3600.0), soft(-180.0, 180.0), unit(Angle), words("rope roll spin");
-        /// How much hairs wander within their strand: 0 is combed smooth, 1 crosses all of it.
-        frizz: f32 = 0.06, hard(0.0, 1.0), unit(Ratio), words("noise messy definition texture");
+
+        [RootAndTip]
         /// How a free braid begins.
         root_start: RootStart = RootStart::Knotless, words("box braid knotless knot base");
         /// How much wider the braid is in the root knot than behind it: 0.5 is half as wide again.
@@ -71,6 +71,8 @@ node! {
         tip_taper: f32 = 0.8, hard(0.0, 1.0), unit(Ratio), words("point brush");
         /// How much hairs differ in direction in the tuft.
         tip_frizz: f32 = 0.15, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("noise messy");
+
+        [Tie]
         /// Turns of a band round each braid at its tie, where a tuft hangs on behind it; less than one is one, and 0 ties
         /// it with nothing to be seen.
         band_turns: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 6.0), words("elastic tie wrap bobble bead");
@@ -80,18 +82,26 @@ node! {
         /// How much narrower the braid is in its band: 0 as it comes, 0.5 half as wide.
         band_tightness: f32 = 0.3, hard(0.0, 0.9), unit(Ratio), words("elastic tie squeeze pinch"),
             idle(|of| matches!(of("band_turns"), Some(Value::Float(0.0))).then_some("there is no band"));
-        /// Share of hairs that leave the braid somewhere and stand off.
-        flyaways: f32 = 0.01, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("stray frizz fuzz halo");
-        /// How far the longest flyaways stand off by their length.
-        flyaway_length: f32 = 1.2, hard(0.05, 50.0), soft(0.3, 5.0), unit(Length);
-        /// Points of a hair for one stitch. A hair has at most 255 in all; a longer one has fewer for each stitch.
-        points_per_stitch: f32 = 6.0, hard(3.0, 64.0), soft(5.0, 16.0), unit(Count), words("cvs resolution density");
+
+        [Thickness]
         /// Diameter of a hair at its root.
         width_root: f32 = 0.0075, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
         /// Diameter of a hair at its tip.
         width_tip: f32 = 0.0075, hard(0.0001, 1.0), soft(0.0005, 0.05), unit(Length), words("thickness diameter taper");
+
+        [Detail]
+        /// Points of a hair for one stitch. A hair has at most 255 in all; a longer one has fewer for each stitch.
+        points_per_stitch: f32 = 6.0, hard(3.0, 64.0), soft(5.0, 16.0), unit(Count), words("cvs resolution density");
         /// Whether lengths typed here grow with the head; the width of a hair never does.
         scale_with_head: bool = true, words("head units");
+
+        [Randomness]
+        /// How much hairs wander within their strand: 0 is combed smooth, 1 crosses all of it.
+        frizz: f32 = 0.06, hard(0.0, 1.0), unit(Ratio), words("noise messy definition texture");
+        /// Share of hairs that leave the braid somewhere and stand off.
+        flyaways: f32 = 0.01, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("stray frizz fuzz halo");
+        /// How far the longest flyaways stand off by their length.
+        flyaway_length: f32 = 1.2, hard(0.05, 50.0), soft(0.3, 5.0), unit(Length);
         /// Seed tag; stored, mixed into ids and randomness.
         seed: i64 = 0;
     }

@@ -49,28 +49,35 @@ node! {
         density: f32 = 130.0, hard(0.0, 5000.0), soft(1.0, 300.0), unit(PerCm2), words("amount number count");
         /// Width of the bare skin of a parting between two rows; roots keep half of it from the middle.
         parting_width: f32 = 0.15, hard(0.0, 5.0), soft(0.0, 0.6), unit(Length), words("gap line skin clean");
+        /// How far beside the row the braid's edge is, where hair comes in.
+        braid_width: f32 = 1.0, hard(0.0, 50.0), soft(0.2, 4.0), unit(Length), words("size");
+        /// Length of the hair. It may end within the braid, which gets thinner there. 0: all of it reaches the end.
+        length: FieldInput = 0.0, hard(0.0, 500.0), soft(0.0, 80.0), unit(Length), words("cut layers");
+
+        [Placement]
         /// How far from its row hair is picked up. 0: however far it is, as long as no other row is nearer.
         reach: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 15.0), unit(Length), words("distance section width"), handle(Handle::Radius);
-        /// How far hair is combed along the row on its way to it: 0 square, 80 nearly along it, negative against it.
-        /// Varies along the row.
-        pull_angle: FieldInput = 45.0, hard(-80.0, 80.0), unit(Angle), handle(Handle::Angle), words("sweep oblique comb direction back lead");
-        /// How much hairs differ in that angle.
-        unevenness: f32 = 0.15, hard(0.0, 1.0), unit(Ratio), words("random variation natural loose messy");
-        /// How hairs turn into the braid: 0 straight from root to braid, 100% they leave the parting square and end along
-        /// the braid.
-        sweep: f32 = 0.45, hard(0.0, 1.0), unit(Ratio), words("curve bend comb");
         /// How far behind the front of its row each braid begins: hair before that is combed back to the first stitch, the
         /// section that the first strands are made of. A braid begins no farther than half as far as its row leads over the
         /// scalp; one that stands up from the head begins at its root.
         start: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 5.0), unit(Length), words("first section base");
         /// Where on the scalp the last hair joins, as a fraction of the row's length there.
         until: f32 = 0.97, hard(0.05, 1.0), unit(Ratio), handle(Handle::Along), words("last end");
-        /// How far beside the row the braid's edge is, where hair comes in.
-        braid_width: f32 = 1.0, hard(0.0, 50.0), soft(0.2, 4.0), unit(Length), words("size");
-        /// Length of the hair. It may end within the braid, which gets thinner there. 0: all of it reaches the end.
-        length: FieldInput = 0.0, hard(0.0, 500.0), soft(0.0, 80.0), unit(Length), words("cut layers");
-        /// How much shorter single hairs may be, when a length is given.
-        length_variation: f32 = 0.2, hard(0.0, 1.0), unit(Ratio), words("random layers");
+
+        [Shape]
+        /// How far hair is combed along the row on its way to it: 0 square, 80 nearly along it, negative against it.
+        /// Varies along the row.
+        pull_angle: FieldInput = 45.0, hard(-80.0, 80.0), unit(Angle), handle(Handle::Angle), words("sweep oblique comb direction back lead");
+        /// How hairs turn into the braid: 0 straight from root to braid, 100% they leave the parting square and end along
+        /// the braid.
+        sweep: f32 = 0.45, hard(0.0, 1.0), unit(Ratio), words("curve bend comb");
+        /// How far each row goes on beyond its last point, hanging down and resting on head, neck and shoulders. 0: not at
+        /// all.
+        tail: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 60.0), unit(Length), words("hang free length pony"), handle(Handle::Length);
+        /// How far off the skin the tail keeps: about half the braid's height.
+        tail_height: f32 = 0.8, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("clearance");
+
+        [Thickness]
         /// Extension hairs fed into each row: 0 for none.
         feed: FieldInput = 0.0, hard(0.0, 100000.0), soft(0.0, 5000.0), unit(Count), words("feed in extension knotless add braiding hair kanekalon jumbo");
         /// Where along the row feeding begins. 0 is the first stitch.
@@ -80,15 +87,18 @@ node! {
         feed_ramp: Arc<Ramp> = fading(), words("amount extension");
         /// Length of extension hair. 0: it reaches the end.
         feed_length: f32 = 0.0, hard(0.0, 500.0), soft(0.0, 120.0), unit(Length), words("extension");
-        /// How far each row goes on beyond its last point, hanging down and resting on head, neck and shoulders. 0: not at
-        /// all.
-        tail: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 60.0), unit(Length), words("hang free length pony"), handle(Handle::Length);
-        /// How far off the skin the tail keeps: about half the braid's height.
-        tail_height: f32 = 0.8, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("clearance");
+
+        [Detail]
         /// Points on each hair from its root to the braid.
         cvs: i64 = 9, hard(3.0, 64.0), soft(5.0, 24.0), unit(Count), words("points resolution");
         /// Whether lengths grow with the head, and the density falls with its square.
         scale_with_head: bool = true, words("head units");
+
+        [Randomness]
+        /// How much hairs differ in that angle.
+        unevenness: f32 = 0.15, hard(0.0, 1.0), unit(Ratio), words("random variation natural loose messy");
+        /// How much shorter single hairs may be, when a length is given.
+        length_variation: f32 = 0.2, hard(0.0, 1.0), unit(Ratio), words("random layers");
         /// Seed tag; stored, mixed into ids and randomness.
         seed: i64 = 0;
     }

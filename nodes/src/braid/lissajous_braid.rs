@@ -40,8 +40,6 @@ node! {
         source: Curves, words("guide spine path");
         /// The head. Cornrows lie on it; free braids are kept out of it.
         scalp: Option<Arc<Scalp>>;
-        /// Seed tag; stored, mixed into ids and randomness.
-        seed: i64 = 0;
         /// Strands in each braid.
         strands: i64 = 3, hard(2.0, 12.0), soft(2.0, 7.0), unit(Count), words("hanks sections");
         /// How often a strand goes up and down while it crosses the braid once and returns: 1 is a rope, 2 the
@@ -49,8 +47,6 @@ node! {
         /// of strands. 0 takes the smallest from 2 on that fits (a rope for two strands).
         weave: i64 = 0, hard(0.0, 11.0), soft(0.0, 5.0), unit(Count), words("pattern fishtail"),
             idle(|of| unless(of, "formula", "weave", "the formula of the talk has a path of its own"));
-        /// The path of the strands across the braid.
-        formula: Formula = Formula::Weave;
         /// Whether the number of stitches is given, or their distance.
         stitches_by: StitchesBy = StitchesBy::Spacing;
         /// Stitches (the Vs of a braid) along the curve up to the tie, when they are counted. Each source can have its own
@@ -68,14 +64,29 @@ node! {
         /// Height of the whole braid over its tubes, front to back. 0 takes half the width, or the whole
         /// width for a rope.
         height: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("depth thickness");
-        /// Width and height at the root, as a fraction of the full size. 0 starts the braid in a point.
-        root_amplitude: f32 = 1.0, hard(0.0, 4.0), soft(0.0, 1.0), unit(Ratio);
-        /// How the root amplitude (value 0) becomes the full size (value 1) along the source.
-        root_taper: Arc<Ramp> = taper(0.0, 0.3);
-        /// Width and height at the tip, as a fraction of the full size. 0 ends the braid in a point.
-        tip_amplitude: f32 = 0.7, hard(0.0, 4.0), soft(0.0, 1.0), unit(Ratio);
-        /// How the full size (value 0) becomes the tip amplitude (value 1) along the source.
-        tip_taper: Arc<Ramp> = taper(0.3, 1.0);
+        /// Thickness of the tubes: 1 makes neighbours touch, less leaves gaps, more presses them into one another, which
+        /// closes the windows of braids with many strands.
+        fullness: FieldInput = 1.0f32, hard(0.05, 2.0), soft(0.5, 1.1), unit(Ratio), words("volume pancake");
+
+        [Placement]
+        /// Height of the underside of a braid with scalp frames over its source. Below 0 it lies deeper.
+        scalp_offset: f32 = 0.0, hard(-10.0, 10.0), soft(-0.5, 0.5), unit(Length), handle(Handle::Length);
+        /// How far a braid with scalp frames sinks: 0 lies on the skin, 1 has its middle at the skin. What would
+        /// be under the skin is treated as the scalp intersection says.
+        sink: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("embed");
+        /// What happens to a braid that reaches into the skin.
+        scalp_intersection: Intersection = Intersection::Flatten, words("collision penetration");
+
+        [Shape]
+        /// The path of the strands across the braid.
+        formula: Formula = Formula::Weave;
+        /// Whether strands cross under or over on their way in. It makes no difference where the weave is odd (a rope,
+        /// four or six strands): both are the same braid, and only the handedness tells two apart.
+        crossing: Crossing = Crossing::Auto, words("dutch french inside out"), idle(one_braid);
+        /// Which way round the braid is: the turn of a rope, or the side on which the first stitch lies.
+        handedness: Hand = Hand::Z, words("mirror direction twist");
+        /// Where in their cycle the strands start, 360 degrees being once across and back.
+        phase: f32 = 0.0, hard(-3600.0, 3600.0), soft(0.0, 360.0), unit(Angle);
         /// What the front of the braid faces.
         frames: FramesBy = FramesBy::Auto;
         /// The direction that the front of the braid faces, when frames follow an axis.
@@ -85,26 +96,21 @@ node! {
             words("twist");
         /// Turn added along the source, degrees from root to tip.
         roll_ramp: Arc<Ramp> = Ramp::constant(0.0), unit(Angle), words("twist");
-        /// Whether strands cross under or over on their way in. It makes no difference where the weave is odd (a rope,
-        /// four or six strands): both are the same braid, and only the handedness tells two apart.
-        crossing: Crossing = Crossing::Auto, words("dutch french inside out"), idle(one_braid);
-        /// Height of the underside of a braid with scalp frames over its source. Below 0 it lies deeper.
-        scalp_offset: f32 = 0.0, hard(-10.0, 10.0), soft(-0.5, 0.5), unit(Length), handle(Handle::Length);
-        /// How far a braid with scalp frames sinks: 0 lies on the skin, 1 has its middle at the skin. What would
-        /// be under the skin is treated as the scalp intersection says.
-        sink: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("embed");
-        /// What happens to a braid that reaches into the skin.
-        scalp_intersection: Intersection = Intersection::Flatten, words("collision penetration");
-        /// Which way round the braid is: the turn of a rope, or the side on which the first stitch lies.
-        handedness: Hand = Hand::Z, words("mirror direction twist");
-        /// Where in their cycle the strands start, 360 degrees being once across and back.
-        phase: f32 = 0.0, hard(-3600.0, 3600.0), soft(0.0, 360.0), unit(Angle);
-        /// Points of each strand for one stitch. 8 is enough for three strands and few stitches; weaves with many
-        /// strands need no more, for their stitches are parts of a longer path.
-        cvs_per_stitch: i64 = 12, hard(8.0, 64.0), soft(8.0, 32.0), unit(Count), words("resolution points");
+
+        [RootAndTip]
+        /// Width and height at the root, as a fraction of the full size. 0 starts the braid in a point.
+        root_amplitude: f32 = 1.0, hard(0.0, 4.0), soft(0.0, 1.0), unit(Ratio);
+        /// How the root amplitude (value 0) becomes the full size (value 1) along the source.
+        root_taper: Arc<Ramp> = taper(0.0, 0.3);
         /// Length over which the strands, gathered to a bundle at the root, open to the full braid. 0 starts them as they lie
         /// in the braid.
         root_gather: f32 = 0.8, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length);
+        /// Width and height at the tip, as a fraction of the full size. 0 ends the braid in a point.
+        tip_amplitude: f32 = 0.7, hard(0.0, 4.0), soft(0.0, 1.0), unit(Ratio);
+        /// How the full size (value 0) becomes the tip amplitude (value 1) along the source.
+        tip_taper: Arc<Ramp> = taper(0.3, 1.0);
+
+        [Tie]
         /// Where along the source the braid is tied, as a fraction of its length. What lies beyond hangs loose as a
         /// tuft; 1 braids to the very end.
         tie: f32 = 0.9, hard(0.05, 1.0), soft(0.5, 1.0), unit(Ratio), handle(Handle::Along), words("elastic band bead");
@@ -112,9 +118,16 @@ node! {
         tuft_length: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 10.0), unit(Length), handle(Handle::Length), words("tassel tail");
         /// How much wider the tuft ends than it is at the tie: 0 as wide, 1 twice as wide, -1 in a point.
         flare: f32 = 0.4, hard(-1.0, 10.0), soft(-1.0, 2.0), words("tassel");
-        /// Thickness of the tubes: 1 makes neighbours touch, less leaves gaps, more presses them into one another, which
-        /// closes the windows of braids with many strands.
-        fullness: FieldInput = 1.0f32, hard(0.05, 2.0), soft(0.5, 1.1), unit(Ratio), words("volume pancake");
+
+        [Detail]
+        /// Points of each strand for one stitch. 8 is enough for three strands and few stitches; weaves with many
+        /// strands need no more, for their stitches are parts of a longer path.
+        cvs_per_stitch: i64 = 12, hard(8.0, 64.0), soft(8.0, 32.0), unit(Count), words("resolution points");
+        /// Measure lengths in head units: on a head of another size the braid is as much larger or smaller. Needs the
+        /// scalp.
+        scale_with_head: bool = true;
+
+        [Randomness]
         /// How loosely the braid is made: its size wavers and strands bulge out here and there. 0 is perfectly
         /// regular.
         looseness: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("messy random");
@@ -125,9 +138,8 @@ node! {
         /// Length of the longest flyaways; the shortest have a third of it.
         flyaway_length: f32 = 1.0, hard(0.01, 50.0), soft(0.2, 4.0), unit(Length),
             idle(|of| matches!(of("flyaways"), Some(Value::Float(0.0))).then_some("there are no flyaways"));
-        /// Measure lengths in head units: on a head of another size the braid is as much larger or smaller. Needs the
-        /// scalp.
-        scale_with_head: bool = true;
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
     }
     outputs {
         /// The strands: for each source one tuft of as many curves as there are strands, with radius, normal and the

@@ -48,23 +48,58 @@ node! {
         strands: i64 = 512, hard(0.0, 65536.0), soft(16.0, 2048.0), unit(Count), words("amount number");
         /// Exactly so many strands in every cluster, whatever its density and radius. 0: as density and radius ask.
         count: i64 = 0, hard(0.0, 65536.0), soft(0.0, 2000.0), unit(Count), words("amount number");
+        /// How full the cluster is: 0 has no strands, 1 has all. Read at the root.
+        density: FieldInput = Field::Attribute(DENSITY.name.to_owned()), hard(0.0, 1.0), unit(Ratio), words("fullness");
         /// Radius of the cross-section. May vary along the cluster, which makes tapered locks; the radius at the
         /// root decides where roots lie and how many, or where a cluster begins in a point, the first radius that holds a strand.
         radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()),
             hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), words("thickness size"), handle(Handle::Radius);
         /// Multiplies the radius from root to tip: let it fall for locks that end in a point.
         profile: Arc<Ramp> = Ramp::constant(1.0), hard(0.0, 100.0), soft(0.0, 1.0), words("taper shape lock wisp tip falloff");
+        /// Whether strands have the colour of their cluster.
+        inherit_colour: bool = true, words("color");
+        /// Colour of the strands when they do not inherit it.
+        colour: Colour = COLOUR.default, words("color");
+
+        [Shape]
         /// Thickness of the cross-section by its width: 1 is round, less is flat. The flat side lies to the head, or as the
         /// cluster's own normal says.
         flatness: FieldInput = 1.0, hard(0.02, 1.0), unit(Ratio), words("ellipse elliptic oval flat ribbon section");
         /// Turns the flat side about the cluster.
         flat_angle: f32 = 0.0, hard(-360.0, 360.0), soft(-90.0, 90.0), unit(Angle), words("ellipse orientation section");
+        /// Turn of the cross-section at each point of the cluster but the root, added up towards the tip and to the
+        /// cluster's own roll. 45 at every point is a rope; negative turns the other way.
+        twist: FieldInput = 0.0, hard(-3600.0, 3600.0), soft(-90.0, 90.0), unit(Angle), words("rope twirl spin roll");
+
+        [Clumping]
         /// Wisps that strands draw together to; 0: all to the cluster's middle.
         wisps: i64 = 0, hard(0.0, 4096.0), soft(0.0, 40.0), unit(Count), words("clumps sub clumps locks");
         /// How far strands are drawn together at the root: 0 not at all, 1 to a point.
         root_clump: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("clumping gather");
         /// How far strands are drawn together at the tip: 0 not at all, 1 to a point.
         tip_clump: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("clumping gather taper wisp");
+
+        [Thickness]
+        /// Diameter of a hair at its root.
+        width_root: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
+        /// Diameter of a hair at its tip. The same as at the root takes less memory; Set width can taper at the
+        /// end of the graph.
+        width_tip: f32 = 0.008, hard(0.0001, 1.0), soft(0.0005, 0.05), unit(Length), words("thickness diameter taper");
+
+        [Detail]
+        /// Points on each strand, root and tip included. A strongly twisted cluster gets as many more as keep its
+        /// turn under 30 degrees from point to point, up to `most_points`.
+        points: i64 = 16, hard(2.0, 1024.0), soft(4.0, 64.0), unit(Count), words("cvs segments resolution");
+        /// The most points on a strand. Where its twist or `points` ask for more it has these, evenly, and is told: its turn from point to
+        /// point is then wider than 30 degrees. Engines take no strand of more than 255.
+        most_points: i64 = 255, hard(2.0, 4096.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
+        /// Whether points under the skin are moved out to it, as far as the cluster's allow_depth lets them.
+        push_out: bool = true, words("collide scalp intersection penetration");
+        /// Whether lengths typed here grow with the size of the head. A radius read from an attribute is in true
+        /// centimetres already.
+        scale_with_head: bool = true;
+
+        [Randomness]
         /// How much shorter strands may be than the cluster, drawn for each: 0 none, 0.95 down to a twentieth. They are cut.
         length_variation: f32 = 0.0, hard(0.0, 0.95), unit(Ratio), words("random vary cut taper ends");
         /// How far each strand waves about its place, within the radius.
@@ -73,39 +108,14 @@ node! {
         stray: f32 = 0.0, hard(0.0, 1.0), soft(0.0, 0.2), unit(Ratio), words("flyaways loose hairs");
         /// How far stray strands are off at most at their tips.
         stray_amount: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 4.0), unit(Length), words("flyaways loose hairs");
-        /// How full the cluster is: 0 has no strands, 1 has all. Read at the root.
-        density: FieldInput = Field::Attribute(DENSITY.name.to_owned()), hard(0.0, 1.0), unit(Ratio), words("fullness");
         /// How much each strand wanders within the cluster: 0 runs parallel to it, 1 may cross all of it from one
         /// step to the next.
         frizz: FieldInput = Field::Attribute(FRIZZ.name.to_owned()),
             hard(0.0, 1.0), unit(Ratio), words("noise messy flyaway random");
         /// Distance along the cluster between two random steps of frizz. 0: one step at each of the cluster's points.
         frizz_step: f32 = 2.0, hard(0.0, 1000.0), soft(0.5, 5.0), unit(Length), words("scale frequency");
-        /// Turn of the cross-section at each point of the cluster but the root, added up towards the tip and to the
-        /// cluster's own roll. 45 at every point is a rope; negative turns the other way.
-        twist: FieldInput = 0.0, hard(-3600.0, 3600.0), soft(-90.0, 90.0), unit(Angle), words("rope twirl spin roll");
-        /// Points on each strand, root and tip included. A strongly twisted cluster gets as many more as keep its
-        /// turn under 30 degrees from point to point, up to `most_points`.
-        points: i64 = 16, hard(2.0, 1024.0), soft(4.0, 64.0), unit(Count), words("cvs segments resolution");
-        /// The most points on a strand. Where its twist or `points` ask for more it has these, evenly, and is told: its turn from point to
-        /// point is then wider than 30 degrees. Engines take no strand of more than 255.
-        most_points: i64 = 255, hard(2.0, 4096.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
-        /// Diameter of a hair at its root.
-        width_root: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
-        /// Diameter of a hair at its tip. The same as at the root takes less memory; Set width can taper at the
-        /// end of the graph.
-        width_tip: f32 = 0.008, hard(0.0001, 1.0), soft(0.0005, 0.05), unit(Length), words("thickness diameter taper");
-        /// Whether strands have the colour of their cluster.
-        inherit_colour: bool = true, words("color");
-        /// Colour of the strands when they do not inherit it.
-        colour: Colour = COLOUR.default, words("color");
-        /// Whether points under the skin are moved out to it, as far as the cluster's allow_depth lets them.
-        push_out: bool = true, words("collide scalp intersection penetration");
         /// Seed tag; stored, mixed into ids and randomness.
         seed: i64 = 0;
-        /// Whether lengths typed here grow with the size of the head. A radius read from an attribute is in true
-        /// centimetres already.
-        scale_with_head: bool = true;
     }
     outputs {
         /// Hair: one tuft for each cluster.

@@ -48,28 +48,36 @@ node! {
             idle(|of| unless(of, "by", "count", "the number goes by density"));
         /// How many of the hairs are kept, from none to all; usually a painted mask.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region paint thin");
+        /// Diameter of a hair.
+        width: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
+
+        [Placement]
         /// How many guides shape a hair. More is smoother, fewer keeps the guides' own character; 1 copies the nearest.
         guides_per_hair: i64 = 3, hard(1.0, 16.0), soft(1.0, 8.0), unit(Count), words("neighbours blend");
         /// Guides whose root is farther from the hair's than this do not count, and hair without any is not grown.
         /// 0: no limit.
         reach: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 10.0), unit(Length), words("distance radius"), handle(Handle::Radius);
-        /// How much shorter a hair may be than its guides, drawn for each: 0 none, 0.95 down to a twentieth. It is cut,
-        /// not shrunk.
-        length_variation: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("random vary cut");
+
+        [Clumping]
         /// How much hair is drawn to the nearest guide.
         clump: FieldInput = 0.0, hard(0.0, 1.0), unit(Ratio), words("gather wisp lock bunch");
         /// How clumping grows from root (left) to tip.
         clump_along: Arc<Ramp> = Ramp::smooth(0.0, 1.0), words("gather profile");
+
+        [Detail]
         /// Points on each hair, root and tip included.
         points: i64 = 16, hard(2.0, 1024.0), soft(4.0, 64.0), unit(Count), words("cvs segments resolution");
-        /// Diameter of a hair.
-        width: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
         /// Whether points under the skin are moved out to it, as far as the nearest guide's allow_depth lets them.
         push_out: bool = true, words("collide scalp intersection penetration");
-        /// Seed tag; stored, mixed into ids and randomness.
-        seed: i64 = 0;
         /// Whether lengths grow with the size of the head, and the density with its square falls.
         scale_with_head: bool = true;
+
+        [Randomness]
+        /// How much shorter a hair may be than its guides, drawn for each: 0 none, 0.95 down to a twentieth. It is cut,
+        /// not shrunk.
+        length_variation: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("random vary cut");
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
     }
     outputs {
         /// Hair, gathered in tufts by the nearest guide.

@@ -48,6 +48,23 @@ node! {
         scalp: Option<Arc<Scalp>>;
         /// Type that unset numbers are taken from. Starting points, not measurements.
         preset: Preset = Preset::Type3b, words("type hair pattern chart");
+        /// Diameter of a coil; a flat wave of it is 1.41 times as high from crest to trough. 0 leaves curves as they are. Unset: the preset's.
+        diameter: Option<FieldInput>, hard(0.0, 100.0), soft(0.1, 4.0), unit(Length), handle(Handle::Radius),
+            words("amplitude radius size width");
+        /// Length of the source that one turn takes; a small one makes tight curls that shrink much. Unset: the preset's.
+        pitch: Option<FieldInput>, hard(0.02, 1000.0), soft(0.2, 8.0), unit(Length), handle(Handle::Along),
+            words("frequency wavelength period turns");
+        /// Factor of the diameter; draw a ramp to let curls grow or fade from root to tip.
+        amount: FieldInput = 1.0, hard(0.0, 10.0), soft(0.0, 2.0), words("amplitude ramp taper strength");
+        /// How closely hairs of one parent follow the same curl, from 0 (each its own: loose, dry) to 1 (all alike: set with product). In between, hairs keep step with the others until they leave, one here and one there, for a curl of their own. Unset: the preset's.
+        definition: Option<FieldInput>, hard(0.0, 1.0), unit(Ratio), words("clump product gel frizz styling");
+        /// Whether a hair reaches as far as before or stays as long as before.
+        length: Keep = Keep::Span, words("shrinkage stretch keep");
+        /// Length of each hair where `length` is `visible` or `stretched`.
+        hair_length: FieldInput = 15.0, hard(0.1, 1000.0), soft(1.0, 60.0), unit(Length), words("ask visible stretched grown long short"),
+            idle(|of| matches!(of("length"), Some(Value::Text(is)) if !["visible", "stretched"].contains(&&*is)).then_some("hairs keep what they have"));
+
+        [Shape]
         /// Cross-sections in tiers: A is the primary shape, B the secondary, C the tertiary. Unset: the preset's.
         shapes: Option<Arc<ShapeList>>, words("cross-section lame polygon ellipse circle rose");
         /// Drawn cross-sections: each curve is flattened to its own plane, closed and brought to the curl's size. They take the place of the tier's other shapes.
@@ -58,55 +75,36 @@ node! {
         uniformity: Option<f32>, hard(0.0, 1.0), unit(Ratio);
         /// How many turns have a shape of tier B for each one of tier C. Unset: the preset's.
         b_to_c: Option<f32>, hard(0.0, 1000.0), soft(0.0, 10.0);
-        /// Diameter of a coil; a flat wave of it is 1.41 times as high from crest to trough. 0 leaves curves as they are. Unset: the preset's.
-        diameter: Option<FieldInput>, hard(0.0, 100.0), soft(0.1, 4.0), unit(Length), handle(Handle::Radius),
-            words("amplitude radius size width");
-        /// Length of the source that one turn takes; a small one makes tight curls that shrink much. Unset: the preset's.
-        pitch: Option<FieldInput>, hard(0.02, 1000.0), soft(0.2, 8.0), unit(Length), handle(Handle::Along),
-            words("frequency wavelength period turns");
-        /// Factor of the diameter; draw a ramp to let curls grow or fade from root to tip.
-        amount: FieldInput = 1.0, hard(0.0, 10.0), soft(0.0, 2.0), words("amplitude ramp taper strength");
         /// Share of turns that are Z-bends: straight legs and sharp bends in a plane that changes. Unset: the preset's.
         z_bends: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("zigzag kink");
-        /// How closely hairs of one parent follow the same curl, from 0 (each its own: loose, dry) to 1 (all alike: set with product). In between, hairs keep step with the others until they leave, one here and one there, for a curl of their own. Unset: the preset's.
-        definition: Option<FieldInput>, hard(0.0, 1.0), unit(Ratio), words("clump product gel frizz styling");
         /// Share of turns at which the curl changes its direction, as a telephone cord does. Unset: the preset's.
         switchbacks: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("perversion reversal tendril");
         /// Share of turns that are skipped, where the hair runs nearly straight for one turn; at 1 all of it does. The other turns keep their size, and the hair's diameter is told as that of all turns in the mean. Unset: the preset's.
         skipped: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("skip period straight");
-        /// How much curls differ over the head in size and in pitch, from 0 (all alike) to 1 (from half to twice). No head has one curl everywhere. Unset: the preset's.
-        spread: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("variation random mixed");
-        /// How much turns of a curl differ in size, as a share of it. Unset: the preset's.
-        amplitude_range: Option<f32>, hard(0.0, 0.95), soft(0.0, 0.6), unit(Ratio), words("random irregular");
-        /// How much turns of a curl differ in how many there are to a length, as a share of it. Unset: the preset's.
-        frequency_range: Option<f32>, hard(0.0, 0.9), soft(0.0, 0.6), unit(Ratio), words("random irregular pitch");
-        /// How far a turn may run ahead or behind, as a share of a turn. Unset: the preset's.
-        phase_range: Option<f32>, hard(0.0, 0.5), soft(0.0, 0.2), unit(Ratio), words("random irregular shift");
-        /// How far a turn may lie off the source curve, as a share of the curl's radius. Unset: the preset's.
-        offset_range: Option<f32>, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("random irregular wander");
         /// Part of each turn over which it changes from the last one; 0 makes corners where turns differ. Unset: the preset's.
         blend: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("smooth transition");
         /// Least radius of a shape's corners and of Z-bends, as a share of the shape's radius. Ellipses are not rounded. Unset: the preset's.
         rounding: Option<f32>, hard(0.05, 1.0), soft(0.05, 0.6), unit(Ratio), words("corner sharp");
+        /// Turns the cross-section about the curve; the plane of a flat wave turns with it. Added to the curves' own roll.
+        roll: FieldInput = 0.0, hard(-36000.0, 36000.0), soft(-180.0, 180.0), unit(Angle), handle(Handle::Angle);
+
+        [RootAndTip]
         /// Length from the root that stays straight.
         start: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 10.0), unit(Length), handle(Handle::Along), words("offset root straight");
         /// Turns over which the curl grows to its full size; few let it turn away from the root at once. Unset: the preset's.
         rise: Option<f32>, hard(0.25, 100.0), soft(0.5, 6.0), words("blend root grow");
         /// Length of hair at the root where the curl is still forming: smaller turns, closer together, half of full size at the skin. It gives the spongy root of coily hair. 0: none.
         sponge: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), handle(Handle::Along), words("spongy root new growth density lift");
-        /// Direction of the turns, seen along the hair from the root.
-        hand: Hand = Hand::Random, words("handedness chirality clockwise s z");
+
+        [Clumping]
         /// What starts in the same phase.
         phase_lock: Lock = Lock::Clump, words("clump synchronised free");
         /// Angle at which curls start; with `all`, every curl starts there.
         phase: f32 = 0.0, hard(-360.0, 360.0), soft(-180.0, 180.0), unit(Angle);
-        /// Turns the cross-section about the curve; the plane of a flat wave turns with it. Added to the curves' own roll.
-        roll: FieldInput = 0.0, hard(-36000.0, 36000.0), soft(-180.0, 180.0), unit(Angle), handle(Handle::Angle);
-        /// Whether a hair reaches as far as before or stays as long as before.
-        length: Keep = Keep::Span, words("shrinkage stretch keep");
-        /// Length of each hair where `length` is `visible` or `stretched`.
-        hair_length: FieldInput = 15.0, hard(0.1, 1000.0), soft(1.0, 60.0), unit(Length), words("ask visible stretched grown long short"),
-            idle(|of| matches!(of("length"), Some(Value::Text(is)) if !["visible", "stretched"].contains(&&*is)).then_some("hairs keep what they have"));
+        /// Direction of the turns, seen along the hair from the root.
+        hand: Hand = Hand::Random, words("handedness chirality clockwise s z");
+
+        [Detail]
         /// What decides the number of points.
         points: Points = Points::Auto, words("cvs resolution segments");
         /// Points on a turn of full size, when given by the turn. Smaller turns get fewer, but eight at least. Unset: as many as the tolerance asks for, or 12.
@@ -117,6 +115,18 @@ node! {
             idle(|of| matches!(of("points"), Some(Value::Text(is)) if *is == *"turn").then_some("points go by the turn"));
         /// The most points on a hair. Hairs that would get more are drawn coarser, evenly, and counted. Where that would leave a turn fewer than seven points, the hair's curl is drawn larger, in diameter and in pitch, and the hairs are named.
         most_points: i64 = 255, hard(4.0, 16384.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
+
+        [Randomness]
+        /// How much curls differ over the head in size and in pitch, from 0 (all alike) to 1 (from half to twice). No head has one curl everywhere. Unset: the preset's.
+        spread: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("variation random mixed");
+        /// How much turns of a curl differ in size, as a share of it. Unset: the preset's.
+        amplitude_range: Option<f32>, hard(0.0, 0.95), soft(0.0, 0.6), unit(Ratio), words("random irregular");
+        /// How much turns of a curl differ in how many there are to a length, as a share of it. Unset: the preset's.
+        frequency_range: Option<f32>, hard(0.0, 0.9), soft(0.0, 0.6), unit(Ratio), words("random irregular pitch");
+        /// How far a turn may run ahead or behind, as a share of a turn. Unset: the preset's.
+        phase_range: Option<f32>, hard(0.0, 0.5), soft(0.0, 0.2), unit(Ratio), words("random irregular shift");
+        /// How far a turn may lie off the source curve, as a share of the curl's radius. Unset: the preset's.
+        offset_range: Option<f32>, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("random irregular wander");
         /// Seed tag; stored, mixed into randomness.
         seed: i64 = 0;
     }

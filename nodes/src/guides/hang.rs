@@ -38,12 +38,6 @@ node! {
         scalp: Option<Arc<Scalp>>;
         /// Length of each curve, whatever it lies on.
         length: FieldInput = 35.0, hard(0.1, 500.0), soft(1.0, 90.0), unit(Length), handle(Handle::Length);
-        /// How much shorter a curve may be than its length, drawn for each: 0 none, 0.95 down to a twentieth.
-        length_variation: f32 = 0.04, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("random vary ends layers");
-        /// Half the thickness of what will lie along the curve: so far its middle keeps from the skin, and twice as far from
-        /// its neighbours. At the root the curve is in the skin.
-        clearance: FieldInput = 0.4, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), handle(Handle::Radius),
-            words("radius thickness offset collision");
         /// How far the curve stands out before its weight bends it down: 0 falls at once, 1 to 2 a braid, 10 a stiff lock.
         stiffness: FieldInput = 1.2, hard(0.0, 100.0), soft(0.0, 10.0), unit(Length), words("bend rigidity stand");
         /// Angle between scalp and curve at the root: 0 lies flat, 90 stands straight out.
@@ -57,20 +51,34 @@ node! {
         /// to the head's left ear. Within 1.5 cm of there a parting of the scalp decides, and hair falls away from it.
         parted_at: f32 = 0.0, hard(-20.0, 20.0), soft(-6.0, 6.0), unit(Length), words("part side middle centre"),
             idle(|of| unless(of, "flow", "sides", "hair does not fall to both sides"));
+
+        [Shape]
         /// How far curves that lie on the head keep to the way they are laid, before they just slide down.
         hold: f32 = 5.0, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), words("style set friction");
         /// What pulls besides gravity, in the head frame, as a share of it: (0.2, 0, 0) leans to the head's left.
         swing: Vec3 = Vec3::ZERO, words("wind tilt motion lean");
+
+        [Thickness]
+        /// Half the thickness of what will lie along the curve: so far its middle keeps from the skin, and twice as far from
+        /// its neighbours. At the root the curve is in the skin.
+        clearance: FieldInput = 0.4, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), handle(Handle::Radius),
+            words("radius thickness offset collision");
         /// Keep curves apart as far as they are thick. Off lets them pass through each other and is quicker.
         separate: bool = true, words("collision neighbours stack layers");
-        /// How far each curve strays from the straight fall, at random.
-        variation: f32 = 4.0, hard(0.0, 60.0), soft(0.0, 20.0), unit(Angle), words("random jitter natural");
+
+        [Detail]
         /// Points on each curve, root and tip included.
         points: i64 = 48, hard(2.0, 1024.0), soft(8.0, 128.0), unit(Count), words("cvs segments");
-        /// Seed tag; stored, mixed into ids and randomness.
-        seed: i64 = 0;
         /// Whether lengths grow with the size of the head.
         scale_with_head: bool = true;
+
+        [Randomness]
+        /// How much shorter a curve may be than its length, drawn for each: 0 none, 0.95 down to a twentieth.
+        length_variation: f32 = 0.04, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("random vary ends layers");
+        /// How far each curve strays from the straight fall, at random.
+        variation: f32 = 4.0, hard(0.0, 60.0), soft(0.0, 20.0), unit(Angle), words("random jitter natural");
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
     }
     outputs {
         /// The curves, one tuft each, with all that their roots had and their clearance as radius.

@@ -44,8 +44,10 @@ node! {
         min_distance: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("spacing relax poisson");
         /// Length of the guides.
         length: FieldInput = 6.0, hard(0.05, 300.0), soft(0.5, 40.0), unit(Length), handle(Handle::Length);
-        /// How much shorter a guide may be than its length, drawn for each: 0 none, 0.95 down to a twentieth.
-        length_variation: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("random vary");
+        /// Radius of the guide when it is used as a cluster.
+        radius: FieldInput = 1.0, hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), handle(Handle::Radius);
+
+        [Shape]
         /// Which way guides are laid.
         flow: Flow = Flow::Crown, words("direction part comb");
         /// The direction for that flow, in the head frame (x to the head's left, y up, z forward).
@@ -64,16 +66,20 @@ node! {
         bend: f32 = 25.0, hard(-360.0, 360.0), soft(-90.0, 180.0), unit(Angle), words("curve curl under");
         /// How strongly gravity pulls: 0 not at all, 1 lets hair hang after a few centimetres.
         droop: f32 = 0.25, hard(0.0, 10.0), soft(0.0, 2.0), unit(Ratio), words("gravity hang fall sag");
-        /// How far the direction strays at random.
-        randomness: f32 = 8.0, hard(0.0, 180.0), soft(0.0, 45.0), unit(Angle), words("jitter noise messy");
+
+        [Detail]
         /// Points on each guide, root and tip included.
         points: i64 = 10, hard(2.0, 1024.0), soft(4.0, 32.0), unit(Count), words("cvs segments");
-        /// Radius of the guide when it is used as a cluster.
-        radius: FieldInput = 1.0, hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), handle(Handle::Radius);
-        /// Seed tag; stored, mixed into ids and randomness.
-        seed: i64 = 0;
         /// Whether lengths grow with the size of the head.
         scale_with_head: bool = true;
+
+        [Randomness]
+        /// How much shorter a guide may be than its length, drawn for each: 0 none, 0.95 down to a twentieth.
+        length_variation: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("random vary");
+        /// How far the direction strays at random.
+        randomness: f32 = 8.0, hard(0.0, 180.0), soft(0.0, 45.0), unit(Angle), words("jitter noise messy");
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
     }
     outputs {
         /// Guides, one tuft each.

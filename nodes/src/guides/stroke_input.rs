@@ -30,14 +30,6 @@ node! {
         strokes: Arc<Strokes> = Strokes::default(), words("drawn pen");
         /// The head that the strokes are drawn on.
         scalp: Arc<Scalp>;
-        /// Whether strokes lie on the scalp or hang in space.
-        project: Project = Project::Scalp, words("surface snap stick");
-        /// How far over the scalp projected strokes lie. Negative is under the skin. A ramp runs from root to tip.
-        offset: FieldInput = 0.0, hard(-2.0, 20.0), soft(0.0, 2.0), unit(Length), handle(Handle::Length), words("height lift");
-        /// How far the drawn line is averaged along itself, to take out the tremble of the hand. 0 keeps every wiggle.
-        smoothing: f32 = 0.3, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), words("smooth stabilise jitter");
-        /// Distance between the points of the curves. Each curve gets the number that comes closest.
-        spacing: f32 = 0.5, hard(0.01, 100.0), soft(0.1, 2.0), unit(Length), words("resample resolution points cvs");
         /// Radius of the cluster or braid that the curve stands for. A ramp runs from root to tip.
         radius: FieldInput = 1.0, hard(0.001, 100.0), soft(0.05, 3.0), unit(Length), handle(Handle::Radius), words("width size thickness");
         /// How much the pen's pressure makes the radius: 0 not at all, 100% from nothing at no pressure to the full radius
@@ -45,6 +37,18 @@ node! {
         pressure_radius: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("pen pressure width");
         /// Whether every stroke is drawn on the other side of the head too.
         mirror: Mirror = Mirror::None, words("symmetry symmetrise flip x");
+
+        [Placement]
+        /// Whether strokes lie on the scalp or hang in space.
+        project: Project = Project::Scalp, words("surface snap stick");
+        /// How far over the scalp projected strokes lie. Negative is under the skin. A ramp runs from root to tip.
+        offset: FieldInput = 0.0, hard(-2.0, 20.0), soft(0.0, 2.0), unit(Length), handle(Handle::Length), words("height lift");
+
+        [Detail]
+        /// How far the drawn line is averaged along itself, to take out the tremble of the hand. 0 keeps every wiggle.
+        smoothing: f32 = 0.3, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), words("smooth stabilise jitter");
+        /// Distance between the points of the curves. Each curve gets the number that comes closest.
+        spacing: f32 = 0.5, hard(0.01, 100.0), soft(0.1, 2.0), unit(Length), words("resample resolution points cvs");
         /// Whether lengths here grow with the head. Strokes always do.
         scale_with_head: bool = true, words("head units");
         /// Seed tag; stored, mixed into ids and randomness.

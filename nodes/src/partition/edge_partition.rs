@@ -62,8 +62,10 @@ node! {
         /// Where between its row and the neighbour a hair is rooted: 0 at the row, 50% half-way, at the parting, 100% at the
         /// neighbour. Varies along the row.
         mediate: FieldInput = 0.5, hard(0.0, 1.0), unit(Ratio), words("mediate midpoint length position");
-        /// How far roots are scattered from there back to the row: 0 in one line, 100% all the way.
-        jitter: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("random scatter");
+        /// Diameter of a hair. A ramp runs from root to end.
+        width: FieldInput = 0.008, hard(0.0001, 1.0), soft(0.002, 0.02), unit(Length), words("thickness diameter");
+
+        [Placement]
         /// Let roots and hairs cross the partings. Off keeps every hair in its own row's ground.
         cross_partings: bool = false, words("overlap territory");
         /// Width of the bare skin of a parting; roots keep half of it from the middle.
@@ -75,6 +77,22 @@ node! {
         open_side: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 4.0), unit(Length), words("outermost hairline edge");
         /// How far ahead of the row's root hairs are rooted, swept back into the start of the braid, as far as hair grows.
         lead: f32 = 0.6, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("front hairline start");
+
+        [Shape]
+        /// How far hairs are off the scalp half-way. Varies along the row.
+        lift: FieldInput = 0.04, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), handle(Handle::Length), words("height loose puff");
+        /// How far hairs are combed along the braid: 0 square to the row, 80 nearly along it, negative against it. Varies
+        /// along the row.
+        pull_angle: FieldInput = 50.0, hard(-80.0, 80.0), unit(Angle), handle(Handle::Angle), words("sweep oblique comb direction");
+        /// How hairs turn into the braid: 0 straight from root to end, 100% they leave the parting square and end along the
+        /// braid.
+        sweep: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("curve bend comb");
+        /// Radius of the braid that the hairs end in. Varies along the row; by default the rows' own radius.
+        row_radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()), hard(0.001, 50.0), soft(0.1, 2.0), unit(Length), handle(Handle::Radius), words("braid size envelope");
+        /// How far under the braid's surface hairs end, so that their ends are hidden.
+        tuck: f32 = 0.1, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("hide depth inside");
+
+        [Clumping]
         /// Whether ends are spread along the braid or gathered.
         grouping: Grouping = Grouping::None, words("clump stitch knot gather");
         /// Hairs in a group, when every so many form one.
@@ -86,26 +104,18 @@ node! {
         /// How close the hairs of a group lie together, from root to end: 0 they only meet at the end, 1 they run as one lock.
         tightness: Arc<Ramp> = Ramp::linear(0.0, 0.7), words("clump profile gather"),
             idle(|of| matches!(of("grouping"), Some(Value::Text(is)) if *is == *"none").then_some("hairs are not grouped"));
-        /// How far hairs are off the scalp half-way. Varies along the row.
-        lift: FieldInput = 0.04, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), handle(Handle::Length), words("height loose puff");
-        /// How far hairs are combed along the braid: 0 square to the row, 80 nearly along it, negative against it. Varies
-        /// along the row.
-        pull_angle: FieldInput = 50.0, hard(-80.0, 80.0), unit(Angle), handle(Handle::Angle), words("sweep oblique comb direction");
-        /// How hairs turn into the braid: 0 straight from root to end, 100% they leave the parting square and end along the
-        /// braid.
-        sweep: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("curve bend comb");
-        /// How much hairs differ in angle, lift and where round the braid they end.
-        unevenness: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("random variation natural messy");
-        /// Radius of the braid that the hairs end in. Varies along the row; by default the rows' own radius.
-        row_radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()), hard(0.001, 50.0), soft(0.1, 2.0), unit(Length), handle(Handle::Radius), words("braid size envelope");
-        /// How far under the braid's surface hairs end, so that their ends are hidden.
-        tuck: f32 = 0.1, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("hide depth inside");
+
+        [Detail]
         /// Points on each hair, root and end included.
         cvs: i64 = 10, hard(4.0, 64.0), soft(6.0, 24.0), unit(Count), words("points resolution");
-        /// Diameter of a hair. A ramp runs from root to end.
-        width: FieldInput = 0.008, hard(0.0001, 1.0), soft(0.002, 0.02), unit(Length), words("thickness diameter");
         /// Whether lengths here grow with the head; the number of hairs then stays. The width of a hair never does.
         scale_with_head: bool = true, words("head units");
+
+        [Randomness]
+        /// How far roots are scattered from there back to the row: 0 in one line, 100% all the way.
+        jitter: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("random scatter");
+        /// How much hairs differ in angle, lift and where round the braid they end.
+        unevenness: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("random variation natural messy");
         /// Seed tag; stored, mixed into ids and randomness.
         seed: i64 = 0;
     }

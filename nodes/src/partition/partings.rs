@@ -50,12 +50,20 @@ node! {
         cell_length: f32 = 2.5, hard(0.2, 50.0), soft(0.8, 6.0), unit(Length), words("size box");
         /// Lay boxes like bricks, each over the gap of the row before, which hides the partings.
         brick: bool = true, words("offset stagger");
+        /// Width of the bare skin along a line.
+        width: f32 = 0.16, hard(0.0, 5.0), soft(0.0, 0.5), unit(Length), words("gap skin line thickness");
+
+        [Placement]
+        /// Where the pattern is drawn; usually the name of a section as a mask.
+        area: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("mask region front back section where");
+        /// Names for sections: a name and a point in it, in the head frame as above, such as `left puff 4 7 -3; fringe 0 6 8`.
+        names: Arc<str> = "", words("name label");
+
+        [Shape]
         /// How far zig-zag lines go to each side. 0 is straight.
         zigzag: f32 = 0.0, hard(0.0, 10.0), soft(0.0, 1.0), unit(Length), words("zig zag amplitude lightning");
         /// Length of one zig and one zag.
         zigzag_period: f32 = 2.0, hard(0.1, 50.0), soft(0.5, 6.0), unit(Length), words("wavelength");
-        /// How far lines stray as a hand's do. 0 is drawn with a ruler.
-        wobble: f32 = 0.04, hard(0.0, 5.0), soft(0.0, 0.3), unit(Length), words("uneven hand natural random");
         /// Turns the rows about the head, or says how far curved rows sweep.
         turn: f32 = 0.0, hard(-180.0, 180.0), soft(-90.0, 90.0), unit(Angle), handle(Handle::Angle), words("rotate slant sweep");
         /// Where rows gather or what rings lie about, in the head frame (x to the head's left, y up, z forward), centimetres on a
@@ -65,18 +73,18 @@ node! {
         gather_radius: f32 = 2.5, hard(0.1, 20.0), soft(0.5, 6.0), unit(Length), handle(Handle::Radius), words("bun ponytail tie");
         /// Lay the rows alike on both sides of the head.
         symmetric: bool = true, words("mirror");
-        /// Where the pattern is drawn; usually the name of a section as a mask.
-        area: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("mask region front back section where");
-        /// Width of the bare skin along a line.
-        width: f32 = 0.16, hard(0.0, 5.0), soft(0.0, 0.5), unit(Length), words("gap skin line thickness");
+
+        [Detail]
         /// Line ends this near to another line or to the hairline are brought to it.
         join: f32 = 0.6, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("snap weld extend close");
-        /// Names for sections: a name and a point in it, in the head frame as above, such as `left puff 4 7 -3; fringe 0 6 8`.
-        names: Arc<str> = "", words("name label");
-        /// Seed tag; stored, mixed into ids and randomness.
-        seed: i64 = 0;
         /// Whether lengths grow with the size of the head.
         scale_with_head: bool = true, words("head units");
+
+        [Randomness]
+        /// How far lines stray as a hand's do. 0 is drawn with a ruler.
+        wobble: f32 = 0.04, hard(0.0, 5.0), soft(0.0, 0.3), unit(Length), words("uneven hand natural random");
+        /// Seed tag; stored, mixed into ids and randomness.
+        seed: i64 = 0;
     }
     outputs {
         /// The head with its sections, for every node that asks for a scalp.

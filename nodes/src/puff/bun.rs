@@ -31,26 +31,34 @@ node! {
         turns: f32 = 1.6, hard(0.5, 8.0), soft(1.0, 4.0), words("coil wind wrap");
         /// Radius of the wound hair.
         thickness: f32 = 1.5, hard(0.1, 10.0), soft(0.5, 3.0), unit(Length), handle(Handle::Radius), words("radius girth rope");
+        /// Which way it is wound, seen from its top.
+        hand: Hand = Hand::Left, words("direction clockwise");
+
+        [Shape]
         /// How far each turn lies outside the last, in thicknesses: 0 stacks them, 1 lays them side by side.
         spread: f32 = 0.35, hard(0.0, 1.5), soft(0.0, 1.0), unit(Ratio), words("wide flat coil");
         /// How far each turn lies over the last, in thicknesses; negative goes down towards the head.
         rise: f32 = -0.5, hard(-1.5, 1.5), soft(-1.0, 1.0), words("tall stack");
-        /// Which way it is wound, seen from its top.
-        hand: Hand = Hand::Left, words("direction clockwise");
         /// How fast the wound hair turns about itself, in degrees a cm: 0 is smooth, 12 a rope.
         twist: f32 = 5.0, hard(-90.0, 90.0), soft(-20.0, 20.0), unit(Angle), words("rope turn");
-        /// How much shorter locks and hairs may be than others, drawn for each; short ones end in the coil.
-        uneven: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("length variation messy");
+
+        [Clumping]
         /// Locks that the hair falls into; 0: none.
         locks: i64 = 24, hard(0.0, 400.0), soft(0.0, 120.0), unit(Count), words("clumps wisps strands");
         /// How closely hairs of a lock come together at its end.
         clump: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("clumping");
-        /// How far locks and hairs wander from their place.
-        loose: f32 = 0.08, hard(0.0, 10.0), soft(0.0, 1.0), unit(Length), words("frizz messy natural");
+
+        [Detail]
         /// Points on each hair, root and tip included.
         points: i64 = 90, hard(8.0, 250.0), soft(16.0, 120.0), unit(Count), words("cvs resolution segments");
         /// Whether lengths follow the head's size.
         scale_with_head: bool = true;
+
+        [Randomness]
+        /// How much shorter locks and hairs may be than others, drawn for each; short ones end in the coil.
+        uneven: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("length variation messy");
+        /// How far locks and hairs wander from their place.
+        loose: f32 = 0.08, hard(0.0, 10.0), soft(0.0, 1.0), unit(Length), words("frizz messy natural");
         /// Seed tag; stored, mixed into ids and randomness.
         seed: i64 = 0;
     }

@@ -54,6 +54,33 @@ node! {
         position: Vec3 = Vec3::new(0.0, 6.5, -7.0), handle(Handle::Point), words("place pick height high low");
         /// Whether a second tie sits at the same place on the other side of the head, with a centre parting between.
         mirror: bool = false, words("symmetry pigtails bunches two");
+        /// Hairs on a square centimetre. People have 130 to 250.
+        density: f32 = 150.0, hard(0.0, 5000.0), soft(20.0, 300.0), unit(PerCm2), words("amount number");
+        /// How many of the hairs are kept, from none to all; usually a mask or a section.
+        mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region section paint");
+        /// Diameter of a hair.
+        width: f32 = 0.007, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
+
+        [Placement]
+        /// Hair rooted farther from its tie than this, over the scalp, is not gathered. 0: no limit.
+        reach: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 20.0), unit(Length), handle(Handle::Radius), words("area section");
+        /// Whether a tie takes only hair of the section that it sits in, where the scalp is parted.
+        own_section: bool = false, words("partings section parted area");
+        /// Width of the bare line between the hair of two ties.
+        parting: f32 = 0.15, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("part line section");
+        /// Hairs along the outer edges, at hairline and partings, for each that grows there: more make a firm edge where hair is
+        /// combed away from bare skin.
+        edge_density: f32 = 1.0, hard(1.0, 12.0), soft(1.0, 6.0), words("hairline parting edge dense laid crisp");
+        /// How far in from an edge hair is denser.
+        edge_width: f32 = 0.7, hard(0.0, 10.0), soft(0.2, 2.0), unit(Length), words("hairline parting edge");
+
+        [Shape]
+        /// How thick hair lies on hair: 1 as thick as fills the tie, 0 all on the skin.
+        volume: f32 = 1.0, hard(0.0, 4.0), soft(0.0, 2.0), unit(Ratio), words("lift body fullness");
+        /// How far hair lies over the skin at least, past its root.
+        clearance: f32 = 0.03, hard(0.0, 5.0), soft(0.0, 0.3), unit(Length), words("lift offset");
+
+        [Tie]
         /// Height over the scalp at which hair leaves the tie.
         height: f32 = 1.2, hard(0.1, 30.0), soft(0.3, 4.0), unit(Length), handle(Handle::Length), words("stand off");
         /// Radius of the hair in the tie. A full head of straight hair has 1 to 1.5 cm.
@@ -62,41 +89,24 @@ node! {
         lean: f32 = 0.0, hard(-80.0, 80.0), soft(-60.0, 60.0), unit(Angle), handle(Handle::Angle), words("tilt angle direction");
         /// How tightly hair is drawn in: 1 bends sharply up into the tie and lies flat until then, 0 rises to it from far.
         tightness: f32 = 0.75, hard(0.0, 1.0), unit(Ratio), words("elastic band tension");
-        /// Hairs on a square centimetre. People have 130 to 250.
-        density: f32 = 150.0, hard(0.0, 5000.0), soft(20.0, 300.0), unit(PerCm2), words("amount number");
-        /// Hairs along the outer edges, at hairline and partings, for each that grows there: more make a firm edge where hair is
-        /// combed away from bare skin.
-        edge_density: f32 = 1.0, hard(1.0, 12.0), soft(1.0, 6.0), words("hairline parting edge dense laid crisp");
-        /// How far in from an edge hair is denser.
-        edge_width: f32 = 0.7, hard(0.0, 10.0), soft(0.2, 2.0), unit(Length), words("hairline parting edge");
-        /// How many of the hairs are kept, from none to all; usually a mask or a section.
-        mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region section paint");
-        /// Hair rooted farther from its tie than this, over the scalp, is not gathered. 0: no limit.
-        reach: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 20.0), unit(Length), handle(Handle::Radius), words("area section");
-        /// Whether a tie takes only hair of the section that it sits in, where the scalp is parted.
-        own_section: bool = false, words("partings section parted area");
-        /// Width of the bare line between the hair of two ties.
-        parting: f32 = 0.15, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("part line section");
-        /// How thick hair lies on hair: 1 as thick as fills the tie, 0 all on the skin.
-        volume: f32 = 1.0, hard(0.0, 4.0), soft(0.0, 2.0), unit(Ratio), words("lift body fullness");
-        /// How far hair lies over the skin at least, past its root.
-        clearance: f32 = 0.03, hard(0.0, 5.0), soft(0.0, 0.3), unit(Length), words("lift offset");
+        /// Turns of the band's guide round the tie; 0 gives no band.
+        band_turns: f32 = 3.0, hard(0.0, 20.0), soft(0.0, 6.0), words("wrap hair elastic");
+        /// Height that the band covers.
+        band_height: f32 = 0.7, hard(0.0, 10.0), soft(0.2, 2.0), unit(Length), words("wrap hair elastic");
+
+        [Detail]
+        /// Points on each hair, root and end included.
+        points: i64 = 20, hard(4.0, 200.0), soft(8.0, 40.0), unit(Count), words("cvs resolution segments");
+        /// Whether lengths follow the head's size.
+        scale_with_head: bool = true;
+
+        [Randomness]
         /// How far hairs wander to the side on their way. 0 is combed perfectly.
         wander: f32 = 0.08, hard(0.0, 5.0), soft(0.0, 0.5), unit(Length), words("jitter random messy natural");
         /// Share of hairs that stand off from the others on their way.
         stray: f32 = 0.01, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("flyaways loose");
         /// How far they stand off at most.
         stray_height: f32 = 0.5, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("flyaways loose");
-        /// Turns of the band's guide round the tie; 0 gives no band.
-        band_turns: f32 = 3.0, hard(0.0, 20.0), soft(0.0, 6.0), words("wrap hair elastic");
-        /// Height that the band covers.
-        band_height: f32 = 0.7, hard(0.0, 10.0), soft(0.2, 2.0), unit(Length), words("wrap hair elastic");
-        /// Points on each hair, root and end included.
-        points: i64 = 20, hard(4.0, 200.0), soft(8.0, 40.0), unit(Count), words("cvs resolution segments");
-        /// Diameter of a hair.
-        width: f32 = 0.007, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
-        /// Whether lengths follow the head's size.
-        scale_with_head: bool = true;
         /// Seed tag; stored, mixed into ids and randomness.
         seed: i64 = 0;
     }

@@ -53,7 +53,26 @@ node! {
         /// Radius on the scalp within which hair is rooted.
         root_radius: f32 = 3.0, hard(0.01, 30.0), soft(0.5, 8.0), unit(Length), handle(Handle::Radius), words("base section");
         /// Radius of the sphere.
-        sphere_radius: f32 = 6.0, hard(0.1, 60.0), soft(2.0, 15.0), unit(Length), handle(Handle::Radius), words("size ball");
+        sphere_radius: f32 = 6.0, hard(0.1, 60.0), soft(2.0, 15.0), unit(Length), handle(Handle::Ball), words("size ball");
+        /// Whether the number of hairs is given, or how densely they are rooted.
+        fill: Fill = Fill::Count;
+        /// Hairs in a puff, when given by count. More only adds hairs.
+        count: i64 = 6000, hard(0.0, 1000000.0), soft(500.0, 20000.0), unit(Count), words("amount hairs strands"),
+            idle(|of| unless(of, "fill", "count", "the number goes by density"));
+        /// Hairs to each square centimetre of roots, when given by density.
+        density: f32 = 200.0, hard(0.0, 5000.0), soft(20.0, 600.0), unit(PerCm2), words("amount hairs strands"),
+            idle(|of| unless(of, "fill", "density", "the number goes by count"));
+        /// By which share hair will shrink when it is curled: `fibre_length` is so much longer than the hair's way to the sphere. A curl
+        /// that keeps the fibre's length then ends at the sphere, unless it shrinks more.
+        shrinkage: f32 = 0.75, hard(0.0, 0.95), soft(0.0, 0.9), unit(Ratio), words("fibre length curl");
+
+        [Placement]
+        /// How deep under the sphere the outermost tips end, as a share of its radius.
+        depth_from: f32 = 0.0, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("tip depth soft");
+        /// How deep under the sphere the innermost tips end, as a share of its radius.
+        depth_to: f32 = 0.1, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("tip depth soft");
+
+        [Shape]
         /// What the tips lie on.
         shape: Shape = Shape::Sphere, words("outline silhouette ellipsoid mesh drawn trim topiary");
         /// Half axes of the ellipsoid in sphere radii: to the puff's right, along its axis, ahead.
@@ -65,13 +84,6 @@ node! {
         front: Option<Curves>, words("outline silhouette draw stroke");
         /// Closed outline as seen from the side, drawn round the sphere's middle.
         side: Option<Curves>, words("outline silhouette draw stroke");
-        /// How far tips may lie within or outside the outline; most lie close to it. 0 is the clean outline.
-        edge_softness: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 1.5), unit(Length), words("fuzzy halo frizz natural");
-        /// Share of hairs that reach over the outline.
-        stray: f32 = 0.0, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("flyaways loose");
-        /// How far they reach over it at most.
-        stray_length: f32 = 0.8, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("flyaways loose"),
-            idle(|of| matches!(of("stray"), Some(Value::Float(0.0))).then_some("no hair strays"));
         /// How flat the puffs of this node press against each other where they meet, and against the head: 0 lets them overlap, 1 ends
         /// them at the plane between, and just over the skin. Puffs of several nodes are pressed by Press puffs.
         flatten: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("press collide touch");
@@ -79,35 +91,33 @@ node! {
         offset: Option<f32>, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), handle(Handle::Length), words("height centre");
         /// Angle from the top of the sphere down to which tips reach: 90 degrees is the upper half, 175 (the most) all but the foot.
         coverage: f32 = 140.0, hard(10.0, 175.0), soft(60.0, 160.0), unit(Angle), handle(Handle::Angle), words("cap cone");
-        /// Rows of guides from the top down, each as far in area from the next.
-        rows: i64 = 6, hard(1.0, 200.0), soft(2.0, 16.0), unit(Count);
-        /// Guides in a row.
-        columns: i64 = 16, hard(3.0, 400.0), soft(6.0, 40.0), unit(Count);
+        /// How the hair runs from the tie to the sphere, from 0 (straight) to 1 (through the middle, ending square to the sphere).
+        bulge: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("round swell");
+
+        [Tie]
         /// Height over the scalp at which the hair is tied.
         tie_height: f32 = 1.0, hard(0.0, 30.0), soft(0.0, 4.0), unit(Length), handle(Handle::Length), words("root gather band elastic");
         /// How tightly the tie gathers the hair, from 0 (as wide as its roots) to 1 (to a point, nearly).
         tightness: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("root gather band elastic");
-        /// How the hair runs from the tie to the sphere, from 0 (straight) to 1 (through the middle, ending square to the sphere).
-        bulge: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("round swell");
-        /// Whether the number of hairs is given, or how densely they are rooted.
-        fill: Fill = Fill::Count;
-        /// Hairs in a puff, when given by count. More only adds hairs.
-        count: i64 = 6000, hard(0.0, 1000000.0), soft(500.0, 20000.0), unit(Count), words("amount hairs strands"),
-            idle(|of| unless(of, "fill", "count", "the number goes by density"));
-        /// Hairs to each square centimetre of roots, when given by density.
-        density: f32 = 200.0, hard(0.0, 5000.0), soft(20.0, 600.0), unit(PerCm2), words("amount hairs strands"),
-            idle(|of| unless(of, "fill", "density", "the number goes by count"));
-        /// How deep under the sphere the outermost tips end, as a share of its radius.
-        depth_from: f32 = 0.0, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("tip depth soft");
-        /// How deep under the sphere the innermost tips end, as a share of its radius.
-        depth_to: f32 = 0.1, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("tip depth soft");
-        /// By which share hair will shrink when it is curled: `fibre_length` is so much longer than the hair's way to the sphere. A curl
-        /// that keeps the fibre's length then ends at the sphere, unless it shrinks more.
-        shrinkage: f32 = 0.75, hard(0.0, 0.95), soft(0.0, 0.9), unit(Ratio), words("fibre length curl");
+
+        [Detail]
+        /// Rows of guides from the top down, each as far in area from the next.
+        rows: i64 = 6, hard(1.0, 200.0), soft(2.0, 16.0), unit(Count);
+        /// Guides in a row.
+        columns: i64 = 16, hard(3.0, 400.0), soft(6.0, 40.0), unit(Count);
         /// Points on each curve.
         points: i64 = 24, hard(6.0, 1000.0), soft(8.0, 64.0), unit(Count), words("cvs resolution segments");
         /// Whether lengths follow the head's size.
         scale_with_head: bool = true;
+
+        [Randomness]
+        /// How far tips may lie within or outside the outline; most lie close to it. 0 is the clean outline.
+        edge_softness: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 1.5), unit(Length), words("fuzzy halo frizz natural");
+        /// Share of hairs that reach over the outline.
+        stray: f32 = 0.0, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("flyaways loose");
+        /// How far they reach over it at most.
+        stray_length: f32 = 0.8, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("flyaways loose"),
+            idle(|of| matches!(of("stray"), Some(Value::Float(0.0))).then_some("no hair strays"));
         /// Seed tag; stored, mixed into ids and randomness.
         seed: i64 = 0;
     }

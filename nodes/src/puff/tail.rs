@@ -28,6 +28,12 @@ node! {
         scalp: Arc<Scalp>;
         /// Length past the tie.
         length: f32 = 35.0, hard(0.5, 200.0), soft(5.0, 80.0), unit(Length), handle(Handle::Length);
+        /// Thickness along the tail, from tie to tip, in thicknesses of the tie.
+        profile: Arc<Ramp> = profile(), hard(0.0, 100.0), soft(0.0, 2.0), words("taper fullness shape");
+        /// How much sooner hair ends that came from farther away: 1 leaves all hair as long as it grew, 0 is cut level.
+        layers: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("cut taper length");
+
+        [Shape]
         /// Radius of the arch in which the tail falls: large tails stand off farther before they hang.
         arch: f32 = 3.0, hard(0.2, 100.0), soft(1.0, 12.0), unit(Length), words("gravity stiffness lift bounce");
         /// How far the tail swings to the head's left, from hanging straight down; negative to its right.
@@ -40,24 +46,26 @@ node! {
         sway_length: f32 = 28.0, hard(1.0, 200.0), soft(8.0, 60.0), unit(Length), words("s curve wave movement");
         /// How far over skin the middle of the tail hangs at least, in its own radii there.
         clearance: f32 = 0.8, hard(0.0, 10.0), soft(0.3, 2.0), words("collide rest head neck shoulders");
-        /// Thickness along the tail, from tie to tip, in thicknesses of the tie.
-        profile: Arc<Ramp> = profile(), hard(0.0, 100.0), soft(0.0, 2.0), words("taper fullness shape");
-        /// How much sooner hair ends that came from farther away: 1 leaves all hair as long as it grew, 0 is cut level.
-        layers: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("cut taper length");
-        /// How much shorter locks and hairs may be than others, drawn for each.
-        uneven: f32 = 0.25, hard(0.0, 0.95), unit(Ratio), words("length variation taper random");
+        /// How fast the tail turns about itself, in degrees a cm.
+        twist: f32 = 0.0, hard(-90.0, 90.0), soft(-20.0, 20.0), unit(Angle), words("rope turn");
+
+        [Clumping]
         /// Locks that the tail falls into; 0: none.
         locks: i64 = 40, hard(0.0, 400.0), soft(0.0, 120.0), unit(Count), words("clumps wisps strands");
         /// How closely hairs of a lock come together at its tip.
         clump: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("clumping tip wisps");
-        /// How far locks and hairs wander from their place.
-        loose: f32 = 0.25, hard(0.0, 10.0), soft(0.0, 1.5), unit(Length), words("frizz messy natural");
-        /// How fast the tail turns about itself, in degrees a cm.
-        twist: f32 = 0.0, hard(-90.0, 90.0), soft(-20.0, 20.0), unit(Angle), words("rope turn");
+
+        [Detail]
         /// Points on each hair, root and tip included.
         points: i64 = 60, hard(8.0, 250.0), soft(16.0, 120.0), unit(Count), words("cvs resolution segments");
         /// Whether lengths follow the head's size.
         scale_with_head: bool = true;
+
+        [Randomness]
+        /// How much shorter locks and hairs may be than others, drawn for each.
+        uneven: f32 = 0.25, hard(0.0, 0.95), unit(Ratio), words("length variation taper random");
+        /// How far locks and hairs wander from their place.
+        loose: f32 = 0.25, hard(0.0, 10.0), soft(0.0, 1.5), unit(Length), words("frizz messy natural");
         /// Seed tag; stored, mixed into ids and randomness.
         seed: i64 = 0;
     }

@@ -37,17 +37,28 @@ node! {
         /// A mesh file (.obj, .gltf or .glb), used instead of the built-in head. Its uvs, materials and vertex colours are
         /// kept as uvs and masks.
         mesh: Option<Arc<FileData>>, words("file import model");
+        /// Parts of the mesh that are no head, such as hair, hats and glasses: they are no skin, no hair grows on them, and the
+        /// sphere is not fitted to them. Names of meshes, nodes, groups or materials, or "piece 2" for the second largest piece of a
+        /// mesh without names, separated by commas, in any case; `*` stands for any text, as in `hair*, *glasses`. What looks like
+        /// such a part is proposed in the messages.
+        leave_out: Arc<str> = "", words("hide ignore exclude remove hair hat helmet glasses lashes brows part material");
+        /// Where hair grows.
+        region: Region = Region::Default, words("scalp area growth hairline density map");
+        /// The painted mask, or the materials, that say where hair grows. Several materials are separated by commas.
+        region_name: Arc<str> = "", words("vertex colour color paint material name");
+        /// The hairline as one closed stroke on the head; hair grows on the crown's side of it. Further strokes enclose
+        /// further regions.
+        hairline: Arc<Strokes> = Strokes::default(), words("edge outline");
+        /// Width over which the edge of a default or drawn region fades. 0 is a sharp edge.
+        edge: f32 = 0.5, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("soft fade falloff");
+
+        [Placement]
         /// What one unit of the file measures. Auto takes what the file states, else what makes the cranium as large as a
         /// person's.
         units: Units = Units::Auto, words("scale metres centimetres inches");
         /// Centimetres in one unit of the file, when units are set to custom.
         scale: f32 = 1.0, hard(0.000001, 1000000.0), soft(0.1, 100.0), words("size"),
             idle(|of| unless(of, "units", "custom", "the units of the file are known"));
-        /// Parts of the mesh that are no head, such as hair, hats and glasses: they are no skin, no hair grows on them, and the
-        /// sphere is not fitted to them. Names of meshes, nodes, groups or materials, or "piece 2" for the second largest piece of a
-        /// mesh without names, separated by commas, in any case; `*` stands for any text, as in `hair*, *glasses`. What looks like
-        /// such a part is proposed in the messages.
-        leave_out: Arc<str> = "", words("hide ignore exclude remove hair hat helmet glasses lashes brows part material");
         /// The file's axis that points up; the mesh is turned to Y up. Where no head is found so, the other axes are tried.
         up: Up = Up::Y, words("axis orientation z-up");
         /// The file's axis that the face looks along. Auto finds the plane that the head mirrors in, and the end of it that is
@@ -61,15 +72,6 @@ node! {
         radius: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 12.0), unit(Length), handle(Handle::Radius), words("size");
         /// Moves the centre of the cranium, in cm along the head's right, up and forward.
         centre: Vec3 = Vec3::ZERO, handle(Handle::Point), words("center offset origin");
-        /// Where hair grows.
-        region: Region = Region::Default, words("scalp area growth hairline density map");
-        /// The painted mask, or the materials, that say where hair grows. Several materials are separated by commas.
-        region_name: Arc<str> = "", words("vertex colour color paint material name");
-        /// The hairline as one closed stroke on the head; hair grows on the crown's side of it. Further strokes enclose
-        /// further regions.
-        hairline: Arc<Strokes> = Strokes::default(), words("edge outline");
-        /// Width over which the edge of a default or drawn region fades. 0 is a sharp edge.
-        edge: f32 = 0.5, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("soft fade falloff");
     }
     outputs {
         /// The head with its frame, its masks and the region where hair grows.

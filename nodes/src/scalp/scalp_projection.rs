@@ -37,6 +37,8 @@ node! {
         /// How far the line on the scalp is averaged along itself, where closest points jump or bunch. 0 takes the closest
         /// points as they are.
         smoothing: f32 = 0.5, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), words("smooth relax");
+
+        [Detail]
         /// Add points until the curve follows the scalp between them too. Off keeps the number of points.
         refine: bool = true, words("resample subdivide points");
         /// How far the curve may leave the scalp between its points.

@@ -39,8 +39,6 @@ node! {
         redness: f32 = 0.1, hard(0.0, 1.0), unit(Ratio), words("pheomelanin warm red ginger auburn");
         /// How the colour goes from that of the root (0) to that of the tip (1), root at the left.
         profile: Arc<Ramp> = Ramp::smooth(0.0, 1.0), words("gradient blend falloff ombre");
-        /// How much more or less pigment single hairs have: 0.2 means up to about a fifth.
-        variation: f32 = 0.2, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("random vary");
         /// Share of hairs that are grey, which is white among the others. A mask greys temples first.
         grey: FieldInput = 0.0, hard(0.0, 1.0), unit(Ratio), words("gray white salt pepper age silver");
         /// How many hairs stand between grey and not: 0 makes each the one or the other.
@@ -51,6 +49,10 @@ node! {
         dye_amount: FieldInput = 1.0, hard(0.0, 4.0), soft(0.0, 1.0), unit(Ratio), words("strength roots tips");
         /// How much of the new colour covers the old: 0 leaves hair as it is, 1 covers it. A mask makes streaks.
         amount: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("mix opacity mask highlights");
+
+        [Randomness]
+        /// How much more or less pigment single hairs have: 0.2 means up to about a fifth.
+        variation: f32 = 0.2, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("random vary");
         /// Seed tag; stored, mixed into randomness.
         seed: i64 = 0;
     }

@@ -38,22 +38,26 @@ node! {
         scalp: Arc<Scalp>;
         /// Radius of what is implanted.
         radius: f32 = 1.0, hard(0.001, 100.0), soft(0.1, 3.0), unit(Length), words("width size thickness cluster");
-        /// Length of a segment of what is implanted or lengthened.
-        segment: f32 = 2.0, hard(0.05, 100.0), soft(0.5, 4.0), unit(Length), words("spacing cvs points resolution");
-        /// How far curves are looked for that tell a new one how deep to go, and how full to be.
-        tau: f32 = 4.0, hard(0.01, 100.0), soft(1.0, 10.0), unit(Length), words("neighbours reach distance depth");
-        /// Reach of a comb in pixels of the picture that was drawn on, and length of the pieces that a stroke pushes with.
-        rho: f32 = 30.0, hard(2.0, 1000.0), soft(10.0, 100.0), words("comb radius pixels force size");
-        /// How far a curve nearby may run elsewhere on the picture and still tell a new one how deep to go.
-        angle: f32 = 30.0, hard(0.0, 180.0), soft(5.0, 60.0), unit(Angle), words("neighbours similar direction");
         /// How full an implant is where no cluster is near; elsewhere it is as full as those.
         density: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("fullness default");
+        /// Reach of a comb in pixels of the picture that was drawn on, and length of the pieces that a stroke pushes with.
+        rho: f32 = 30.0, hard(2.0, 1000.0), soft(10.0, 100.0), words("comb radius pixels force size");
+
+        [Shape]
+        /// How far curves are looked for that tell a new one how deep to go, and how full to be.
+        tau: f32 = 4.0, hard(0.01, 100.0), soft(1.0, 10.0), unit(Length), words("neighbours reach distance depth");
+        /// How far a curve nearby may run elsewhere on the picture and still tell a new one how deep to go.
+        angle: f32 = 30.0, hard(0.0, 180.0), soft(5.0, 60.0), unit(Angle), words("neighbours similar direction");
         /// How much combed hair also turns towards the depth in which the curves about it run: 0 keeps its depth.
         follow: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("comb neighbours direction side view");
-        /// Seed tag; stored, mixed into the ids of implants.
-        seed: i64 = 0;
+
+        [Detail]
+        /// Length of a segment of what is implanted or lengthened.
+        segment: f32 = 2.0, hard(0.05, 100.0), soft(0.5, 4.0), unit(Length), words("spacing cvs points resolution");
         /// Whether lengths here grow with the head. Gestures always do.
         scale_with_head: bool = true, words("head units");
+        /// Seed tag; stored, mixed into the ids of implants.
+        seed: i64 = 0;
     }
     outputs {
         /// The curves as the pen left them: one tuft for each, with radius, density, frizz, roll, colour and pins.

@@ -4,23 +4,28 @@
 //! Guarantees: a frame costs what its visible rows cost; the tree is made anew only when the document or what is shown
 //! changed, and not while something is dragged. Eyes, locks and isolating are view state and never change a groom.
 
+mod eyes;
 #[cfg(test)]
 mod tests;
 mod tree;
 
 use super::evaluation::{Shown, first_output};
 use super::event::Event;
+use super::panel;
+use super::rooms::Room;
 use super::state::{Select, State};
 use super::theme;
 use super::visibility::Visibility;
 use crate::inspector::text::{set_name, text_field};
 use crate::words::grouped;
-use coif_graphs::document::NodeId;
 use coif_graphs::document::edit::Edit;
+use coif_graphs::document::graph;
+use coif_graphs::document::{Document, NodeId};
 use egui::{
     Align2, EventFilter, Key, Modifiers, Rect, Response, ScrollArea, Sense, Stroke, StrokeKind,
     TextEdit, TextStyle, Ui, WidgetInfo, WidgetType, pos2, vec2,
 };
+use eyes::{EYES, eye_buttons, toggled};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Weak};
 use tree::{BESIDE, Groups, Item, Row, Tree, groups, kin, outputs};
@@ -43,15 +48,48 @@ pub(crate) struct Outliner {
     renaming: Option<(Option<NodeId>, NodeId)>,
     /// Whether renaming begins in this frame.
     begun: bool,
+    /// The row of what is selected is to be brought in sight.
+    reveals: bool,
+    /// Somebody asked with a key for the menu of the row at the cursor.
+    menu_by_key: bool,
 }
 
 const INDENT: f32 = 14.0;
 
 impl Outliner {
+    /// Brings the braid or cluster of the selected hair in sight, at the next frame.
+    pub(crate) fn reveal(&mut self) {
+        self.reveals = true;
+    }
+
+    /// Opens the menu of the row at the cursor, at the next frame.
+    pub(crate) fn open_menu_by_key(&mut self) {
+        self.menu_by_key = true;
+    }
+
+    /// Opens what the selected hair stands below, and gives the number of its row.
+    fn revealed(&mut self, state: &State) -> Option<usize> {
+        if !std::mem::take(&mut self.reveals) {
+            return None;
+        }
+        self.filter.clear();
+        let above = self.lit.iter().filter_map(|item| match item {
+            Item::Braid(node, _) | Item::Beside(node, _) | Item::Parent(node, _) => Some(node),
+            _ => None,
+        });
+        self.open.extend(above.map(|node| (Item::Node(node.clone()), true)));
+        self.made = None;
+        self.look(state);
+        let found = self.rows.iter().position(|row| self.lit.contains(&row.item))?;
+        self.cursor = found;
+        Some(found)
+    }
+
     /// Shows the tree and says what is done in it.
     pub(crate) fn ui(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         self.look(state);
         self.light(state);
+        let revealed = self.revealed(state);
         ui.horizontal(|ui| {
             let all = !state.visibility.shows_all();
             let show = ui.add_enabled(all, egui::Button::new("Show all"));
@@ -83,6 +121,11 @@ impl Outliner {
             let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
             let list = ui.interact(rect, ui.id().with("list"), Sense::focusable_noninteractive());
             self.keys(state, ui, &list, out);
+            if let Some(i) = revealed {
+                let top = rect.top() + height * i as f32;
+                let line = Rect::from_min_size(pos2(rect.left(), top), vec2(10.0, height));
+                ui.scroll_to_rect(line, Some(egui::Align::Center));
+            }
             let first = (view.top() / height).floor().max(0.0) as usize;
             let last = (view.bottom() / height).ceil().max(0.0) as usize;
             let mut toggled = None;
@@ -236,6 +279,15 @@ impl Outliner {
         if !row.names.is_empty() {
             eye_buttons(state, ui, &row, id, line, out);
         }
+        let by_key = self.cursor == i && std::mem::take(&mut self.menu_by_key);
+        let opens = by_key.then_some(line.center()).or_else(|| panel::right_click(&response));
+        if opens.is_some() {
+            self.cursor = i;
+            if !is_selected {
+                select(state, &row.item, false, out);
+            }
+        }
+        panel::menu_at(&response, opens, |ui| self.menu(state, ui, &row, out));
         if response.double_clicked()
             && let Item::Node(node) = &row.item
         {
@@ -252,6 +304,63 @@ impl Outliner {
         };
         response.on_hover_text(tip);
         toggled
+    }
+
+    /// What the right button offers on a row.
+    fn menu(&mut self, state: &State, ui: &mut Ui, row: &Row, out: &mut Vec<Event>) {
+        let entry = |ui: &mut Ui, can: bool, text: &str, tip: &str| {
+            let button = ui.add_enabled(can, egui::Button::new(text));
+            let clicked = button.on_hover_text(tip).on_disabled_hover_text(tip).clicked();
+            if clicked {
+                ui.close();
+            }
+            clicked
+        };
+        let below = matches!(row.item, Item::Makers(_));
+        if entry(ui, !below, "Select", "Selects it, as a click on the row does.") {
+            select(state, &row.item, false, out);
+        }
+        if entry(ui, !below, "Frame", "Fills the picture with it.") {
+            if matches!(row.item, Item::Node(_)) {
+                out.push(Event::Select(Select::Curves(BTreeSet::new())));
+            }
+            select(state, &row.item, false, out);
+            out.push(Event::Act("view.frame_selected"));
+        }
+        if !row.names.is_empty() {
+            ui.separator();
+            for (eye, signs) in EYES {
+                let on = eye.is_on(&state.visibility, &row.names);
+                if entry(ui, true, signs[usize::from(on)], eye.tip()) {
+                    out.push(eye.toggled(&state.visibility, &row.names));
+                }
+            }
+        }
+        if !state.visibility.shows_all() {
+            panel::actions(ui, &["view.show_all"], out);
+        }
+        let of = match &row.item {
+            Item::Node(node) => node,
+            Item::Makers(node) | Item::Braid(node, _) | Item::Beside(node, _) => node,
+            Item::Strand(node, ..) | Item::Parent(node, _) => node,
+        };
+        ui.separator();
+        if let Item::Node(node) = &row.item
+            && entry(ui, true, "Rename", "Gives the node another name.")
+        {
+            (self.renaming, self.begun) = (Some((row.under.clone(), node.clone())), true);
+        }
+        let colours = coloured_by(&state.document, of);
+        let tip = match colours {
+            Some(_) => "Selects the node that gives the hair its colour, for the inspector.",
+            None => "No node before it gives hair a colour: add Hair colour among the nodes.",
+        };
+        if entry(ui, colours.is_some(), "Colour…", tip)
+            && let Some(node) = colours
+        {
+            out.push(Event::Select(Select::Nodes(vec![node])));
+            out.push(Event::Show(Room::Inspector));
+        }
     }
 
     fn renaming_here(&self, row: &Row) -> bool {
@@ -338,61 +447,18 @@ impl Outliner {
     }
 }
 
-/// The eye, the lock and isolating, at the right of a row.
-fn eye_buttons(state: &State, ui: &Ui, row: &Row, id: egui::Id, line: Rect, out: &mut Vec<Event>) {
-    let height = line.height();
-    let view = &state.visibility;
-    for (i, what) in ["Hide", "Isolate", "Lock"].into_iter().enumerate() {
-        let set = [&view.hidden, &view.alone, &view.locked][i];
-        let on = row.names.iter().all(|name| set.contains(name));
-        let left = line.right() - height * (3 - i) as f32;
-        let at = Rect::from_min_size(pos2(left, line.top()), vec2(height, height));
-        let response = ui.interact(at, id.with(what), Sense::click());
-        let sign = match (i, on) {
-            (0, true) => "–",
-            (0, false) => "👁",
-            (1, _) => "◎",
-            (_, true) => "🔒",
-            (_, false) => "🔓",
-        };
-        let strong = on || response.hovered();
-        let colour = match (i, strong) {
-            (1, true) if on => theme::ACCENT,
-            (_, true) => theme::TEXT,
-            // What is not in use steps back.
-            (0, false) => theme::QUIET,
-            _ => theme::QUIET.gamma_multiply(0.5),
-        };
-        let font = TextStyle::Body.resolve(ui.style());
-        ui.painter_at(line).text(at.center(), Align2::CENTER_CENTER, sign, font, colour);
-        let name = format!("{what} {}", row.name);
-        response.widget_info(|| WidgetInfo::selected(WidgetType::Checkbox, true, on, &name));
-        if response.clicked() {
-            let new = toggled(set, &row.names);
-            let mut view = view.clone();
-            *[&mut view.hidden, &mut view.alone, &mut view.locked][i] = new;
-            out.push(Event::Visibility(view));
-        }
-        response.on_hover_text(match i {
-            0 => "Hides this hair in the viewport, or shows it again. Space does the same.",
-            1 => "Shows this hair alone, with what else is isolated.",
-            _ => "Keeps the pen off this hair.",
-        });
-    }
+/// The node that gives the hair of a node its colour: the last one before it that sets one.
+fn coloured_by(document: &Document, node: &NodeId) -> Option<NodeId> {
+    let way = graph::upstream(document, [node]);
+    let colours = |id: &&NodeId| {
+        let node = document.node(id.as_str());
+        way.contains(*id) && node.is_some_and(|n| COLOURS.contains(&n.kind.as_str()))
+    };
+    graph::order(document).ok()?.iter().rev().find(colours).cloned()
 }
 
-/// The set with all of the names, or without them where it had all.
-fn toggled(set: &BTreeSet<u64>, names: &[u64]) -> BTreeSet<u64> {
-    let mut set = set.clone();
-    if names.iter().all(|name| set.contains(name)) {
-        for name in names {
-            set.remove(name);
-        }
-    } else {
-        set.extend(names);
-    }
-    set
-}
+/// Kinds of nodes that set the colour of hair.
+const COLOURS: [&str; 2] = ["hair_colour", "set_colour"];
 
 /// Selects what a row stands for.
 fn select(state: &State, item: &Item, add: bool, out: &mut Vec<Event>) {

@@ -232,3 +232,41 @@ fn a_frame_of_many_clusters_costs_little() {
     println!("outliner of 50,000 clusters: {ms:.2} ms a frame (dev)");
     assert!(ms < 60.0, "{ms}");
 }
+
+#[test]
+fn the_right_button_offers_what_can_be_done_with_a_row() {
+    let (mut hands, output) = hands("cornrows", braids());
+    let open = |hands: &mut Harness<'static, Bench>, row: &str| {
+        hands.get_by_label(row).click_secondary();
+        hands.run_steps(4);
+    };
+    open(&mut hands, "Braid 2");
+    let selected = hands.state().editor.state.selection.curves.clone();
+    assert_eq!(selected, (800..812).collect(), "the row is selected");
+    assert!(hands.query_by_label("Rename").is_none(), "a braid has no name of its own");
+    click(&mut hands, "Isolate");
+    assert_eq!(hands.state().editor.state.visibility.alone, [8].into());
+    open(&mut hands, "Braid 2");
+    click(&mut hands, "Isolate no more");
+    assert!(hands.state().editor.state.visibility.shows_all());
+    let name = hands.state().editor.state.document.name_of(&output).into_owned();
+    open(&mut hands, &name);
+    click(&mut hands, "Rename");
+    hands.get_by_label("New name");
+}
+
+#[test]
+fn selected_hair_is_found_in_the_tree() {
+    let (mut hands, _) = hands("cornrows", braids());
+    let closed = hands.get_all_by_label_contains("Close ").next();
+    closed.expect("an open output").click();
+    hands.run_steps(3);
+    assert!(hands.query_by_label("Braid 2").is_none());
+    hands.state_mut().editor.apply(Event::Select(Select::Curves([805].into())));
+    hands.run_steps(2);
+    hands.state_mut().outliner.reveal();
+    hands.run_steps(3);
+    let row = &hands.state().outliner.rows[hands.state().outliner.cursor];
+    assert_eq!(row.name, "Braid 2");
+    hands.get_by_label("Braid 2");
+}
