@@ -21,8 +21,8 @@ const NATURAL: &[(&str, f32, f32, f32)] = &[
     ("Brown", 0.8, 0.75, 0.12),
     ("Light brown", 0.65, 0.58, 0.15),
     ("Auburn", 0.75, 0.7, 0.55),
-    ("Copper", 0.55, 0.48, 0.8),
-    ("Ginger", 0.42, 0.35, 1.0),
+    ("Copper", 0.45, 0.38, 0.85),
+    ("Ginger", 0.34, 0.28, 1.0),
     ("Dark blond", 0.45, 0.38, 0.15),
     ("Blond", 0.3, 0.24, 0.12),
     ("Light blond", 0.17, 0.12, 0.08),
@@ -39,24 +39,29 @@ fn shown(colour: Vec3) -> [u8; 3] {
     colour.to_array().map(|c| egui::ecolor::gamma_u8_from_linear_f32(c.clamp(0.0, 1.0)))
 }
 
-/// The pigment whose colour on the screen comes nearest: melanin and redness.
-fn nearest(wanted: [u8; 3]) -> (f32, f32) {
-    let off = |melanin: f32, redness: f32| -> i32 {
-        let got = shown(of_pigment(melanin, redness));
-        got.iter().zip(wanted).map(|(a, b)| (i32::from(*a) - i32::from(b)).pow(2)).sum()
-    };
-    let grid = (0..=100u8).flat_map(|m| (0..=20u8).map(move |r| (m, r)));
-    let of = |(m, r): (u8, u8)| (f32::from(m) / 100.0, f32::from(r) / 20.0);
-    let best = grid.map(of).min_by_key(|(m, r)| off(*m, *r));
-    best.unwrap_or((0.9, 0.1))
+/// How far the colour of a pigment is off on the screen: squares of 255ths of the channels, summed.
+fn off((melanin, redness): (f32, f32), wanted: [u8; 3]) -> i32 {
+    let got = shown(of_pigment(melanin, redness));
+    got.iter().zip(wanted).map(|(a, b)| (i32::from(*a) - i32::from(b)).pow(2)).sum()
+}
+
+/// The pigment of these rednesses whose colour on the screen comes nearest: melanin and redness.
+fn nearest(wanted: [u8; 3], rednesses: impl Iterator<Item = f32>) -> (f32, f32) {
+    let all = rednesses.flat_map(|r| (0..=100u8).map(move |m| (f32::from(m) / 100.0, r)));
+    all.min_by_key(|it| off(*it, wanted)).unwrap_or((0.9, 0.1))
 }
 
 /// The melanin and redness that a colour becomes, beside this redness.
 fn pigment(wanted: [u8; 3], red: f32) -> (f32, f32) {
-    let (melanin, redness) = nearest(wanted);
-    // Root and tip share what is red; white has none to say.
-    (melanin, if melanin < 0.05 { red } else { redness })
+    let best = nearest(wanted, (0..=20u8).map(|r| f32::from(r) / 20.0));
+    // Root and tip share what is red: a colour that it gives as well does not change it, or dark roots would take the copper out
+    // of the tips.
+    let same = nearest(wanted, std::iter::once(red));
+    if off(same, wanted) <= off(best, wanted) + SAME { same } else { best }
 }
+
+/// A colour this much farther off is as good, as [`off`] counts.
+const SAME: i32 = 3 * 6 * 6;
 
 /// As far as this a colour of pigment is taken for the one that was picked: in 255ths of a channel.
 const ALIKE: u8 = 20;
@@ -199,7 +204,7 @@ mod tests {
     fn what_is_picked_becomes_the_pigment_that_comes_nearest() {
         for (name, root, _, red) in NATURAL {
             let colour = shown(of_pigment(*root, *red));
-            let (melanin, redness) = nearest(colour);
+            let (melanin, redness) = pigment(colour, 0.5);
             let back = shown(of_pigment(melanin, redness));
             let off = back.iter().zip(colour).map(|(a, b)| a.abs_diff(b)).max();
             assert!(off <= Some(4), "{name}: {colour:?} became {back:?}");
@@ -210,7 +215,7 @@ mod tests {
         }
         assert_eq!(hex([0x7a, 0x3b, 0x1e]), "#7a3b1e");
         // No hair is blue: the nearest is some hair's colour, and that is said.
-        let (melanin, redness) = nearest([0, 0, 255]);
+        let (melanin, redness) = pigment([0, 0, 255], 0.5);
         assert!((0.0..=1.0).contains(&melanin) && (0.0..=1.0).contains(&redness));
         assert!(told([0, 0, 255], 0.1).is_some_and(|text| text.contains("#0000ff")));
         assert_eq!(told(shown(of_pigment(0.55, 0.8)), 0.1), None);

@@ -44,7 +44,22 @@ pub(crate) fn text_field(
     };
     let width = width.max(20.0);
     let edit = edit.id(id).hint_text(hint).vertical_align(egui::Align::Center);
-    let response = ui.add(edit.desired_width(width));
+    let output = edit.desired_width(width).show(ui);
+    let response = output.response.response;
+    // The press that brings the keyboard here takes all of a line: what is typed replaces it.
+    let fresh = id.with("fresh");
+    if response.gained_focus() {
+        ui.data_mut(|data| data.insert_temp(fresh, true));
+    }
+    if lines == 1
+        && response.clicked()
+        && ui.data_mut(|data| data.remove_temp::<bool>(fresh)).unwrap_or(false)
+    {
+        let mut state = output.state;
+        let all = egui::text::CCursorRange::select_all(&output.galley);
+        state.cursor.set_char_range(Some(all));
+        state.store(ui.ctx(), id);
+    }
     // Where it was asked for, as renaming does, the keyboard comes here at once.
     if ui.data_mut(|data| data.remove_temp::<bool>(ui.id().with("focus"))).unwrap_or(false) {
         response.request_focus();

@@ -317,6 +317,8 @@ fn grips(document: &Document, shown: &Shown, node: &NodeId, view: &Projection) -
             unit: if input.unit == Unit::Length { unit } else { 1.0 },
         });
     }
+    // What lies under another grip is taken last: the place of the whole is on top.
+    all.sort_by_key(|grip| grip.handle == Handle::Point);
     all
 }
 
