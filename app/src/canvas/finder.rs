@@ -6,6 +6,7 @@ use super::faces::{Faces, words};
 use super::search::{self, Entry, Hints, Why};
 use super::text::{self, line};
 use super::wires::Wire;
+use crate::editor::panel;
 use crate::editor::theme;
 use coif_graphs::document::{Document, NodeId, Socket, wiring};
 use coif_nodes::define::{NodeDef, Type};
@@ -103,18 +104,26 @@ impl Finder {
             self.chosen = self.chosen.checked_sub(1).unwrap_or(last);
         }
         let mut picked = None;
+        // In a small window the answers go before what the keys do.
+        let room = panel::room(ctx);
+        let hints = room.height() > 200.0;
         let area = Area::new(Id::new("canvas search"))
             .order(Order::Foreground)
             .fixed_pos(self.at)
             .pivot(Align2::LEFT_TOP)
-            .constrain(true)
+            .constrain_to(room)
             .show(ctx, |ui| {
                 Frame::popup(ui.style()).show(ui, |ui| {
-                    ui.set_width(WIDTH);
+                    ui.set_width(WIDTH.min(room.width() - 24.0).max(24.0));
                     self.field(ui);
-                    self.list(ui, &lines, up || down, &mut picked);
-                    ui.separator();
-                    ui.label(RichText::new(self.hint(document)).small().color(theme::QUIET));
+                    let most =
+                        (room.height() - if hints { 110.0 } else { 52.0 }).clamp(16.0, 300.0);
+                    self.list(ui, &lines, (up || down, most), &mut picked);
+                    if hints {
+                        ui.separator();
+                        let hint = RichText::new(self.hint(document)).small();
+                        ui.add(egui::Label::new(hint.color(theme::QUIET)).truncate());
+                    }
                 });
             });
         if enter {
@@ -153,12 +162,19 @@ impl Finder {
         }
     }
 
-    fn list(&self, ui: &mut egui::Ui, lines: &[Line], moved: bool, picked: &mut Option<Pick>) {
+    fn list(
+        &self,
+        ui: &mut egui::Ui,
+        lines: &[Line],
+        (moved, most): (bool, f32),
+        picked: &mut Option<Pick>,
+    ) {
         if lines.is_empty() {
             ui.add_space(4.0);
             ui.label(RichText::new("Nothing fits what was typed.").color(theme::QUIET));
         }
-        let list = egui::ScrollArea::vertical().max_height(300.0).auto_shrink([false, true]);
+        let list = egui::ScrollArea::vertical().max_height(most).min_scrolled_height(16.0);
+        let list = list.auto_shrink([false, true]);
         list.show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             for (i, line) in lines.iter().enumerate() {

@@ -89,12 +89,18 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
     // Before the field is shown, so that it takes what was typed since it was asked for.
     let field_id = egui::Id::new("palette field");
     ctx.memory_mut(|memory| memory.request_focus(field_id));
+    let room = panel::room(ctx);
+    // Small windows have no room to spare.
+    let (top, spare) = match room.height() > 300.0 {
+        true => (60.0, 120.0),
+        false => (room.top() + 1.0, 52.0),
+    };
     let area = Area::new("palette".into())
         .order(Order::Foreground)
-        .anchor(Align2::CENTER_TOP, [0.0, 60.0])
+        .anchor(Align2::CENTER_TOP, [0.0, top])
         .show(ctx, |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
-                ui.set_width(440.0_f32.min(panel::room(ctx).width() - 24.0));
+                ui.set_width(440.0_f32.min(room.width() - 24.0));
                 let field = TextEdit::singleline(&mut typed)
                     .id(field_id)
                     .hint_text("What is to be done?")
@@ -108,8 +114,9 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
                 chosen = if down { (chosen + 1).min(last) } else { chosen };
                 chosen = if up { chosen.saturating_sub(1) } else { chosen };
                 // As large with one answer or none as with all: what one looks at stays.
-                let room = (panel::room(ctx).height() - 120.0).clamp(24.0, 360.0);
-                let list = ScrollArea::vertical().max_height(room).min_scrolled_height(room);
+                let most = (room.height() - spare).clamp(16.0, 360.0);
+                let list = ScrollArea::new([room.width() < 464.0, true]);
+                let list = list.max_height(most).min_scrolled_height(most);
                 list.auto_shrink(false).show(ui, |ui| {
                     if all.is_empty() {
                         let text =

@@ -113,6 +113,8 @@ impl Hands {
     }
 }
 
+mod sizes;
+
 const SIZE: [f32; 2] = [1440.0, 900.0];
 
 fn empty(rect: Rect) -> Pos2 {

@@ -143,8 +143,14 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) {
     let Some(step) = STEPS.get(number) else { return };
     let mut next = (step.done)(&before, editor);
     let mut stop = false;
+    let room = panel::room(ctx);
+    // Where there is no room beside what one works on, it stands above.
+    let (corner, off) = match room.height() > 200.0 {
+        true => (egui::Align2::LEFT_BOTTOM, [12.0, -44.0]),
+        false => (egui::Align2::LEFT_TOP, [1.0, room.top() + 1.0]),
+    };
     panel::window(format!("{} of {}: {}", number + 1, STEPS.len(), step.title), "tour", ctx)
-        .anchor(egui::Align2::LEFT_BOTTOM, [12.0, -44.0])
+        .anchor(corner, off)
         .collapsible(false)
         .resizable(false)
         .show(ctx, |ui| {

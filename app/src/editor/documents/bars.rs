@@ -4,6 +4,7 @@
 use super::{Disk, Documents, Event as FileEvent, Left, Next, Unsaved, journal};
 use crate::editor::Editor;
 use crate::editor::event::Event;
+use crate::editor::panel;
 use crate::editor::state::{Select, State};
 use egui::{Panel, ProgressBar};
 
@@ -123,7 +124,7 @@ pub(super) fn unsaved(
     if documents.unsaved.is_none() {
         return;
     }
-    let modal = egui::Modal::new("unsaved".into()).show(ctx, |ui| {
+    let ask = |ui: &mut egui::Ui| {
         let changed = state.history.is_changed();
         if changed {
             ui.heading(format!("Save the changes of {name}?"));
@@ -156,6 +157,10 @@ pub(super) fn unsaved(
             }
         });
         answer
+    };
+    let modal = egui::Modal::new("unsaved".into()).show(ctx, |ui| {
+        ui.set_max_width(340.0_f32.min(panel::room(ctx).width() - 40.0).max(24.0));
+        panel::body(ui, 200.0, ask)
     });
     let closed = modal.should_close().then_some(Unsaved::Cancel);
     if let Some(answer) = modal.inner.or(closed) {

@@ -86,73 +86,77 @@ impl Browser {
             .pivot(egui::Align2::CENTER_CENTER)
             .default_pos(panel::room(ctx).center())
             .show(ctx, |ui| {
-                ui.horizontal(|ui| {
-                    let up = self.folder.parent().map(Path::to_owned);
-                    let button = ui.add_enabled(up.is_some(), Button::new("Up"));
-                    if button.on_hover_text("The folder that holds this one").clicked() {
-                        enter = up;
-                    }
-                    ui.add(egui::Label::new(self.folder.display().to_string()).truncate());
-                });
-                let rest = ui.available_height() - 2.0 * ui.spacing().interact_size.y - 20.0;
-                ScrollArea::vertical().max_height(rest.max(24.0)).auto_shrink(false).show(
-                    ui,
-                    |ui| {
-                        let listing = self.listing.lock().unwrap_or_else(PoisonError::into_inner);
-                        if let Some(fault) = &listing.fault {
-                            ui.label(fault);
-                        } else if !listing.is_done {
-                            ui.label("reading the folder…");
-                        } else if listing.folders.is_empty() && listing.files.is_empty() {
-                            ui.label("nothing here that fits");
+                let rest = ui.available_height() - 3.0 * ui.spacing().interact_size.y - 32.0;
+                panel::body(ui, 220.0, |ui| {
+                    ui.horizontal(|ui| {
+                        let up = self.folder.parent().map(Path::to_owned);
+                        let button = ui.add_enabled(up.is_some(), Button::new("Up"));
+                        if button.on_hover_text("The folder that holds this one").clicked() {
+                            enter = up;
                         }
-                        for name in &listing.folders {
-                            if ui.selectable_label(false, format!("🗀 {name}")).clicked() {
-                                enter = Some(listing.of.join(name));
+                        ui.add(egui::Label::new(self.folder.display().to_string()).truncate());
+                    });
+                    ScrollArea::vertical().max_height(rest.max(48.0)).auto_shrink(false).show(
+                        ui,
+                        |ui| {
+                            let listing =
+                                self.listing.lock().unwrap_or_else(PoisonError::into_inner);
+                            if let Some(fault) = &listing.fault {
+                                ui.label(fault);
+                            } else if !listing.is_done {
+                                ui.label("reading the folder…");
+                            } else if listing.folders.is_empty() && listing.files.is_empty() {
+                                ui.label("nothing here that fits");
+                            }
+                            for name in &listing.folders {
+                                if ui.selectable_label(false, format!("🗀 {name}")).clicked() {
+                                    enter = Some(listing.of.join(name));
+                                }
+                            }
+                            for name in &listing.files {
+                                let line = ui.selectable_label(*name == self.typed, name);
+                                if line.clicked() {
+                                    self.typed.clone_from(name);
+                                }
+                                if line.double_clicked() {
+                                    outcome = Outcome::Chosen(listing.of.join(name));
+                                }
+                            }
+                        },
+                    );
+                    let field = ui.add(
+                        TextEdit::singleline(&mut self.typed)
+                            .hint_text("name, or a whole path")
+                            .desired_width(f32::INFINITY),
+                    );
+                    if std::mem::take(&mut self.fresh) {
+                        field.request_focus();
+                    }
+                    let entered =
+                        field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+                    ui.horizontal(|ui| {
+                        let target = self.target();
+                        let exists = target.is_file();
+                        let word = match (purpose.saves(), exists) {
+                            (true, true) => "Replace the file",
+                            (true, false) => "Save",
+                            (false, _) => "Open",
+                        };
+                        let ready = !self.typed.trim().is_empty();
+                        let pressed = ui.add_enabled(ready, Button::new(word)).clicked();
+                        // What would be replaced takes more than Enter in a field.
+                        if (pressed || (entered && !(purpose.saves() && exists))) && ready {
+                            if target.is_dir() {
+                                self.typed.clear();
+                                enter = Some(target);
+                            } else {
+                                outcome = Outcome::Chosen(target);
                             }
                         }
-                        for name in &listing.files {
-                            let line = ui.selectable_label(*name == self.typed, name);
-                            if line.clicked() {
-                                self.typed.clone_from(name);
-                            }
-                            if line.double_clicked() {
-                                outcome = Outcome::Chosen(listing.of.join(name));
-                            }
+                        if ui.button("Cancel").clicked() {
+                            outcome = Outcome::Closed;
                         }
-                    },
-                );
-                let field = ui.add(
-                    TextEdit::singleline(&mut self.typed)
-                        .hint_text("name, or a whole path")
-                        .desired_width(f32::INFINITY),
-                );
-                if std::mem::take(&mut self.fresh) {
-                    field.request_focus();
-                }
-                let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-                ui.horizontal(|ui| {
-                    let target = self.target();
-                    let exists = target.is_file();
-                    let word = match (purpose.saves(), exists) {
-                        (true, true) => "Replace the file",
-                        (true, false) => "Save",
-                        (false, _) => "Open",
-                    };
-                    let ready = !self.typed.trim().is_empty();
-                    let pressed = ui.add_enabled(ready, Button::new(word)).clicked();
-                    // What would be replaced takes more than Enter in a field.
-                    if (pressed || (entered && !(purpose.saves() && exists))) && ready {
-                        if target.is_dir() {
-                            self.typed.clear();
-                            enter = Some(target);
-                        } else {
-                            outcome = Outcome::Chosen(target);
-                        }
-                    }
-                    if ui.button("Cancel").clicked() {
-                        outcome = Outcome::Closed;
-                    }
+                    });
                 });
             });
         if let Some(folder) = enter {

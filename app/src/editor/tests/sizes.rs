@@ -1,0 +1,224 @@
+//! Everything that opens over the rooms, in windows of all sizes and scales: within the window, below the menu bar, all of it
+//! within reach; and afterwards everything is as it was.
+
+use super::*;
+use crate::editor::documents::Purpose;
+use egui::{Id, LayerId, Order};
+
+/// Pixels of windows, and scales of what they show.
+const SIZES: [[f32; 2]; 3] = [[1280.0, 720.0], [1600.0, 1000.0], [320.0, 240.0]];
+const SCALES: [f32; 3] = [0.75, 1.0, 2.0];
+
+/// What opens: actions, and what needs more to open ([`open`]).
+const PANELS: [&str; 9] = [
+    "edit.settings",
+    "window.keys",
+    "pen.settings",
+    "file.recent",
+    "window.palette",
+    "help.tour",
+    "canvas.add",
+    "browser",
+    "unsaved",
+];
+
+impl Hands {
+    fn resize(&mut self, [width, height]: [f32; 2], scale: f32) {
+        self.editor().state.settings.scale = scale;
+        self.0.set_size(Vec2::new(width, height));
+        self.steps(4);
+    }
+
+    /// What lies over the rooms: layers and where they are.
+    fn over(&self) -> Vec<(LayerId, Rect)> {
+        self.0.ctx.memory(|memory| {
+            let layers = memory.areas().visible_layer_ids();
+            let over = layers.into_iter().filter(|layer| {
+                matches!(layer.order, Order::Middle | Order::Foreground)
+                    && layer.id != Id::new("beside what is open")
+                    && !crate::canvas::Canvas::owns(layer.id)
+            });
+            over.filter_map(|layer| Some((layer, memory.area_rect(layer.id)?))).collect()
+        })
+    }
+
+    /// Named widgets of a layer, or of all.
+    fn widgets(&self, of: Option<LayerId>) -> Vec<(Id, Rect)> {
+        self.0.ctx.viewport(|viewport| {
+            let widgets = &viewport.prev_pass.widgets;
+            let layers = widgets.layers().filter(|(layer, _)| of.is_none_or(|of| of == **layer));
+            let all = layers.flat_map(|(_, all)| all);
+            let named = all.filter(|widget| widgets.info(widget.id).is_some());
+            named.map(|widget| (widget.id, widget.rect)).collect()
+        })
+    }
+
+    /// What is wrong with what is open over the rooms.
+    fn check_what_is_open(&mut self, what: &str, wrong: &mut Vec<String>) {
+        let window = self.0.ctx.content_rect().expand(1.0);
+        let bar = self.place("File").map_or(0.0, |rect| rect.bottom());
+        let over = self.over();
+        if over.is_empty() {
+            wrong.push(format!("{what}: nothing opened"));
+        }
+        for (layer, rect) in over {
+            if !window.contains_rect(rect) {
+                wrong.push(format!("{what}: {rect:?} is larger than {window:?}"));
+            }
+            if rect.top() < bar - 1.0 {
+                wrong.push(format!("{what}: {rect:?} over the menu bar, {bar}"));
+            }
+            let beyond = |hands: &Self| {
+                let widgets = hands.widgets(Some(layer));
+                let last = |end: fn(&Rect) -> f32| {
+                    widgets.iter().map(|(_, rect)| end(rect)).fold(f32::MIN, f32::max)
+                };
+                Vec2::new(
+                    (last(Rect::right) - window.right()).max(0.0),
+                    (last(Rect::bottom) - window.bottom()).max(0.0),
+                )
+            };
+            let mut left = beyond(self);
+            // What lies beyond the window is reached by the wheel.
+            for _ in 0..3 {
+                if left == Vec2::ZERO {
+                    break;
+                }
+                self.0.event(Input::PointerMoved(rect.center()));
+                self.0.event(Input::MouseWheel {
+                    unit: egui::MouseWheelUnit::Point,
+                    delta: -left * 2.0 - Vec2::splat(400.0),
+                    modifiers: Modifiers::NONE,
+                    phase: egui::TouchPhase::Move,
+                });
+                self.steps(4);
+                left = beyond(self);
+            }
+            if left != Vec2::ZERO {
+                wrong.push(format!("{what}: {left} of {layer:?} {rect:?} is out of reach"));
+            }
+        }
+    }
+
+    fn close_all(&mut self) {
+        // It stays beside what it teaches until it is ended.
+        self.editor().tour = Default::default();
+        self.steps(1);
+        for _ in 0..4 {
+            if self.over().is_empty() {
+                return;
+            }
+            self.key(Key::Escape);
+        }
+        assert!(self.over().is_empty(), "Escape closes what is open: {:?}", self.over());
+    }
+}
+
+fn open(hands: &mut Hands, what: &str) {
+    match what {
+        "unsaved" => {
+            let edit = coif_graphs::document::edit::Edit::SetTitle("Other".to_owned());
+            hands.editor().apply(Event::Edit(edit));
+            hands.editor().act("file.close");
+        }
+        "browser" => {
+            hands.editor().apply(Event::Documents(documents::Event::Ask(Purpose::Open)));
+        }
+        action => hands.editor().act(action),
+    }
+    hands.steps(4);
+}
+
+/// Opens each in turn, checks it, and gives where it was.
+fn each(hands: &mut Hands, (size, scale): ([f32; 2], f32), wrong: &mut Vec<String>) -> Vec<Rect> {
+    let mut places = vec![];
+    for what in PANELS {
+        // Nodes are searched where there is room for nodes.
+        if what == "canvas.add" && hands.room(Room::Canvas).height() < 8.0 {
+            continue;
+        }
+        open(hands, what);
+        places.extend(hands.over().first().map(|(_, rect)| *rect));
+        hands.check_what_is_open(&format!("{what} at {size:?} and {scale}"), wrong);
+        hands.close_all();
+        if what == "unsaved" {
+            hands.editor().apply(Event::Undo);
+            hands.steps(2);
+        }
+    }
+    places
+}
+
+#[test]
+fn panels_and_dialogues_fit_every_window_and_sizes_come_back() {
+    let mut hands = Hands::on(groom("cornrows"), [1600.0, 1000.0], 1.0);
+    hands.editor().documents.ask_in_the_window();
+    hands.steps(4);
+    let before = hands.widgets(None);
+    let (usual, mut wrong) = (([1600.0, 1000.0], 1.0), vec![]);
+    let first = each(&mut hands, usual, &mut wrong);
+    for size in SIZES {
+        for scale in SCALES {
+            hands.resize(size, scale);
+            each(&mut hands, (size, scale), &mut wrong);
+        }
+    }
+    hands.resize([1600.0, 1000.0], 1.0);
+    let last = each(&mut hands, usual, &mut wrong);
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert_eq!(last, first, "panels come back");
+    hands.steps(4);
+    assert_eq!(hands.widgets(None), before, "rooms come back");
+}
+
+fn menus(sizes: &[([f32; 2], f32)]) {
+    let mut hands = Hands::on(groom("cornrows"), [1600.0, 1000.0], 1.0);
+    let mut wrong = vec![];
+    for (size, scale) in sizes {
+        hands.resize(*size, *scale);
+        let window = hands.0.ctx.content_rect();
+        let over_picture = ["Hair ⏷", "Look ⏷", "Over it ⏷", "From ⏷"];
+        for menu in super::super::actions::MENUS.iter().chain(&over_picture) {
+            let name = format!("{menu} at {size:?} and {scale}");
+            let Some(found) = hands.0.query_all_by_label(menu).next() else { continue };
+            // A narrow menu bar scrolls.
+            found.scroll_to_me();
+            hands.steps(4);
+            let at = hands.place(menu).map_or(Pos2::ZERO, |rect| rect.center());
+            let inside = !over_picture.contains(menu) || hands.room(Room::Viewport).contains(at);
+            if !inside || !window.contains(at) {
+                assert!(over_picture.contains(menu), "{name} is out of reach");
+                continue;
+            }
+            hands.click(at);
+            hands.check_what_is_open(&name, &mut wrong);
+            hands.close_all();
+        }
+        for room in [Room::Viewport, Room::Canvas, Room::Outliner] {
+            hands.editor().apply(Event::Show(room));
+            hands.editor().state.focus = room;
+            hands.editor().act("window.menu");
+            hands.steps(4);
+            // In a room without any height there is nothing to open a menu on.
+            if hands.over().is_empty() && hands.room(room).height() < 60.0 {
+                continue;
+            }
+            let name = format!("menu of {room:?} at {size:?} and {scale}");
+            hands.check_what_is_open(&name, &mut wrong);
+            hands.close_all();
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn menus_fit_small_windows() {
+    menus(&[([320.0, 240.0], 1.0), ([1280.0, 720.0], 2.0)]);
+}
+
+#[test]
+#[ignore = "long"]
+fn menus_fit_every_window() {
+    let all: Vec<_> = SIZES.iter().flat_map(|size| SCALES.map(|scale| (*size, scale))).collect();
+    menus(&all);
+}
