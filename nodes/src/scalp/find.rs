@@ -433,16 +433,20 @@ pub(crate) fn over_the_crown(
 ) -> Vec<u128> {
     let points: Vec<Vec3> = points.iter().map(|p| (*p - fit.centre) / fit.radius).collect();
     let cells = fit::cells(&points, triangles, 0.0, 2.0 * fit::CELL);
-    let cells = || {
-        let seen = cells.iter().map(|cell| (cell.of, cell.at.length(), Patches::above(cell.at)));
-        seen.filter_map(|(of, far, at)| Some((of, far, at?)))
-    };
-    let mut skin = [0.0f32; Patches::COUNT];
-    for (_, far, at) in cells().filter(|(of, ..)| is_skin(*of as usize)) {
-        skin[at] = skin[at].max(far);
+    let (mut skin, mut others) = ([0.0f32; Patches::COUNT], vec![]);
+    for cell in &cells {
+        let (far, is_skin) = (cell.at.length(), is_skin(cell.of as usize));
+        if !is_skin && !(OVER..REACH).contains(&far) {
+            continue;
+        }
+        match Patches::above(cell.at) {
+            Some(at) if is_skin => skin[at] = skin[at].max(far),
+            Some(at) => others.push((cell.of, far, at)),
+            None => {}
+        }
     }
     let mut over = vec![0; triangles.len()];
-    for (of, far, at) in cells().filter(|(of, ..)| !is_skin(*of as usize)) {
+    for (of, far, at) in others {
         if (skin[at] + OVER..REACH).contains(&far) {
             over[of as usize] |= 1 << at;
         }

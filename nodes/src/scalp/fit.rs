@@ -221,7 +221,10 @@ impl Patches {
 /// The surface above `low` in cells of at most `size`.
 pub(crate) fn cells(points: &[Vec3], triangles: &[[u32; 3]], low: f32, size: f32) -> Vec<Cell> {
     let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
-    let longest = |[a, b, c]: [Vec3; 3]| a.distance(b).max(b.distance(c)).max(c.distance(a));
+    let longest = |[a, b, c]: [Vec3; 3]| {
+        let squares = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        squares.sqrt()
+    };
     let counts = |[a, b, c]: &[Vec3; 3]| a.y.max(b.y).max(c.y) > low;
     let n_parts = |t: [Vec3; 3], size: f32| (longest(t) / size).ceil().clamp(1.0, MOST_PARTS);
     let n_cells = |size: f32| -> f32 {
