@@ -78,14 +78,27 @@ pub(super) fn cut(wires: impl IntoIterator<Item = Wire>) -> Edit {
     Edit::Several(off.map(|wire| Edit::Disconnect { to: wire.to, at: wire.at }).collect())
 }
 
-/// Adds a node of a kind, wired as asked where that fits. A head that the kind needs is wired too,
-/// when it is clear which. Gives the node's id.
+/// Adds a node of a kind, wired as asked where that fits, between hair that is shown and the outputs that write it. A head that
+/// the kind can take is wired too, when it is clear which. Gives the node's id.
 pub(super) fn add(
     document: &Document,
     def: &NodeDef,
     at: Pos2,
     link: Option<&Link>,
 ) -> (Edit, NodeId) {
+    let (added, id) = beside(document, def, at, link);
+    let along = match link {
+        Some(Link::From(from)) => outputs_along(document, from, &added, def, &id),
+        _ => vec![],
+    };
+    match added {
+        Edit::Several(edits) => (Edit::Several(edits.into_iter().chain(along).collect()), id),
+        other => (other, id),
+    }
+}
+
+/// The same without going between.
+fn beside(document: &Document, def: &NodeDef, at: Pos2, link: Option<&Link>) -> (Edit, NodeId) {
     let id = document.free_id(def.id);
     let node = document.fresh_node(def.id, &id);
     let mut edits = vec![Edit::AddNode { id: id.clone(), node: node.into(), at: Some(point(at)) }];
@@ -113,7 +126,8 @@ pub(super) fn add(
         Link::From(socket) | Link::To(socket, _) => &socket.node,
     });
     let heads = def.inputs.iter().filter(|input| {
-        input.ty == Type::Scalp && input.arity == Arity::One && wired != Some(input.name)
+        let head = input.arity == Arity::One || input.name == "scalp";
+        input.ty == Type::Scalp && head && wired != Some(input.name)
     });
     for input in heads {
         if let Some(from) = the_head(document, near) {
@@ -133,6 +147,40 @@ fn display_along(document: &Document, from: &NodeId, def: &NodeDef, id: &NodeId)
     let along =
         document.display.as_ref() == Some(from) && (gives(Type::Curves) || gives(Type::Scalp));
     along.then(|| Edit::SetDisplay(Some(id.clone())))
+}
+
+/// What is shown is what is written: where hair goes to outputs of the groom alone and is seen, a node that comes behind it goes
+/// between.
+fn outputs_along(
+    document: &Document,
+    from: &Socket,
+    added: &Edit,
+    def: &NodeDef,
+    id: &NodeId,
+) -> Vec<Edit> {
+    let takes = |edit: &Edit| matches!(edit, Edit::Connect { from: it, to, .. } if it == from && to.node == *id);
+    let taken = matches!(added, Edit::Several(edits) if edits.iter().any(takes));
+    let seen = document.display.as_ref().is_none_or(|shown| *shown == from.node);
+    let Some(gives) = def.outputs.iter().find(|output| output.ty == Type::Curves) else {
+        return vec![];
+    };
+    let ends = |to: &Socket| {
+        document.node(to.node.as_str()).is_some_and(|node| node.kind == "groom_output")
+    };
+    let takers: Vec<(&Socket, &Vec<Socket>)> =
+        document.links.iter().filter(|(_, all)| all.contains(from)).collect();
+    if !taken || !seen || !takers.iter().all(|(to, _)| ends(to)) {
+        return vec![];
+    }
+    let swap = |it: &Socket| match it == from {
+        true => Socket::new(id.clone(), gives.name),
+        false => it.clone(),
+    };
+    let along = |(to, all): &(&Socket, &Vec<Socket>)| Edit::SetWires {
+        to: (*to).clone(),
+        from: all.iter().map(swap).collect(),
+    };
+    takers.iter().map(along).collect()
 }
 
 /// The same edit, with an input of the node set to a choice.
@@ -157,7 +205,7 @@ pub(super) fn insert_new(
     wire: &Wire,
 ) -> Result<(Edit, NodeId), String> {
     let from = wire.from(document).ok_or("the wire is gone")?;
-    let (added, id) = add(document, def, at, Some(&Link::From(from.clone())));
+    let (added, id) = beside(document, def, at, Some(&Link::From(from.clone())));
     let mut with = document.clone();
     added.apply(&mut with).map_err(|err| err.to_string())?;
     let inserted = wiring::insert_on_wire(&with, &id, &wire.to, wire.at)?;

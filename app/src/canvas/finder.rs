@@ -359,7 +359,7 @@ fn plugs(
             let tip = face.def.and_then(|def| def.input(&plug.socket.name));
             let tip = tip.map_or(String::new(), |(_, input)| input.doc());
             if name_output {
-                label = format!("{} \u{2192} {label}", words(&from.name));
+                label = format!("{} ⏵ {label}", words(&from.name));
             }
             let order = (score, wired.is_some(), plug.ty != given, !plug.needed);
             let pick = Pick::Plug(from.clone(), face.id.clone(), number);

@@ -313,7 +313,7 @@ impl Scene<'_> {
             self.wire_clicked(&response, run, bend, at);
             let document = &self.state.document;
             let ends = [&run.from, &run.wire.to].map(|end| super::finder::plain(document, end));
-            response.on_hover_text(ends.join(" \u{2192} "));
+            response.on_hover_text(ends.join(" ⏵ "));
         }
         let hidden = match &self.memory.hand {
             Hand::Wire(Loose { lifted: Some(wire), .. }) => vec![wire.clone()],

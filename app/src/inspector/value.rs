@@ -371,6 +371,7 @@ fn choice(
     let shown = if differ { "differ".to_owned() } else { choice_name(word, tip) };
     let combo = ComboBox::from_id_salt(("choice", input.name))
         .width(width)
+        .truncate()
         .selected_text(shown)
         .show_ui(ui, |ui| {
             for (known, tip) in words {

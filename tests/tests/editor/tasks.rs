@@ -59,6 +59,8 @@ fn a_wavy_bob_with_a_side_parting_copper_with_dark_roots() {
     assert_eq!(curl.inputs.get("preset"), Some(&Setting::Known(Value::Text("2b".into()))));
     let shown = document.display.as_ref().and_then(|id| document.node(id.as_str()));
     assert_eq!(shown.map(|node| node.kind.as_str()), Some("shape_list_curl"), "it is seen");
+    let written = document.links.iter().find(|(to, _)| to.node.as_str() == "out").unwrap().1;
+    assert_eq!(document.node(written[0].node.as_str()), shown, "and written");
     println!("{} actions: {}", story.actions, story.took.join(", "));
     assert!(story.actions <= 12, "{} actions: {:?}", story.actions, story.took);
 }
