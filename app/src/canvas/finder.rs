@@ -107,7 +107,7 @@ impl Finder {
         // In a small window the answers go before what the keys do.
         let room = panel::room(ctx);
         let hints = room.height() > 200.0;
-        let area = Area::new(Id::new("canvas search"))
+        let area = Area::new(panel::id("canvas search", ctx))
             .order(Order::Foreground)
             .fixed_pos(self.at)
             .pivot(Align2::LEFT_TOP)

@@ -15,7 +15,7 @@ use egui::{
 /// Height of a panel's title, and what its frame takes.
 const TITLE: f32 = 46.0;
 /// What frames round a menu take.
-const MENU_FRAME: f32 = 20.0;
+const MENU_FRAME: f32 = 24.0;
 
 /// Panels that Escape closes.
 const SETTINGS: &str = "settings";
@@ -39,15 +39,23 @@ pub(crate) fn room(ctx: &Context) -> Rect {
     kept.unwrap_or_else(|| ctx.content_rect())
 }
 
+/// The id of a panel. Its place and size are remembered for each size of the window, so that they come back after a smaller
+/// one, in which they had less room.
+pub(crate) fn id(name: &str, ctx: &Context) -> Id {
+    let steps = |length: f32| (length / 32.0).round() as i32;
+    let room = room(ctx).size();
+    Id::new((name, steps(room.x), steps(room.y)))
+}
+
 /// A panel over the rooms.
 pub(crate) fn window<'a>(
     title: impl Into<egui::WidgetText>,
-    id: &str,
+    name: &str,
     ctx: &Context,
 ) -> Window<'a> {
     let room = room(ctx);
     Window::new(title.into())
-        .id(Id::new(id))
+        .id(id(name, ctx))
         .constrain_to(room)
         .default_size([400.0_f32.min(room.width() - 2.0), room.height() - TITLE])
         .max_width((room.width() - 2.0).max(1.0))
@@ -93,7 +101,9 @@ pub(crate) fn menu_at(response: &Response, opens: Option<Pos2>, add: impl FnOnce
     };
     let Some(at) = data(opens) else { return };
     let opens = opens.map(|_| SetOpenCommand::Bool(true));
-    Popup::menu(response).open_memory(opens).at_position(at).show(|ui| list(ui, add));
+    // Where there is no room below, it is moved up as far as it must be; turned up it would cover the menu bar.
+    let menu = Popup::menu(response).open_memory(opens).at_position(at).align_alternatives(&[]);
+    menu.show(|ui| list(ui, add));
 }
 
 /// Where the right button was pressed on a widget, and let go.
@@ -176,8 +186,8 @@ impl Editor {
             (HEAD, self.documents.places_head()),
         ];
         let layers: Vec<LayerId> = ctx.memory(|memory| memory.layer_ids().collect());
-        let depth = |id: &str| {
-            let layer = LayerId::new(Order::Middle, Id::new(id));
+        let depth = |name: &str| {
+            let layer = LayerId::new(Order::Middle, id(name, ctx));
             layers.iter().position(|other| *other == layer)
         };
         let open = open.into_iter().filter(|(_, open)| *open).map(|(id, _)| id);

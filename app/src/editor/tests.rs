@@ -231,7 +231,8 @@ fn panels_and_menus_leave_the_menu_bar_free_and_are_reached_whole() {
             hands.steps(8);
         }
         for id in ["settings", "key sheet", "pen settings", "welcome"] {
-            let rect = hands.0.ctx.memory(|memory| memory.area_rect(egui::Id::new(id))).unwrap();
+            let place = super::panel::id(id, &hands.0.ctx);
+            let rect = hands.0.ctx.memory(|memory| memory.area_rect(place)).unwrap();
             assert!(
                 rect.top() >= bar,
                 "{size:?} at {scale}: {id} {rect:?} over the menu bar {bar}"
@@ -394,7 +395,7 @@ fn the_welcome_panel_stands_beside_the_picture() {
         let mut hands = Hands::on(rows(), size, 1.0);
         hands.editor().greet();
         hands.steps(4);
-        let id = egui::Id::new("welcome");
+        let id = super::panel::id("welcome", &hands.0.ctx);
         let rect = hands.0.ctx.memory(|memory| memory.area_rect(id)).unwrap();
         let picture = hands.room(Room::Viewport);
         let hidden = rect.intersect(picture);

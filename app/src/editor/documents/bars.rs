@@ -158,7 +158,7 @@ pub(super) fn unsaved(
         });
         answer
     };
-    let modal = egui::Modal::new("unsaved".into()).show(ctx, |ui| {
+    let modal = egui::Modal::new(panel::id("unsaved", ctx)).show(ctx, |ui| {
         ui.set_max_width(340.0_f32.min(panel::room(ctx).width() - 40.0).max(24.0));
         panel::body(ui, 200.0, ask)
     });
