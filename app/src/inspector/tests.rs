@@ -610,13 +610,14 @@ fn hair_has_its_own_colours_by_name_and_the_seed_stands_last() {
     let value = |hands: &Hands, input: &str| number(hands, "a", input);
     hands.get_by_label("Copper").click();
     hands.run_steps(3);
-    assert_eq!(value(&hands, "melanin_root"), Some(0.55));
-    assert_eq!((value(&hands, "melanin_tip"), value(&hands, "redness")), (Some(0.48), Some(0.8)));
+    assert_eq!(value(&hands, "melanin_root"), Some(0.45));
+    assert_eq!((value(&hands, "melanin_tip"), value(&hands, "redness")), (Some(0.38), Some(0.85)));
     assert_eq!(done(&hands), 1, "one step");
     // Hex beside it: black is the darkest there is.
     typed(&mut hands, "Root colour as hex", "#000000");
     assert!(value(&hands, "melanin_root") > Some(0.9));
-    assert_eq!(value(&hands, "melanin_tip"), Some(0.48));
+    assert_eq!(value(&hands, "melanin_tip"), Some(0.38));
+    assert_eq!(value(&hands, "redness"), Some(0.85), "and the tips are copper still");
     let last = |name: &str| {
         let all = hands.query_all_by_label(name);
         all.map(|node| node.rect().bottom()).fold(0.0, f32::max)
@@ -689,7 +690,7 @@ fn a_wheel_picks_colours_and_says_which_no_hair_has() {
     assert_eq!(wheel(&hands), rect, "what is said moves nothing");
     hands.get_by_label("Copper").click();
     hands.run_steps(3);
-    assert_eq!(number(&hands, "a", "melanin_root"), Some(0.55));
+    assert_eq!(number(&hands, "a", "melanin_root"), Some(0.45));
     // The same wheel for a colour that is no pigment: full red is 1, 0, 0.
     well(&hands, "Dye");
     hands.run_steps(3);

@@ -434,7 +434,15 @@ mod window {
             assert!(camera(&ui).eye.is_finite(), "round {round}");
         }
         settle(&mut ui);
-        assert!(!ui.state().state.history.is_changed());
+        // Light and skin are the groom's; nothing else is.
+        ui.state_mut().apply(Event::Edit(Edit::SetLook(None)));
+        let text = grooms::by_name("cornrows").expect("a shipped groom");
+        let read = file::read(text).expect("it reads").document;
+        let now = &ui.state().state.document;
+        assert_eq!(
+            (&now.links, &now.views, now.nodes.len()),
+            (&read.links, &read.views, read.nodes.len())
+        );
     }
 
     #[test]
