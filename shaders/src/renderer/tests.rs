@@ -85,6 +85,7 @@ fn sheet(z: f32) -> Solid {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         material: Material::Clay,
         casts: true,
+        maps: None,
     }
 }
 
