@@ -170,6 +170,10 @@ impl FileLooks {
         };
         let file = self.file.display();
         if !wanted {
+            // Who did not ask for its colours is told only of those that it names.
+            if skin == Skin::Auto && !self.looks.names_colours {
+                remarks.clear();
+            }
             if skin == Skin::File && remarks.is_empty() {
                 remarks.push(format!(
                     "{file}: it brings no colours and no maps, so the head has a skin tone"
@@ -221,5 +225,68 @@ impl Kept {
         let found = found.collect();
         self.0 = kept;
         found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = "mtllib head.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n\
+        usemtl skin\nf 1/1 2/2 3/3\nusemtl cloth\nf 3/3 1/1 2/2\n";
+    /// A PNG of 2 x 2 pixels (128, 128, 255), and one of grey ones.
+    const NORMALS: &[u8] = b"\x89\x50\x4e\x47\x0d\x0a\x1a\x0a\x00\x00\x00\x0d\x49\x48\x44\x52\x00\x00\x00\x02\x00\x00\x00\x02\x08\x02\x00\x00\
+        \x00\xfd\xd4\x9a\x73\x00\x00\x00\x10\x49\x44\x41\x54\x78\x9c\x63\x68\x68\xf8\x0f\x44\x0c\x10\x0a\x00\x35\xf6\x07\
+        \xfd\x49\x28\x43\xcc\x00\x00\x00\x00\x49\x45\x4e\x44\xae\x42\x60\x82";
+    const GREY: &[u8] = b"\x89\x50\x4e\x47\x0d\x0a\x1a\x0a\x00\x00\x00\x0d\x49\x48\x44\x52\x00\x00\x00\x02\x00\x00\x00\x02\x08\x02\x00\x00\
+        \x00\xfd\xd4\x9a\x73\x00\x00\x00\x0e\x49\x44\x41\x54\x78\x9c\x63\x88\x02\x03\x06\x08\x05\x00\x1d\x96\x04\x39\xb2\
+        \x96\xc2\x01\x00\x00\x00\x00\x49\x45\x4e\x44\xae\x42\x60\x82";
+
+    /// What is read of a head with these files beside it, as materials with or without colour and normal map, and remarks
+    /// without the folder's name.
+    fn read(mtl: &str, files: &[(&str, &[u8])]) -> (Vec<(bool, bool)>, Vec<String>, usize) {
+        static NUMBER: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
+        let n = NUMBER.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("coif-looks-{}-{n}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let all = [("head.obj", HEAD.as_bytes()), ("head.mtl", mtl.as_bytes())];
+        for (name, bytes) in all.iter().chain(files) {
+            std::fs::write(folder.join(name), bytes).expect("a file");
+        }
+        let named = Named::read(&folder.join("head.obj")).expect("a mesh");
+        let beside = named.beside.len();
+        let looks = named.decoded();
+        let _ = std::fs::remove_dir_all(&folder);
+        let has = |m: &MaterialMaps| (m.colour_map.is_some(), m.normal_map.is_some());
+        let start = format!("{}/head.obj: ", folder.display());
+        let told = looks.remarks.iter().map(|r| r.strip_prefix(&start).unwrap_or(r).to_owned());
+        (looks.materials.iter().map(has).collect(), told.collect(), beside)
+    }
+
+    #[test]
+    fn maps_are_read_beside_the_mesh_and_a_bump_map_is_shown_where_it_holds_normals() {
+        let mtl =
+            "newmtl skin\nmap_Kd grey.png\nmap_Bump normals.png\nnewmtl cloth\nbump grey.png\n";
+        let (maps, told, beside) = read(mtl, &[("grey.png", GREY), ("normals.png", NORMALS)]);
+        assert_eq!(maps, [(true, true), (false, false)]);
+        let heights = "material \"cloth\": its normal map grey.png is not shown: it holds heights, and only maps of normals are shown";
+        assert_eq!(told, [heights]);
+        assert_eq!(beside, 3, "the materials and two pictures are read, each once");
+    }
+
+    #[test]
+    fn bad_pictures_are_remarks_with_material_picture_and_remedy() {
+        for (bytes, says) in [
+            (&b"GIF89a"[..], "give a PNG or JPEG file"),
+            (&GREY[..50], "save it anew as PNG or JPEG"),
+            (b"\xff\xd8\xff\xe0\x00\x10JFIF\0", "save it anew as PNG or JPEG"),
+            (b"", "give a PNG or JPEG file"),
+        ] {
+            let (maps, told, _) = read("newmtl skin\nmap_Kd a.png\n", &[("a.png", bytes)]);
+            assert_eq!(maps, [(false, false); 2]);
+            let begins = "material \"skin\": its colour map a.png is not shown: ";
+            assert!(told.len() == 1 && told[0].starts_with(begins), "{told:?}");
+            assert!(told[0].ends_with(says) && told[0].lines().count() == 1, "{told:?}");
+        }
     }
 }

@@ -24,6 +24,8 @@ pub struct Looks {
     pub rises: Vec<bool>,
     /// The pictures that maps show.
     pub pictures: Vec<Picture>,
+    /// Whether a material names a colour map, whether or not it can be had.
+    pub names_colours: bool,
     /// What cannot be shown: material, picture, and what to do.
     pub remarks: Vec<String>,
 }

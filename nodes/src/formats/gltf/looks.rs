@@ -96,6 +96,7 @@ impl<'a> Reader<'_, 'a> {
             material.colour = (colour != Vec3::ONE).then_some(colour);
         }
         let colour_map = body.and_then(|body| body.get(map));
+        self.looks.names_colours |= colour_map.is_some();
         material.colour_map = self.map(&material.name, "base colour", colour_map);
         let normal_map = json.get("normalTexture");
         material.normal_map = self.map(&material.name, "normal", normal_map);

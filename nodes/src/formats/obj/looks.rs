@@ -104,6 +104,7 @@ impl Reader<'_> {
                     }
                 }
                 b"map_kd" => {
+                    self.looks.names_colours = true;
                     material.colour_map = self.map(&material.name, "colour", rest).map(|(m, _)| m);
                 }
                 b"norm" | b"map_kn" => {
