@@ -187,7 +187,8 @@ fn every_triangle_of_a_mapped_head_is_there_once_and_files_that_changed_are_told
         |solid: &[Vec3], t: &[u32; 3]| t.map(|v| solid[v as usize].to_array().map(f32::to_bits));
     let mut ours: Vec<_> = solid.triangles.iter().map(|t| place(&solid.points, t)).collect();
     let mut theirs: Vec<_> = surface.triangles.iter().map(|t| place(&surface.points, t)).collect();
-    (ours.sort_unstable(), theirs.sort_unstable());
+    ours.sort_unstable();
+    theirs.sort_unstable();
     assert_eq!(ours, theirs);
     // A vertex of the seam stands twice: more points than the welded mesh has.
     assert!(solid.points.len() > surface.points.len());
