@@ -17,7 +17,6 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
-use std::time::SystemTime;
 
 /// The largest mesh file, and the largest file beside it.
 const MOST_MESH: u64 = 2 << 30;
@@ -199,14 +198,15 @@ impl FileLooks {
 }
 
 /// When a file was changed last, and its size.
-type Stamp = Option<(SystemTime, u64)>;
+#[cfg(feature = "editor")]
+type Stamp = Option<(std::time::SystemTime, u64)>;
 
 /// Looks that were read already, for whoever draws the same heads again and again.
-#[cfg_attr(not(feature = "editor"), expect(dead_code, reason = "the window keeps them"))]
+#[cfg(feature = "editor")]
 #[derive(Default)]
 pub(crate) struct Kept(Vec<(PathBuf, Stamp, Option<Arc<FileLooks>>)>);
 
-#[cfg_attr(not(feature = "editor"), expect(dead_code, reason = "the window keeps them"))]
+#[cfg(feature = "editor")]
 impl Kept {
     /// The looks of each file, and no others are kept.
     pub(crate) fn of(&mut self, files: &[Option<PathBuf>]) -> Vec<Option<Arc<FileLooks>>> {
