@@ -13,6 +13,8 @@ mod feeders;
 mod files;
 #[cfg(feature = "editor")]
 mod inspector;
+#[cfg(feature = "render")]
+mod looks;
 #[cfg(feature = "editor")]
 pub mod pen;
 #[cfg(feature = "render")]

@@ -1,6 +1,7 @@
 //! What stands before the camera, for pictures of the command line and of the viewport alike: heads on their ground, and
 //! hair, or what it follows, in the colours of a view.
 
+use crate::looks::FileLooks;
 use coif_nodes::data::attributes::{Domain, ID, WIDTH};
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
@@ -37,11 +38,71 @@ impl FromStr for Show {
     }
 }
 
-/// Heads, and the ground under them.
-pub(crate) fn heads(scalps: &[Arc<Scalp>], tone: Tone) -> Vec<Solid> {
-    let mut solids: Vec<Solid> = scalps.iter().map(|scalp| head_solid(scalp, tone)).collect();
+/// What colours heads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Skin {
+    /// The colours and maps of its file where that has a colour map, else a skin tone.
+    #[default]
+    Auto,
+    /// Whatever its file says; a skin tone where that is nothing.
+    File,
+    /// A skin tone.
+    Tone(Tone),
+}
+
+impl Skin {
+    /// The tone of what has no looks of its own.
+    pub fn tone(self) -> Tone {
+        match self {
+            Self::Tone(tone) => tone,
+            Self::Auto | Self::File => Tone::Monk(5),
+        }
+    }
+}
+
+impl FromStr for Skin {
+    type Err = String;
+
+    /// `auto`, `file`, `clay` (or 0), or a tone from 1 to 10.
+    fn from_str(text: &str) -> Result<Self, String> {
+        match (text, text.parse::<u8>()) {
+            ("auto", _) => Ok(Self::Auto),
+            ("file", _) => Ok(Self::File),
+            ("clay" | "0", _) => Ok(Self::Tone(Tone::Clay)),
+            (_, Ok(tone @ 1..=10)) => Ok(Self::Tone(Tone::Monk(tone))),
+            _ => Err(format!("{text}: is not one of auto, file, 1 (lightest) to 10, clay")),
+        }
+    }
+}
+
+impl std::fmt::Display for Skin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::File => f.write_str("file"),
+            Self::Tone(Tone::Clay) => f.write_str("clay"),
+            Self::Tone(Tone::Monk(tone)) => tone.fmt(f),
+        }
+    }
+}
+
+/// Heads with the looks of their files where these are given, and the ground under them; and what cannot be shown.
+pub(crate) fn heads(
+    scalps: &[Arc<Scalp>],
+    skin: Skin,
+    looks: &[Option<Arc<FileLooks>>],
+) -> (Vec<Solid>, Vec<String>) {
+    let (mut solids, mut remarks) = (vec![], vec![]);
+    for (number, scalp) in scalps.iter().enumerate() {
+        let (head, told) = match looks.get(number).and_then(Option::as_ref) {
+            Some(looks) => looks.head(scalp, skin),
+            None => (head_solid(scalp, skin.tone()), vec![]),
+        };
+        solids.push(head);
+        remarks.extend(told);
+    }
     solids.extend(ground(&solids));
-    solids
+    (solids, remarks)
 }
 
 /// Hair, or what it follows, as it is drawn.

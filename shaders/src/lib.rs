@@ -16,6 +16,7 @@ mod hair;
 pub mod hdri;
 pub mod legend;
 pub mod light;
+pub mod maps;
 pub mod picture;
 mod pipelines;
 pub mod renderer;

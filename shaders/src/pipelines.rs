@@ -33,6 +33,8 @@ pub(crate) struct Layouts {
     pub(crate) frame: BindGroupLayout,
     /// `@group(1)`: what shading looks up.
     pub(crate) lookups: BindGroupLayout,
+    /// `@group(1)` of solids with pictures.
+    pub(crate) maps: BindGroupLayout,
     /// `@group(3)` of each pass.
     pub(crate) visibility: BindGroupLayout,
     pub(crate) density: BindGroupLayout,
@@ -55,6 +57,7 @@ pub(crate) struct Pipelines {
     pub(crate) opacity_count: ComputePipeline,
     pub(crate) sort: ComputePipeline,
     pub(crate) solids: RenderPipeline,
+    pub(crate) solids_with_maps: RenderPipeline,
     pub(crate) solids_from_light: RenderPipeline,
 }
 
@@ -122,6 +125,10 @@ impl Layouts {
                     float(false, d2),
                     depth,
                 ],
+            ),
+            maps: layout(
+                "maps",
+                &[uniform(false), float(true, d2), sampler, float(true, d2), sampler],
             ),
             visibility: layout("visibility", &[write, write, depth]),
             density: layout("density", &[write]),
@@ -209,8 +216,9 @@ impl Pipelines {
                 let groups = [Some(&layouts.frame), lookups, None, own];
                 compute(gpu, Source::of("shade"), "sort", "sort", &groups, &[])
             },
-            solids: raster(gpu, layouts, true),
-            solids_from_light: raster(gpu, layouts, false),
+            solids: raster(gpu, layouts, Raster::Seen),
+            solids_with_maps: raster(gpu, layouts, Raster::WithMaps),
+            solids_from_light: raster(gpu, layouts, Raster::Lit),
         }
     }
 }
@@ -232,34 +240,53 @@ pub(crate) fn shade(
     compute(gpu, source, "shade", "shade", &groups, &[])
 }
 
-fn raster(gpu: &Gpu, layouts: &Layouts, camera: bool) -> RenderPipeline {
+/// How solids are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Raster {
+    /// For the camera.
+    Seen,
+    /// The same, with pictures on them.
+    WithMaps,
+    /// For a light.
+    Lit,
+}
+
+fn raster(gpu: &Gpu, layouts: &Layouts, how: Raster) -> RenderPipeline {
+    let (camera, maps) = (how != Raster::Lit, how == Raster::WithMaps);
+    let frame_and_maps = [Some(&layouts.frame), Some(&layouts.maps)];
+    let file = if maps { "solid_maps" } else { "solid" };
     let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("solid"),
-        bind_group_layouts: &[Some(&layouts.frame)],
+        label: Some(file),
+        bind_group_layouts: if maps { &frame_and_maps } else { &frame_and_maps[..1] },
         ..Default::default()
     });
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("solid"),
-        source: wgpu::ShaderSource::Wgsl(Source::of("solid").text.into()),
+        label: Some(file),
+        source: wgpu::ShaderSource::Wgsl(Source::of(file).text.into()),
     });
     let attributes = wgpu::vertex_attr_array![
         0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Uint32
     ];
-    let vertices = [Some(wgpu::VertexBufferLayout {
-        array_stride: size_of::<crate::solids::Vertex>() as u64,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &attributes,
-    })];
+    let places = wgpu::vertex_attr_array![4 => Float32x4];
+    let buffer = |stride: usize, attributes| {
+        Some(wgpu::VertexBufferLayout {
+            array_stride: stride as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes,
+        })
+    };
+    let vertices =
+        [buffer(size_of::<crate::solids::Vertex>(), &attributes[..]), buffer(16, &places)];
     let compare = if camera { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Less };
     let targets = [NORMAL, ALBEDO].map(|f| Some(wgpu::ColorTargetState::from(f)));
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("solid"),
+        label: Some(file),
         layout: Some(&layout),
         vertex: wgpu::VertexState {
             module: &module,
             entry_point: Some(if camera { "seen" } else { "lit" }),
             compilation_options: Default::default(),
-            buffers: &vertices,
+            buffers: if maps { &vertices } else { &vertices[..1] },
         },
         primitive: Default::default(),
         depth_stencil: Some(wgpu::DepthStencilState {

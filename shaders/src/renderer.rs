@@ -305,7 +305,7 @@ impl Renderer {
         });
         let targets = Targets::new(&gpu, &layouts, width, height);
         let show = shown::Show::new(&gpu);
-        let solids = Solids::new(&gpu, &[]);
+        let solids = Solids::new(&gpu, &layouts, &[], None);
         let look = Look::default();
         let table = bake(&look);
         let maps = Maps::new(&gpu, &layouts);
@@ -397,7 +397,7 @@ impl Renderer {
     }
     /// Head, ground, tubes: all solids there are to be.
     pub fn set_solids(&mut self, solids: Vec<Solid>) {
-        self.solids = Solids::new(&self.gpu, &solids);
+        self.solids = Solids::new(&self.gpu, &self.layouts, &solids, Some(&self.solids));
         self.solid_meshes = solids;
         self.stale.solids = true;
         self.restart();

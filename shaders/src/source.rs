@@ -31,6 +31,7 @@ files![
     "shown",
     "skin",
     "solid",
+    "solid_maps",
     "splat",
     "visibility_narrow",
     "visibility_wide",

@@ -3,10 +3,12 @@
 //! Guarantees: normals are unit, colours are linear albedo within 0 to 1, triangles name points that are there, and there
 //! are as many normals and colours as points. Empty meshes give empty solids.
 
+mod mapped;
 mod roots;
 mod shell;
 mod tubes;
 
+pub use mapped::{Mapped, head_with_maps};
 pub use roots::{RootGrid, SPREAD};
 pub(crate) use shell::solid_voxels;
 pub use tubes::tubes;
@@ -45,6 +47,8 @@ pub struct Solid {
     pub material: Material,
     /// Whether it shades hair and itself.
     pub casts: bool,
+    /// The pictures on it.
+    pub maps: Option<Mapped>,
 }
 
 impl Solid {
@@ -56,6 +60,7 @@ impl Solid {
             triangles: vec![],
             material,
             casts: true,
+            maps: None,
         }
     }
 
@@ -153,13 +158,19 @@ impl Part {
 /// The head as it is lit: smooth normals, and the albedo of its tone at every vertex. Eyes, lips and teeth have their own
 /// where the mesh names materials for them; triangles of eyes are cut finer, so that the iris is round.
 pub fn head_solid(scalp: &Scalp, tone: Tone) -> Solid {
+    plain_head(scalp, tone, |_| true)
+}
+
+/// The same of the triangles that `has` names by their numbers.
+fn plain_head(scalp: &Scalp, tone: Tone, has: impl Fn(usize) -> bool) -> Solid {
     let surface = scalp.surface();
     if tone == Tone::Clay {
+        let all = surface.triangles.iter().enumerate();
         return Solid {
             points: surface.points.clone(),
             normals: surface.normals.iter().map(|n| n.normalize_or(Vec3::Y)).collect(),
             colours: vec![CLAY; surface.points.len()],
-            triangles: surface.triangles.clone(),
+            triangles: all.filter(|(t, _)| has(*t)).map(|(_, corners)| *corners).collect(),
             ..Solid::empty(Material::Clay)
         };
     }
@@ -168,7 +179,7 @@ pub fn head_solid(scalp: &Scalp, tone: Tone) -> Solid {
     let irises = irises(scalp, &parts);
     // A vertex on a border stands once for each part; lips fade into the skin instead.
     let mut copies: BTreeMap<(u32, Part), u32> = BTreeMap::new();
-    for (number, triangle) in surface.triangles.iter().enumerate() {
+    for (number, triangle) in surface.triangles.iter().enumerate().filter(|(t, _)| has(*t)) {
         let part = match parts.of_triangle(triangle) {
             Part::Lips => Part::Skin,
             part => part,

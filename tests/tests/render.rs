@@ -102,6 +102,28 @@ fn wrong_words_are_refused_in_one_line_and_nothing_is_touched() {
 }
 
 #[test]
+fn nothing_is_written_over_the_pictures_of_a_head() {
+    let folder = Folder::new("render-over-maps");
+    let put = |name: &str, text: &str| std::fs::write(folder.path(name), text).unwrap();
+    put("head.obj", "mtllib head.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl skin\nf 1 2 3\n");
+    put("head.mtl", "newmtl skin\nmap_Kd face.png\n");
+    put("face.png", "no picture, and read all the same");
+    let at = |name: &str| folder.path(name).display().to_string();
+    let (mesh, over, free) = (at("head.obj"), at("face.png"), at("hair.png"));
+    for (out, report, named) in
+        [(&over, at("r.json"), "face.png"), (&free, at("head.mtl"), "head.mtl")]
+    {
+        let words = ["--scalp", &mesh, "--out", out, "--report", &report];
+        let ran = run_with(program(), small(&words));
+        assert_eq!(ran.code, 2, "{}", ran.err);
+        let says = format!("{named} of the head, which is read");
+        assert!(ran.err.contains(&says), "{}", ran.err);
+        let face = std::fs::read_to_string(folder.path("face.png")).unwrap();
+        assert_eq!(face, "no picture, and read all the same");
+    }
+}
+
+#[test]
 fn without_an_adapter_one_line_names_what_to_install() {
     let folder = Folder::new("render-none");
     let picture = folder.path("hair.png");

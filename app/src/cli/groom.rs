@@ -165,6 +165,16 @@ impl Opened {
         Ok(Self { document, outputs, folder, graph, allow_large })
     }
 
+    /// The mesh file of each head that the outputs and `more` stand on, where it has one, as [`Evaluated::scalps`] lists them.
+    #[cfg(feature = "render")]
+    pub(crate) fn head_files(&self, more: &[Socket]) -> Vec<Option<PathBuf>> {
+        let mut targets: Vec<Socket> = self.outputs.iter().map(|o| o.socket.clone()).collect();
+        targets.extend_from_slice(more);
+        let heads = of_kind(&self.document, &targets, "head");
+        let file = |head: &Socket| crate::looks::file_of(&self.document, &self.folder, &head.node);
+        heads.iter().map(file).collect()
+    }
+
     /// Evaluates the outputs, and `more` besides.
     pub(crate) fn evaluate(
         &self,

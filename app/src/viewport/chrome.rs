@@ -1,7 +1,7 @@
 //! What stands on the picture: what it is, menus of how it is looked at, the legend, and the card of a hair.
 
 use super::drawing::HairHit;
-use super::options::{EXPOSURES, Options, SHOWS, label_of};
+use super::options::{EXPOSURES, Options, SHOWS, SKIN_AUTO, SKIN_FILE, label_of};
 use super::status::Facts;
 use super::{Viewport, navigation};
 use crate::editor::event::Event;
@@ -327,8 +327,7 @@ pub(super) fn looks(options: &mut Options, ui: &mut egui::Ui) {
             .step_by(0.25),
     )
     .on_hover_text("Brighter or darker than the lights' own exposure.");
-    ui.add(Slider::new(&mut options.skin, 0..=10).text("Skin"))
-        .on_hover_text("Skin of the head: 1 (lightest) to 10 on the Monk scale, 0 is clay.");
+    skins(options, ui);
     ui.add(Slider::new(&mut options.scalp_tint, 0.0..=1.0).text("Root tint"))
         .on_hover_text("How strongly roots darken the skin.");
     ui.add(Slider::new(&mut options.opacity, 0.0..=1.0).text("Opacity"))
@@ -337,6 +336,27 @@ pub(super) fn looks(options: &mut Options, ui: &mut egui::Ui) {
         .on_hover_text(
             "Share of the strands that is drawn; the others' widths are added to theirs.",
         );
+}
+
+/// Skin of the head: that of its file, or a tone.
+fn skins(options: &mut Options, ui: &mut egui::Ui) {
+    let label = |skin: u8| match skin {
+        SKIN_AUTO => "From the file, where it has a colour map".to_owned(),
+        SKIN_FILE => "From the file".to_owned(),
+        0 => "Clay".to_owned(),
+        tone => tone.min(10).to_string(),
+    };
+    ui.menu_button(format!("Skin: {}", label(options.skin)), |ui| {
+        for skin in [SKIN_AUTO, SKIN_FILE].into_iter().chain(1..=10).chain([0]) {
+            if ui.radio(options.skin == skin, label(skin)).clicked() {
+                options.skin = skin;
+            }
+        }
+    })
+    .response
+    .on_hover_text(
+        "Skin of the head: the colours and normal maps of its own file, 1 (lightest) to 10 on the Monk scale, or clay.",
+    );
 }
 
 // --- legend and card ----------------------------------------------------------------------------

@@ -8,16 +8,16 @@
 use super::painter::Painter;
 use super::projection::Ray;
 use crate::editor::visibility::Visibility;
-use crate::scene::Show;
+use crate::scene::{Show, Skin};
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::maths::closest::Hit;
-use coif_shaders::surface::Tone;
 use coif_shaders::view::{Legend, Shading, View};
 use coif_shaders::{Camera, Gpu, Look, Precision, Transform};
 use egui::ColorImage;
 use glam::Vec3;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -40,7 +40,9 @@ pub struct Wanted {
     /// Whether heads are drawn.
     pub head: bool,
     /// Their skin.
-    pub tone: Tone,
+    pub skin: Skin,
+    /// The mesh file of each head, where it has one.
+    pub files: Vec<Option<PathBuf>>,
     /// Name of the lights.
     pub rig: &'static str,
     /// Brighter than the lights' own exposure, stops.
@@ -65,6 +67,11 @@ impl Wanted {
         let both = self.scalps.iter().zip(&other.scalps);
         self.scalps.len() == other.scalps.len() && both.into_iter().all(|(a, b)| Arc::ptr_eq(a, b))
     }
+    /// Whether two have the same heads in the same skin.
+    pub(super) fn same_heads(&self, other: &Self) -> bool {
+        self.same_scalps(other)
+            && (self.head, self.skin, &self.files) == (other.head, other.skin, &other.files)
+    }
     /// Whether two have the same hair in the same colours.
     pub(super) fn same_hair(&self, other: &Self) -> bool {
         self.hair.key() == other.hair.key()
@@ -76,8 +83,8 @@ impl Wanted {
     /// Whether two have the same pixels at rest, but for the number of samples.
     pub(super) fn same_picture(&self, other: &Self) -> bool {
         self.same_hair(other)
-            && self.same_scalps(other)
-            && (self.head, self.tone, self.rig) == (other.head, other.tone, other.rig)
+            && self.same_heads(other)
+            && self.rig == other.rig
             && self.exposure.to_bits() == other.exposure.to_bits()
             && (self.transform, self.look) == (other.transform, other.look)
             && (self.camera, self.size) == (other.camera, other.size)

@@ -28,11 +28,14 @@ use crate::editor::evaluation::Shown;
 use crate::editor::event::Event;
 use crate::editor::state::State;
 use crate::feeders::feeders;
+use crate::looks;
 use crate::pen::Holds;
 use crate::scene::Show;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{SavedLook, Socket};
 use coif_nodes::data::curves::Curves;
+use coif_nodes::data::scalp::Scalp;
+use coif_nodes::define::Value;
 use coif_shaders::camera::PORTRAIT_FOCAL;
 use coif_shaders::{Camera, Look};
 use drawing::{Drawing, Drawn, HairHit, Picked, Wanted};
@@ -45,6 +48,7 @@ use overlay::Overlay;
 use painter::together;
 use projection::Projection;
 use select::Level;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
@@ -338,7 +342,8 @@ impl Viewport {
             visibility: state.visibility.clone(),
             show,
             head: self.options.head,
-            tone: self.options.tone(),
+            skin: self.options.skin(),
+            files: files_of(state, shown),
             rig: self.options.rig(),
             exposure: self.options.exposure,
             transform: self.options.transform(),
@@ -424,6 +429,18 @@ impl Viewport {
             format!("{}; {}", facts.made(), chrome::names(self, state))
         })
     }
+}
+
+/// The mesh file of each head that is shown, where it has one.
+fn files_of(state: &State, shown: &Shown) -> Vec<Option<PathBuf>> {
+    let file = |scalp: &Arc<Scalp>| {
+        let is_it =
+            |value: &Value| matches!(value, Value::Scalp(other) if Arc::ptr_eq(scalp, other));
+        let mut nodes = shown.values.iter().filter(|(_, value)| is_it(value));
+        let folder = &state.file.folder;
+        nodes.find_map(|(socket, _)| looks::file_of(&state.document, folder, &socket.node))
+    };
+    shown.scalps.iter().map(file).collect()
 }
 
 /// The pixels of a picture for a rectangle of the screen.

@@ -1,6 +1,6 @@
 //! How the groom is looked at: colours, lights, what is laid over it. Never part of a groom.
 
-use crate::scene::Show;
+use crate::scene::{Show, Skin};
 use coif_graphs::document::SavedLook;
 use coif_shaders::surface::Tone;
 use coif_shaders::view::View;
@@ -9,6 +9,11 @@ use serde::{Deserialize, Serialize};
 
 /// Exposures that can be set, stops around the lights' own.
 pub const EXPOSURES: (f32, f32) = (-8.0, 8.0);
+
+/// Skins that are no tone.
+pub const SKIN_FILE: u8 = 11;
+/// The head's own looks where its file has a colour map.
+pub const SKIN_AUTO: u8 = 12;
 
 /// How the groom is looked at. Every field has a default, so that saved ones may lack any.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,7 +31,8 @@ pub struct Options {
     pub transform: String,
     /// How hair scatters light.
     pub model: String,
-    /// Skin of the head, 1 to 10 on the Monk scale; 0 is clay.
+    /// Skin of the head, 1 to 10 on the Monk scale; 0 is clay, [`SKIN_FILE`] what the head's file says, and [`SKIN_AUTO`] the same
+    /// where that has a colour map.
     pub skin: u8,
     /// Whether the head is drawn.
     pub head: bool,
@@ -57,7 +63,7 @@ impl Default for Options {
             exposure: 0.0,
             transform: Transform::default().name().to_owned(),
             model: Model::default().name().to_owned(),
-            skin: 5,
+            skin: SKIN_AUTO,
             head: true,
             share: 1.0,
             opacity: 1.0,
@@ -78,14 +84,13 @@ impl Options {
     }
     /// The same in the words of `coif render`.
     pub fn words(&self) -> Vec<String> {
-        let SavedLook { skin, .. } = self.saved();
         let mut words = vec![
             format!("--view={}", self.show),
             format!("--light={}", self.rig()),
             format!("--exposure={}", self.exposure),
             format!("--display={}", self.transform.to_lowercase().replace('.', "")),
             format!("--model={}", self.model),
-            format!("--skin={skin}"),
+            format!("--skin={}", self.skin()),
             format!("--opacity={}", self.opacity),
             format!("--share={}", self.share),
         ];
@@ -101,10 +106,12 @@ impl Options {
         Transform::named(&self.transform).unwrap_or_default()
     }
     /// The skin.
-    pub fn tone(&self) -> Tone {
+    pub fn skin(&self) -> Skin {
         match self.skin {
-            0 => Tone::Clay,
-            n => Tone::Monk(n.min(10)),
+            SKIN_AUTO => Skin::Auto,
+            SKIN_FILE => Skin::File,
+            0 => Skin::Tone(Tone::Clay),
+            n => Skin::Tone(Tone::Monk(n.min(10))),
         }
     }
     /// How hair is drawn.
@@ -126,8 +133,8 @@ impl Options {
     }
     /// Light and skin, as a groom keeps them.
     pub fn saved(&self) -> SavedLook {
-        let skin = if self.skin == 0 { "clay".to_owned() } else { self.skin.min(10).to_string() };
-        SavedLook { light: self.rig().to_owned(), exposure: self.exposure, skin }
+        let (light, skin) = (self.rig().to_owned(), self.skin().to_string());
+        SavedLook { light, exposure: self.exposure, skin }
     }
     /// Takes the light and skin that a groom keeps, else those of the beginning. What means nothing here is left.
     pub fn take(&mut self, look: Option<&SavedLook>) {
@@ -138,10 +145,13 @@ impl Options {
         };
         self.rig = look.light.clone();
         self.exposure = look.exposure.clamp(EXPOSURES.0, EXPOSURES.1);
-        self.skin = match look.skin.as_str() {
-            "clay" => 0,
-            skin => skin.parse().ok().filter(|n| (1..=10).contains(n)).unwrap_or(first.skin),
-        };
+        let known = look.skin.parse().ok();
+        self.skin = known.map_or(first.skin, |skin| match skin {
+            Skin::Auto => SKIN_AUTO,
+            Skin::File => SKIN_FILE,
+            Skin::Tone(Tone::Clay) => 0,
+            Skin::Tone(Tone::Monk(n)) => n,
+        });
     }
     /// Changes the exposure by so many stops.
     pub fn expose(&mut self, stops: f32) {
@@ -192,6 +202,19 @@ mod tests {
     }
 
     #[test]
+    fn every_skin_is_a_word_of_the_command_line() {
+        for (skin, word) in
+            [(0, "clay"), (1, "1"), (10, "10"), (SKIN_FILE, "file"), (SKIN_AUTO, "auto")]
+        {
+            let options = Options { skin, ..Options::default() };
+            assert_eq!(options.skin().to_string(), word);
+            assert_eq!(word.parse(), Ok(options.skin()));
+            assert!(options.words().contains(&format!("--skin={word}")));
+        }
+        assert_eq!(Options::default().skin(), Skin::Auto);
+    }
+
+    #[test]
     fn the_groom_display_is_one_key_away_and_back() {
         let mut options = Options { show: "length".to_owned(), ..Options::default() };
         options.toggle_groom();
@@ -211,7 +234,7 @@ mod tests {
             ..Options::default()
         };
         assert_eq!((options.look().share, options.look().opacity), (1.0, 0.0));
-        assert_eq!((options.tone(), options.rig()), (Tone::Monk(10), "studio"));
+        assert_eq!((options.skin(), options.rig()), (Skin::Tone(Tone::Monk(10)), "studio"));
         let read: Options = ron::from_str("(skin: 2)").expect("fields may lack");
         assert_eq!(read, Options { skin: 2, ..Options::default() });
     }
@@ -224,9 +247,9 @@ mod tests {
         other.take(Some(&mine.saved()));
         assert_eq!((other.rig(), other.exposure, other.skin), ("dark-hair", 1.5, 0));
         assert_eq!(other.show, "braid");
-        let odd = SavedLook { light: "disco".into(), exposure: 19.0, skin: "file".into() };
+        let odd = SavedLook { light: "disco".into(), exposure: 19.0, skin: "furry".into() };
         other.take(Some(&odd));
-        assert_eq!((other.rig(), other.exposure, other.skin), ("studio", 8.0, 5));
+        assert_eq!((other.rig(), other.exposure, other.skin), ("studio", 8.0, SKIN_AUTO));
         other.take(None);
         assert_eq!(other.exposure, 0.0);
     }

@@ -6,7 +6,8 @@
 
 use super::drawing::{Drawn, Ends, HairHit, Pick, Picked, Wanted};
 use super::select::visible;
-use crate::scene::{Dressed, Show, heads};
+use crate::looks::Kept;
+use crate::scene::{Dressed, Show, Skin, heads};
 use coif_nodes::data::curves::Curves;
 use coif_shaders::surface::{RootGrid, Solid};
 use coif_shaders::view::{Legend, Paint};
@@ -40,6 +41,10 @@ pub(super) struct Painter {
     given: Option<Wanted>,
     look: Option<Look>,
     heads: Vec<Solid>,
+    /// The looks that heads bring along.
+    looks: Kept,
+    /// What of them cannot be shown.
+    remarks: Vec<String>,
     roots: Option<RootGrid>,
     legend: Option<Legend>,
     notice: Option<String>,
@@ -71,6 +76,8 @@ impl Painter {
             given: None,
             look: None,
             heads: vec![],
+            looks: Kept::default(),
+            remarks: vec![],
             roots: None,
             legend: None,
             notice: None,
@@ -99,9 +106,16 @@ impl Painter {
         if changed(|a, b| a.rig != b.rig) {
             self.renderer.set_rig(&Rig::named(wanted.rig).unwrap_or_default());
         }
-        let new_heads = changed(|a, b| !a.same_scalps(b) || (a.tone, a.head) != (b.tone, b.head));
+        let new_heads = changed(|a, b| !a.same_heads(b));
         if new_heads {
-            self.heads = if wanted.head { heads(&wanted.scalps, wanted.tone) } else { vec![] };
+            let looks = match wanted.skin {
+                Skin::Tone(_) => vec![],
+                Skin::Auto | Skin::File => self.looks.of(&wanted.files),
+            };
+            (self.heads, self.remarks) = match wanted.head {
+                true => heads(&wanted.scalps, wanted.skin, &looks),
+                false => (vec![], vec![]),
+            };
         }
         let new_hair = changed(|a, b| !a.same_hair(b) || !a.same_scalps(b));
         if new_hair || new_heads {
@@ -128,7 +142,7 @@ impl Painter {
             true => Err("no curves that this hair follows are known".to_owned()),
             false => Dressed::of(&wanted.show, &hair, &wanted.followed, scalp),
         };
-        self.notice = dressed.as_ref().err().cloned();
+        self.notice = dressed.as_ref().err().or(self.remarks.first()).cloned();
         let dressed = dressed.unwrap_or_else(|_| Dressed {
             drawn: hair.clone(),
             paint: Paint::plain(Vec3::splat(0.25)),

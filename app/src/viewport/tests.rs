@@ -4,9 +4,10 @@ use super::drawing::{Drawing, Drawn, Pick, Wanted};
 use super::navigation::orbit;
 use super::projection::Projection;
 use super::*;
+use crate::scene::Skin;
 use coif_nodes::data::attributes::{Domain, ID, WIDTH};
 use coif_nodes::data::curves::TuftBuilder;
-use coif_nodes::data::scalp::{HeadFrame, REGION, Scalp};
+use coif_nodes::data::scalp::{HeadFrame, REGION};
 use coif_nodes::maths::closest::Surface;
 use coif_nodes::maths::hash::Dice;
 use coif_shaders::surface::Tone;
@@ -33,7 +34,8 @@ fn wanted() -> Wanted {
         visibility: Default::default(),
         show: Show::Hair(View::Hair),
         head: true,
-        tone: Tone::Clay,
+        skin: Skin::Tone(Tone::Clay),
+        files: vec![],
         rig: "flat",
         exposure: 0.0,
         transform: Transform::Agx,
@@ -113,7 +115,7 @@ fn samples_rise_to_the_picture_that_the_command_line_makes() {
     let mut renderer = Renderer::new(gpu, 90, 66).expect("a small picture");
     renderer.set_look(&wanted.look);
     renderer.set_rig(&Rig::named("flat").expect("a rig"));
-    renderer.set_solids(crate::scene::heads(&wanted.scalps, wanted.tone));
+    renderer.set_solids(crate::scene::heads(&wanted.scalps, wanted.skin, &[]).0);
     let dressed = crate::scene::Dressed::of(&wanted.show, &wanted.hair, &wanted.followed, None)
         .expect("hair");
     renderer.set_roots(dressed.roots);
@@ -389,7 +391,10 @@ mod window {
         assert!(ui.state().is_idle(), "no hair is made anew");
         ui.state_mut().act("edit.undo");
         ui.run_steps(3);
-        assert_eq!((look(&ui), ui.state().viewport.options.skin), (None, 5));
+        assert_eq!(
+            (look(&ui), ui.state().viewport.options.skin),
+            (None, crate::viewport::options::SKIN_AUTO)
+        );
         // Another groom brings its own, and one without any begins as at first.
         let mut document = ui.state().state.document.clone();
         let light = "dark-hair".to_owned();

@@ -103,6 +103,8 @@ pub struct Scalp {
     cm_per_unit: f32,
     /// For the editor only.
     parts: Arc<[Part]>,
+    /// For whoever draws the file's own looks.
+    kept: Option<Arc<[u32]>>,
     head: Arc<Head>,
     sections: Option<Arc<Sections>>,
 }
@@ -153,6 +155,7 @@ impl Scalp {
             key: key.finish(),
             cm_per_unit: 1.0,
             parts: Arc::default(),
+            kept: None,
             head: Arc::new(Head {
                 surface,
                 uvs,
@@ -174,6 +177,7 @@ impl Scalp {
             key: KeyBuilder::new("parted").key(whole).key(sections.key()).finish(),
             cm_per_unit: self.cm_per_unit,
             parts: self.parts.clone(),
+            kept: self.kept.clone(),
             head: self.head.clone(),
             sections: Some(sections),
         }
@@ -244,6 +248,16 @@ impl Scalp {
     /// The named parts of the mesh, those first that are or may have to be left out.
     pub fn parts(&self) -> &[Part] {
         &self.parts
+    }
+
+    /// Notes which triangles of the mesh file are there, by number; all of them without this.
+    pub fn with_kept(mut self, kept: Option<Vec<u32>>) -> Self {
+        self.kept = kept.map(Into::into);
+        self
+    }
+    /// For each triangle its number in the mesh file; where there is none, they are all there.
+    pub fn kept(&self) -> Option<&[u32]> {
+        self.kept.as_deref()
     }
 
     /// Hash of the content.

@@ -20,6 +20,7 @@ mod affine;
 mod buffers;
 mod glb;
 mod json;
+mod looks;
 mod morph;
 #[cfg(test)]
 mod posed;
@@ -33,6 +34,7 @@ use crate::data::mesh::{Mesh, MeshError};
 use buffers::Buffers;
 use glam::Vec2;
 use json::{Doc, Value};
+pub(super) use looks::read_looks;
 use primitive::{Primitive, Shape};
 use scene::{Draw, Plan};
 use skin::Skins;
@@ -57,12 +59,25 @@ const KNOWN: &[&str] = &["KHR_mesh_quantization", "KHR_node_visibility"];
 /// Errors name the byte of the container, line and column of the JSON, or the object, as in
 /// `accessors[3]`.
 pub fn read(bytes: &[u8], side: Side) -> Result<Mesh, MeshError> {
+    read_as(bytes, side, Take::default())
+}
+
+/// What is read where there are several.
+#[derive(Clone, Copy, Debug, Default)]
+struct Take {
+    /// The set of uvs.
+    uv_set: u32,
+    /// Materials go by their numbers instead of their names, of which some may be the same.
+    numbered: bool,
+}
+
+fn read_as(bytes: &[u8], side: Side, take: Take) -> Result<Mesh, MeshError> {
     let parts = glb::split(bytes)?;
     let mut budget = Budget::new(bytes.len());
     let doc = Doc::parse(parts.json, &mut budget)?;
     refuse_other_versions(&doc)?;
     refuse_extensions(&doc)?;
-    let tables = Tables::new(&doc, &mut budget)?;
+    let tables = Tables::new(&doc, take, &mut budget)?;
 
     let mut reader = Reader {
         tables: &tables,
@@ -143,6 +158,7 @@ fn unread_extension(place: &str, name: &str) -> MeshError {
 #[derive(Debug)]
 struct Tables<'a> {
     doc: &'a Doc<'a>,
+    take: Take,
     scenes: Table<'a>,
     nodes: Table<'a>,
     meshes: Table<'a>,
@@ -154,10 +170,11 @@ struct Tables<'a> {
 }
 
 impl<'a> Tables<'a> {
-    fn new(doc: &'a Doc<'a>, budget: &mut Budget) -> Result<Self, MeshError> {
+    fn new(doc: &'a Doc<'a>, take: Take, budget: &mut Budget) -> Result<Self, MeshError> {
         let mut table = |key| Table::new(doc, key, budget);
         Ok(Self {
             doc,
+            take,
             scenes: table("scenes")?,
             nodes: table("nodes")?,
             meshes: table("meshes")?,
@@ -348,6 +365,9 @@ impl<'a> Reader<'_, 'a> {
             self.add_primitive(draw, &primitive, budget)?;
             let material = match primitive.material {
                 None => self.materials.number(super::mesh_in::NAMELESS),
+                Some((number, _)) if self.tables.take.numbered => {
+                    self.materials.number(&number.to_string())
+                }
                 Some((_, Some(name))) => self.materials.number(name),
                 Some((number, None)) => self.materials.number(&format!("material {number}")),
             };

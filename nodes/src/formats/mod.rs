@@ -7,6 +7,7 @@ pub mod error;
 pub mod export;
 pub mod gltf;
 pub mod hair;
+pub mod looks;
 mod mend;
 pub mod mesh_in;
 pub mod obj;
@@ -15,4 +16,5 @@ pub mod usd;
 
 pub use chunks::Chunks;
 pub use error::FormatError;
+pub use looks::read_looks;
 pub use mesh_in::{read_mesh, side_files};

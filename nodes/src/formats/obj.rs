@@ -17,6 +17,7 @@
 
 mod count;
 mod lines;
+mod looks;
 
 use super::mesh_in::limits::{Budget, excerpt};
 use super::mesh_in::{Clipper, NAMELESS, Names, Weld, finish};
@@ -24,6 +25,7 @@ use crate::data::mesh::{Mesh, MeshError};
 use count::{Count, no_triangles};
 use glam::{Vec2, Vec3};
 use lines::{Lines, split_keyword, words};
+pub(super) use looks::read_looks;
 
 /// Corners a face may have. Larger ones come from no modeller, and one face is cut in memory that
 /// no budget sees (about 60 bytes a corner).

@@ -140,7 +140,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     mesh.notes.iter().for_each(|note| cx.remark(note.clone()));
     cx.check()?;
     let mut parts = Parts::of(&mesh, &Pieces::of(&mesh.points, &mesh.triangles));
-    leave_out(cx, &inputs, &mut mesh, &mut parts)?;
+    let kept = leave_out(cx, &inputs, &mut mesh, &mut parts)?;
     let pieces = Pieces::of(&mesh.points, &mesh.triangles);
     let (mut points, mut triangles, mut uvs) = (mesh.points, mesh.triangles, mesh.uvs);
     cx.check()?;
@@ -250,7 +250,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         };
         cx.remark(format!("{why} hair is pushed out of the skin, but not led round it"));
     }
-    let scalp = scalp.with_cm_per_unit(scale).with_parts(parts.list());
+    let scalp = scalp.with_cm_per_unit(scale).with_parts(parts.list()).with_kept(kept);
     Ok(Outputs { scalp: Arc::new(scalp) })
 }
 
@@ -291,13 +291,13 @@ fn tell_turned(cx: &EvalCx, inside_out: bool, turned: Option<Vec<bool>>, parts: 
     ));
 }
 
-/// Takes what `leave_out` names out of the mesh.
+/// Takes what `leave_out` names out of the mesh; gives the numbers of the triangles that stay, where some do not.
 fn leave_out(
     cx: &EvalCx,
     inputs: &Inputs,
     mesh: &mut Mesh,
     parts: &mut Parts,
-) -> Result<(), NodeError> {
+) -> Result<Option<Vec<u32>>, NodeError> {
     let left_out = parts.leave_out(&inputs.leave_out);
     if !left_out.unknown.is_empty() {
         let (unknown, told) = (parts::told(&left_out.unknown), parts.told());
@@ -308,7 +308,7 @@ fn leave_out(
     }
     let count = left_out.gone.iter().filter(|gone| **gone).count();
     if count == 0 {
-        return Ok(());
+        return Ok(None);
     }
     if count == mesh.triangles.len() {
         return Err(NodeError::BadValue {
@@ -319,7 +319,8 @@ fn leave_out(
     }
     cx.remark(format!("left out: {count} of {} triangles", mesh.triangles.len()));
     mesh.leave_out(&left_out.gone);
-    Ok(())
+    let all = (0u32..).zip(&left_out.gone);
+    Ok(Some(all.filter(|(_, gone)| !**gone).map(|(t, _)| t).collect()))
 }
 
 /// So many other axes, the most promising ones, are looked at closely.

@@ -12,6 +12,8 @@ use coif_nodes::maths::hash::Dice;
 use glam::{Mat4, Vec2};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
+mod maps;
+
 const SIZE: [u32; 2] = [96, 64];
 
 /// The device and a renderer, the same for all tests here, which take turns. Says so where there is no adapter.
@@ -85,6 +87,7 @@ fn sheet(z: f32) -> Solid {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         material: Material::Clay,
         casts: true,
+        maps: None,
     }
 }
 

@@ -422,8 +422,27 @@ impl Renderer {
         pass.set_bind_group(0, &self.frame_group, &[offset]);
         pass.set_vertex_buffer(0, self.solids.vertices.slice(..));
         pass.set_index_buffer(self.solids.indices.slice(..), wgpu::IndexFormat::Uint32);
-        if n > 0 {
-            pass.draw_indexed(first * 3..(first + n) * 3, 0, 0..1);
+        let last = first + n;
+        if colours.is_none() {
+            if n > 0 {
+                pass.draw_indexed(first * 3..last * 3, 0, 0..1);
+            }
+            return;
+        }
+        for run in &self.solids.runs {
+            let (from, to) = (run.triangles.start.max(first), run.triangles.end.min(last));
+            if from >= to {
+                continue;
+            }
+            match &run.maps {
+                None => pass.set_pipeline(&self.pipelines.solids),
+                Some(maps) => {
+                    pass.set_pipeline(&self.pipelines.solids_with_maps);
+                    pass.set_bind_group(1, maps, &[]);
+                    pass.set_vertex_buffer(1, self.solids.places.slice(..));
+                }
+            }
+            pass.draw_indexed(from * 3..to * 3, 0, 0..1);
         }
     }
 }

@@ -13,7 +13,8 @@ use super::progress::{Bar, Tell};
 use super::report::{Picture as About, Report, rounded};
 use crate::feeders::feeders;
 use crate::files::{Together, read_at_most};
-use crate::scene::{self, Dressed, Show};
+use crate::looks::{FileLooks, Named};
+use crate::scene::{self, Dressed, Show, Skin};
 use crate::words::grouped;
 use clap::Args;
 use coif_graphs::document::{Document, Socket};
@@ -27,7 +28,7 @@ use coif_shaders::display::Transform;
 use coif_shaders::hdri::Hdri;
 use coif_shaders::light::Rig;
 use coif_shaders::picture::Samples;
-use coif_shaders::surface::{RootGrid, Solid, Tone};
+use coif_shaders::surface::{RootGrid, Solid};
 use coif_shaders::view::{Paint, Shading, View};
 use coif_shaders::{Gpu, Look, Model, Precision, Renderer, chart};
 use options::{Format, Series, within};
@@ -91,8 +92,9 @@ pub(crate) struct RenderArgs {
     /// How hair scatters light: karis, chiang, kajiya-kay
     #[arg(long, value_name = "MODEL", default_value = "karis")]
     model: String,
-    /// Skin of the head: 1 (lightest) to 10 on the Monk scale, or clay; else the one saved with the groom, else 5
-    #[arg(long, value_name = "1..10|clay")]
+    /// Skin of the head: file, the colours and normal maps that its own file brings; 1 (lightest) to 10 on the Monk scale; clay;
+    /// auto, the file's where it has a colour map and else 5. Without it the one saved with the groom, else auto
+    #[arg(long, value_name = "auto|file|1..10|clay")]
     skin: Option<String>,
     /// See through hair: 1 is hair, 0.1 shows roots and skin
     #[arg(long, value_name = "0..1", default_value_t = 1.0, allow_negative_numbers = true)]
@@ -127,7 +129,7 @@ struct Asked {
     rig: Rig,
     transform: Transform,
     look: Look,
-    tone: Tone,
+    skin: Skin,
 }
 
 impl RenderArgs {
@@ -148,7 +150,7 @@ impl RenderArgs {
             args.light = Some(look.light.clone());
             args.exposure = args.exposure.or(Some(look.exposure));
         }
-        if args.skin.is_none() && tone(&look.skin).is_some() {
+        if args.skin.is_none() && look.skin.parse::<Skin>().is_ok() {
             args.skin = Some(look.skin.clone());
         }
         args
@@ -184,7 +186,12 @@ impl RenderArgs {
                 share: within("--share", self.share, (0.001, 1.0), "")?,
                 ..Look::default()
             },
-            tone: options::named("--skin", self.skin.as_deref().unwrap_or("5"), &TONES, tone)?,
+            skin: match &self.skin {
+                Some(skin) => {
+                    skin.parse().map_err(|reason| Stop::refused(format!("--skin {reason}")))?
+                }
+                None => Skin::Auto,
+            },
         })
     }
 
@@ -246,17 +253,6 @@ impl RenderArgs {
         };
         rig.exposure += exposure;
         Ok(rig)
-    }
-}
-
-/// The words of skins: the Monk scale from the lightest on, and clay.
-const TONES: [&str; 11] = ["1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "clay"];
-
-/// The skin of a word.
-fn tone(text: &str) -> Option<Tone> {
-    match TONES.iter().position(|name| *name == text)? {
-        10 => Some(Tone::Clay),
-        n => Some(Tone::Monk(n as u8 + 1)),
     }
 }
 
@@ -341,7 +337,21 @@ fn draw_opened(
         )));
     }
     opened.refuse_problems(&more, &mut report.warnings)?;
+    let named = match (asked.skin, args.no_head) {
+        (Skin::Tone(_), _) | (_, true) => vec![],
+        _ => opened.head_files(&more),
+    };
+    let named: Vec<Option<Named>> =
+        named.into_iter().map(|file| file.and_then(|file| Named::read(&file))).collect();
+    for path in named.iter().flatten().flat_map(|named| &named.beside) {
+        let words = format!("{} of the head", path.display());
+        files.reads(path, words).map_err(Stop::refused)?;
+    }
     files.allowed().map_err(Stop::failed)?;
+    let decoding = std::thread::spawn(move || {
+        let decoded = |named: Option<Named>| named.map(|named| Arc::new(named.decoded()));
+        named.into_iter().map(decoded).collect::<Vec<_>>()
+    });
     let shading = match asked.show {
         Show::Hair(View::Hair) => Shading::Hair,
         _ => Shading::Colour,
@@ -359,7 +369,9 @@ fn draw_opened(
     let began = Instant::now();
     let frame = evaluated.scalps.first().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
     let closest = evaluated.more.split_off(followed.len());
-    let scene = Scene::of(asked, args, evaluated)?;
+    let looks =
+        decoding.join().map_err(|_| Stop::failed("a picture of the head cannot be read"))?;
+    let scene = Scene::of(asked, args, evaluated, &looks, &mut report.warnings)?;
     let mut closest = closest.iter();
     let stills = places
         .iter()
@@ -471,7 +483,13 @@ struct Scene {
 }
 
 impl Scene {
-    fn of(asked: &Asked, args: &RenderArgs, evaluated: Evaluated) -> Result<Self, Stop> {
+    fn of(
+        asked: &Asked,
+        args: &RenderArgs,
+        evaluated: Evaluated,
+        looks: &[Option<Arc<FileLooks>>],
+        warnings: &mut Vec<String>,
+    ) -> Result<Self, Stop> {
         let Evaluated { groups, scalps, more } = evaluated;
         // Guides that are handed out besides hair are no hair.
         let only_guides = groups.iter().all(|group| group.guides);
@@ -483,10 +501,11 @@ impl Scene {
             _ => None,
         }));
         let scalp = scalps.first().cloned();
-        let mut solids = match args.no_head {
-            true => vec![],
-            false => scene::heads(&scalps, asked.tone),
+        let (mut solids, remarks) = match args.no_head {
+            true => (vec![], vec![]),
+            false => scene::heads(&scalps, asked.skin, looks),
         };
+        warnings.extend(remarks);
         let Dressed { drawn, paint, tubes, roots } =
             Dressed::of(&asked.show, &hair, &followed, scalp.as_deref())
                 .map_err(|reason| Stop::failed(format!("--view {}: {reason}", args.view)))?;

@@ -154,7 +154,7 @@ pub(super) fn side_name(uri: &str) -> Result<String, String> {
 }
 
 /// The bytes of `data:...;base64,....`.
-fn decode_data_uri(uri: &str) -> Result<Vec<u8>, String> {
+pub(super) fn decode_data_uri(uri: &str) -> Result<Vec<u8>, String> {
     let Some((head, text)) = uri.split_once(',') else {
         return Err("its data uri has no comma before the data".to_owned());
     };

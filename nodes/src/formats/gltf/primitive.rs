@@ -79,7 +79,7 @@ impl<'a> Primitive<'a> {
         if compressed.is_some() && !position.has_view() {
             return Err(unread_extension(place, "KHR_draco_mesh_compression"));
         }
-        let uv = attribute("TEXCOORD_0")?;
+        let uv = attribute(&format!("TEXCOORD_{}", tables.take.uv_set))?;
         let colour = attribute("COLOR_0")?;
         let indices = match index_or(json, "indices", place)? {
             None => None,

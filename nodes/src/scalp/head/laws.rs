@@ -459,6 +459,9 @@ fn what_is_left_out_is_neither_skin_nor_region_and_what_is_not_there_is_told() {
     let (scalp, _) = adult(&[("leave_out", "eyes,iris".into())]);
     let eyes = bust::adult().material_of.into_iter().filter(|of| *of >= 2).count();
     assert_eq!(scalp.surface().triangles.len(), bust.triangles.len() - eyes);
+    let numbers = (0u32..).zip(bust::adult().material_of).filter(|(_, of)| *of < 2);
+    let kept: Vec<u32> = numbers.map(|(t, _)| t).collect();
+    assert_eq!((scalp.kept(), alone.kept()), (Some(&kept[..]), None));
 }
 
 #[test]
