@@ -250,7 +250,7 @@ fn grips(document: &Document, shown: &Shown, node: &NodeId, view: &Projection) -
     let balls = gives.iter().flat_map(|curves| curves.tufts()).filter_map(|tuft| {
         let has = tuft.attributes().iter().any(|a| *a.name == *PUFF_CENTRE.name);
         let first = tuft.range(0).start;
-        (has && tuft.len() > 0).then(|| tuft.view(PUFF_CENTRE).at(0, first))
+        (has && !tuft.is_empty()).then(|| tuft.view(PUFF_CENTRE).at(0, first))
     });
     let ball = balls.min_by(|a, b| view.depth(*a).total_cmp(&view.depth(*b)));
     let wired = |name: &&str| !document.wires(node, name).is_empty();
