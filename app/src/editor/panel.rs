@@ -88,6 +88,13 @@ pub(crate) fn list<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
     area.show(ui, add).inner
 }
 
+/// A button that opens a menu below it; where there is no room, that is moved up as far as it must be, and never over the menu bar.
+pub(crate) fn menu_button(ui: &mut Ui, label: String, add: impl FnOnce(&mut Ui)) -> Response {
+    let response = ui.button(label);
+    Popup::menu(&response).align_alternatives(&[]).show(|ui| list(ui, add));
+    response
+}
+
 /// The menu of a widget that opens at a place, and stays there until something is picked or pressed beside it.
 pub(crate) fn menu_at(response: &Response, opens: Option<Pos2>, add: impl FnOnce(&mut Ui)) {
     let kept = response.id.with("menu at");

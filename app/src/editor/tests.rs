@@ -35,12 +35,13 @@ impl Hands {
         let mut editor = Editor::new(&egui::Context::default(), document, OpenFile::default());
         editor.state.settings.scale = scale;
         let size = Vec2::new(width, height);
-        let mut hands = Self(
-            Harness::builder()
-                .with_size(size)
-                .with_max_steps(64)
-                .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor),
-        );
+        let mut builder = Harness::builder().with_size(size).with_max_steps(64);
+        // Pictures are drawn where they are asked for.
+        if std::env::var_os("COIF_SHOTS").is_some() {
+            builder = builder.wgpu();
+        }
+        let mut hands =
+            Self(builder.build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor));
         super::theme::apply(&hands.0.ctx, false);
         hands.steps(3);
         hands

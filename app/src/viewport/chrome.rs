@@ -156,18 +156,14 @@ fn tools(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Ve
     let options = &mut viewport.options;
     ui.visuals_mut().widgets.inactive.weak_bg_fill = SHADE;
     let show = label_of(&options.show).to_owned();
-    let menu = ui.menu_button(format!("{show} ⏷"), |ui| {
-        panel::list(ui, |ui| shows(options, state, ui));
-    });
-    menu.response.on_hover_text("What is shown: hair as it is, the groom in plain colours, or any number of it as a heat map.");
-    let menu = ui.menu_button("Look ⏷", |ui| panel::list(ui, |ui| looks(options, ui)));
-    menu.response.on_hover_text("Lights, exposure, skin, and how hair is drawn.");
-    let menu = ui.menu_button("Over it ⏷", |ui| panel::list(ui, |ui| over(options, ui)));
-    menu.response.on_hover_text("What is drawn over the picture.");
-    let menu = ui.menu_button("From ⏷", |ui| {
-        panel::list(ui, |ui| views(viewport, state, ui, out));
-    });
-    menu.response.on_hover_text("Where it is seen from.");
+    let menu = panel::menu_button(ui, format!("{show} ⏷"), |ui| shows(options, state, ui));
+    menu.on_hover_text("What is shown: hair as it is, the groom in plain colours, or any number of it as a heat map.");
+    let menu = panel::menu_button(ui, "Look ⏷".to_owned(), |ui| looks(options, ui));
+    menu.on_hover_text("Lights, exposure, skin, and how hair is drawn.");
+    let menu = panel::menu_button(ui, "Over it ⏷".to_owned(), |ui| over(options, ui));
+    menu.on_hover_text("What is drawn over the picture.");
+    let menu = panel::menu_button(ui, "From ⏷".to_owned(), |ui| views(viewport, state, ui, out));
+    menu.on_hover_text("Where it is seen from.");
 }
 
 pub(super) fn over(options: &mut Options, ui: &mut egui::Ui) {

@@ -59,6 +59,7 @@ impl Hands {
         let window = self.0.ctx.content_rect().expand(1.0);
         let bar = self.place("File").map_or(0.0, |rect| rect.bottom());
         let over = self.over();
+        self.picture(what);
         if over.is_empty() {
             wrong.push(format!("{what}: nothing opened"));
         }
@@ -99,6 +100,15 @@ impl Hands {
                 wrong.push(format!("{what}: {left} of {layer:?} {rect:?} is out of reach"));
             }
         }
+    }
+
+    /// A picture of the window, where they are asked for (`COIF_SHOTS`, a folder): to be looked at.
+    fn picture(&mut self, what: &str) {
+        let Some(folder) = std::env::var_os("COIF_SHOTS") else { return };
+        let letters = |c: char| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' };
+        let name: String = what.chars().map(letters).collect();
+        let path = std::path::Path::new(&folder).join(format!("size-{name}.png"));
+        self.0.render().expect("a picture").save(path).expect("it is written");
     }
 
     fn close_all(&mut self) {
@@ -210,6 +220,13 @@ fn menus(sizes: &[([f32; 2], f32)]) {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+#[ignore = "long"]
+fn menus_fit_every_window() {
+    let all = SIZES.iter().flat_map(|size| SCALES.map(|scale| (*size, scale)));
+    menus(&all.collect::<Vec<_>>());
 }
 
 #[test]

@@ -222,7 +222,7 @@ impl Hand {
         let editor = self.table.editor();
         let mut document = editor.state.document.clone();
         (document.title, document.note) = (title.to_owned(), note.to_owned());
-        let output = NodeId::new("node").expect("an id");
+        let output = NodeId::new("out").expect("an id");
         let named = Setting::Known(Value::Text("hair".into()));
         if let Some(node) = document.nodes.get_mut(&output) {
             Arc::make_mut(node).inputs.insert("name".to_owned(), named);
