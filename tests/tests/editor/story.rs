@@ -157,8 +157,8 @@ impl Story {
     }
 
     /// Presses a key where the pointer is. One action.
-    pub(crate) fn key(&mut self, key: Key) {
-        self.ui.key_press(key);
+    pub(crate) fn key(&mut self, modifiers: Modifiers, key: Key) {
+        self.ui.key_press_modifiers(modifiers, key);
         self.ui.run_steps(3);
         self.did(format!("{key:?}"));
     }
@@ -186,6 +186,11 @@ impl Story {
     #[track_caller]
     pub(crate) fn sees_hair(&mut self, least: usize) {
         settle(&mut self.ui);
+        // A view that flies to another place arrives.
+        let began = Instant::now();
+        while !self.ui.state().viewport.is_idle() && began.elapsed() < Duration::from_secs(60) {
+            self.ui.step();
+        }
         let state = &self.ui.state().state;
         let failures = state.run.reports.failures();
         assert!(failures.is_empty(), "{failures:?}");

@@ -5,7 +5,7 @@ use coif::editor::rooms::Room;
 use coif_graphs::document::{Document, Setting};
 use coif_nodes::define::Value;
 use coif_tests::Folder;
-use egui::{Key, Vec2};
+use egui::{Key, Modifiers, Vec2};
 
 fn begin(name: &'static str) -> (Folder, Story) {
     let home = Folder::new(name);
@@ -39,7 +39,7 @@ fn a_wavy_bob_with_a_side_parting_copper_with_dark_roots() {
     assert_eq!(number(document, "hair_colour", "melanin_tip"), 0.38);
     story.click("Root colour as hex");
     story.write("#0b0301");
-    story.key(Key::Enter);
+    story.key(Modifiers::NONE, Key::Enter);
     story.sees_hair(50_000);
     story.picture("2-colour");
     let document = &story.ui.state().state.document;
@@ -49,9 +49,9 @@ fn a_wavy_bob_with_a_side_parting_copper_with_dark_roots() {
     assert!(number(document, "hair_colour", "redness") > 0.6, "and copper");
     // Over the nodes.
     story.over(Room::Canvas);
-    story.key(Key::Tab);
+    story.key(Modifiers::NONE, Key::Tab);
     story.write("2b");
-    story.key(Key::Enter);
+    story.key(Modifiers::NONE, Key::Enter);
     story.sees_hair(50_000);
     story.picture("3-waves");
     let document = &story.ui.state().state.document;
@@ -71,7 +71,7 @@ fn mirrored_cornrows_with_partings() {
     story.click("Cornrows");
     story.sees_hair(0);
     story.over(Room::Viewport);
-    story.key(Key::X);
+    story.key(Modifiers::NONE, Key::X);
     for x in [0.06, 0.13, 0.2] {
         story.draw(&[(x, -0.3), (x + 0.02, -0.36), (x, -0.42)]);
         story.sees_hair(100);
@@ -92,6 +92,10 @@ fn a_puff_is_moved_by_its_handle() {
     story.sees_hair(10_000);
     story.picture("1-puff");
     let before = node(&story.ui.state().state.document, "gather").inputs.get("position").cloned();
+    // Its place is on the skin, over the horizon of the head as seen from the front: from above it is there.
+    story.over(Room::Viewport);
+    story.key(Modifiers::ALT, Key::Num5);
+    story.sees_hair(10_000);
     story.drag("Handle of position", Vec2::new(60.0, 10.0));
     story.sees_hair(10_000);
     story.picture("2-moved");
