@@ -110,7 +110,8 @@ fn agx(linear: Vec3) -> Vec3 {
     srgb(OUTSET * shown)
 }
 
-fn srgb(linear: Vec3) -> Vec3 {
+/// sRGB code values, 0 to 1, of scene-linear light: [`Transform::Srgb`].
+pub(crate) fn srgb(linear: Vec3) -> Vec3 {
     unit(linear).map(
         |c| {
             if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }

@@ -5,6 +5,7 @@
 //! Guaranteed for any bytes: no panic, and no more memory than [`MOST`] pixels take in the decoder. Not read: other formats, and
 //! colour profiles.
 
+use crate::display::{linear_from_srgb, srgb};
 use crate::gpu::Gpu;
 use crate::pipelines::Layouts;
 use coif_nodes::formats::looks::Wrap;
@@ -162,7 +163,7 @@ fn read_jpeg(bytes: &[u8]) -> Result<([u32; 2], Vec<u8>), String> {
 
 /// The picture at half its size: each pixel is the mean of four.
 fn halved(pixels: &[u8], [width, height]: [u32; 2], kind: Kind) -> Vec<u8> {
-    let (light, bytes) = srgb();
+    let (light, bytes) = tables();
     let (w, h) = (width as usize, height as usize);
     let [to_w, to_h] = [width, height].map(|n| half(n) as usize);
     let mut out = Vec::with_capacity(4 * to_w * to_h);
@@ -193,17 +194,11 @@ fn halved(pixels: &[u8], [width, height]: [u32; 2], kind: Kind) -> Vec<u8> {
 }
 
 /// The light of each sRGB number, and the number of each of 65,536 steps of light.
-fn srgb() -> &'static (Vec<f32>, Vec<u8>) {
+fn tables() -> &'static (Vec<f32>, Vec<u8>) {
     static TABLES: OnceLock<(Vec<f32>, Vec<u8>)> = OnceLock::new();
     TABLES.get_or_init(|| {
-        let light = |n: u32| match n as f32 / 255.0 {
-            x if x <= 0.04045 => x / 12.92,
-            x => ((x + 0.055) / 1.055).powf(2.4),
-        };
-        let number = |n: u32| match n as f32 / 65535.0 {
-            x if x <= 0.003_130_8 => 12.92 * x,
-            x => 1.055 * x.powf(1.0 / 2.4) - 0.055,
-        };
+        let light = |n: u32| linear_from_srgb(Vec3::splat(n as f32 / 255.0)).x;
+        let number = |n: u32| srgb(Vec3::splat(n as f32 / 65535.0)).x;
         let light = (0..256).map(light).collect();
         let bytes = (0..65536).map(|n| (number(n) * 255.0 + 0.5) as u8).collect();
         (light, bytes)
