@@ -5,7 +5,7 @@
 
 use super::actions;
 use super::rooms::Room;
-use egui::{Event, Key, KeyboardShortcut, Modifiers};
+use egui::{Event, EventFilter, Id, Key, KeyboardShortcut, Modifiers, Ui};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -176,6 +176,13 @@ impl Keys {
         }
         clashes
     }
+}
+
+/// Arrow keys stay with a widget that has the keyboard, instead of leading to the next.
+pub(crate) fn keep_arrows(ui: &Ui, id: Id) {
+    let filter =
+        EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
 }
 
 /// Where Escape stands among what was done in a frame.

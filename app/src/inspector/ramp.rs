@@ -9,13 +9,14 @@ use super::slider::{Done, NumberField, moved};
 use super::stops::{self, Limits};
 use super::target::How;
 use super::text::{icon_button, set_name};
+use crate::editor::keys::keep_arrows;
 use crate::editor::{panel, theme};
 use coif_graphs::file::{parse_value, write_value};
 use coif_nodes::data::ramp::{Blend, Ramp};
 use coif_nodes::define::{Type, Value};
 use egui::{
-    Align2, ComboBox, EventFilter, Id, Key, Modifiers, Pos2, Rect, Response, Sense, Shape, Stroke,
-    StrokeKind, TextEdit, TextStyle, Ui, WidgetInfo, WidgetType, pos2, vec2,
+    Align2, ComboBox, Id, Key, Modifiers, Pos2, Rect, Response, Sense, Shape, Stroke, StrokeKind,
+    TextEdit, TextStyle, Ui, WidgetInfo, WidgetType, pos2, vec2,
 };
 
 /// How near, in points, a stop is picked.
@@ -90,12 +91,7 @@ impl RampField<'_> {
             response.request_focus();
         }
         if response.has_focus() {
-            let filter = EventFilter {
-                horizontal_arrows: true,
-                vertical_arrows: true,
-                ..EventFilter::default()
-            };
-            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+            keep_arrows(ui, response.id);
         }
         let now = new.as_ref().map_or(ramp, |(new, _)| new);
         view.paint(ui, &response, now, self.scale, memory.selected);

@@ -5,11 +5,12 @@
 
 use super::target::How;
 use super::text::set_name;
+use crate::editor::keys::keep_arrows;
 use crate::editor::panel;
 use egui::ecolor::Hsva;
 use egui::{
-    Color32, EventFilter, Key, Mesh, Popup, PopupCloseBehavior, Pos2, Response, Sense, Shape,
-    Slider, Stroke, StrokeKind, Ui, Vec2, vec2,
+    Color32, Key, Mesh, Popup, PopupCloseBehavior, Pos2, Response, Sense, Shape, Slider, Stroke,
+    StrokeKind, Ui, Vec2, vec2,
 };
 use std::f32::consts::TAU;
 
@@ -96,12 +97,7 @@ fn wheel(ui: &mut Ui, name: &str, hsva: &mut Hsva) -> How {
         how = How::of(ui);
     }
     if response.has_focus() {
-        let filter = EventFilter {
-            horizontal_arrows: true,
-            vertical_arrows: true,
-            ..EventFilter::default()
-        };
-        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+        keep_arrows(ui, response.id);
         let pressed = |key| ui.input(|input| input.num_presses(key)) as f32 * STEP;
         hsva.h = (hsva.h + pressed(Key::ArrowRight) - pressed(Key::ArrowLeft)).rem_euclid(1.0);
         hsva.s = (hsva.s + pressed(Key::ArrowUp) - pressed(Key::ArrowDown)).clamp(0.0, 1.0);

@@ -5,8 +5,8 @@
 //!
 //! Where they stand: points where they are; balls about the middle that the node's curves carry; everything else about the
 //! node's own point, else about the first curve that it gives. What the head hides is not drawn ([`Seen`]) and cannot be taken.
-//! Lengths are as large as they are made: in head units where the node measures in those. Guaranteed: what a drag gives lies within the input's hard limits, and a grip that is let go where it was taken
-//! leaves the value as it was.
+//! Lengths are as large as they are made: in head units where the node measures in those. Guaranteed: what a drag gives lies
+//! within the input's hard limits, and a grip that is let go where it was taken leaves the value as it was.
 
 use super::projection::Projection;
 use crate::editor::evaluation::{Shown, first_output};

@@ -11,6 +11,7 @@ mod tree;
 
 use super::evaluation::{Shown, first_output};
 use super::event::Event;
+use super::keys::keep_arrows;
 use super::panel;
 use super::rooms::Room;
 use super::state::{Select, State};
@@ -22,8 +23,8 @@ use coif_graphs::document::edit::Edit;
 use coif_graphs::document::graph;
 use coif_graphs::document::{Document, NodeId};
 use egui::{
-    Align2, EventFilter, Key, Modifiers, Rect, Response, ScrollArea, Sense, Stroke, StrokeKind,
-    TextEdit, TextStyle, Ui, WidgetInfo, WidgetType, pos2, vec2,
+    Align2, Key, Modifiers, Rect, Response, ScrollArea, Sense, Stroke, StrokeKind, TextEdit,
+    TextStyle, Ui, WidgetInfo, WidgetType, pos2, vec2,
 };
 use eyes::{EYES, eye_buttons, toggled};
 use std::collections::{BTreeMap, BTreeSet};
@@ -401,12 +402,7 @@ impl Outliner {
         if !list.has_focus() || self.rows.is_empty() {
             return;
         }
-        let filter = EventFilter {
-            vertical_arrows: true,
-            horizontal_arrows: true,
-            ..EventFilter::default()
-        };
-        ui.memory_mut(|memory| memory.set_focus_lock_filter(list.id, filter));
+        keep_arrows(ui, list.id);
         let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
         let last = self.rows.len() - 1;
         let before = self.cursor;
