@@ -237,6 +237,7 @@ fn light_and_skin_that_are_saved_with_the_groom_are_drawn_with_unless_others_are
     let start = coif_graphs::grooms::by_name("start").unwrap();
     let look = "    look: (light: \"backlit\", exposure: 1.0, skin: \"9\"),\n    layout: {";
     std::fs::write(&graph, start.replace("    layout: {", look)).unwrap();
+    let odd = folder.path("odd.ron").display().to_string();
     let (graph, out) = (graph.display().to_string(), folder.path("hair.png").display().to_string());
     let drawn = |graph: &str, more: &[&str]| {
         let mut args = small(&["--out", &out]);
@@ -249,6 +250,14 @@ fn light_and_skin_that_are_saved_with_the_groom_are_drawn_with_unless_others_are
     assert_eq!(png(&folder.path("hair.png")).1["light"], "backlit");
     let asked = ["--light", "backlit", "--exposure", "1", "--skin", "9"];
     assert!(saved == drawn("start", &asked), "the same picture");
+    std::fs::write(&odd, start.replace("    layout: {", &look.replace("backlit", "disco")))
+        .unwrap();
+    let ran = run_with(program(), {
+        let mut args = small(&["--out", &out]);
+        args[1] = &odd;
+        args
+    });
+    assert!(ran.err.contains("this version has no light \"disco\""), "{}", ran.err);
     let usual = drawn("start", &[]);
     assert!(saved != usual && usual == drawn(&graph, &["--light", "studio", "--skin", "5"]));
 }

@@ -141,17 +141,29 @@ impl RenderArgs {
         }
     }
 
-    /// With the light and skin that are saved with the groom where nothing else is asked for.
-    fn as_saved(&self, document: &Document) -> Self {
+    /// With the light and skin that are saved with the groom where nothing else is asked for. Those that this version does not
+    /// know are told.
+    fn as_saved(&self, document: &Document, warnings: &mut Vec<String>) -> Self {
         let mut args = self.clone();
         let Some(look) = &document.look else { return args };
-        let lights = Rig::NAMES.contains(&look.light.as_str());
-        if args.light.is_none() && args.hdri.is_none() && lights {
-            args.light = Some(look.light.clone());
-            args.exposure = args.exposure.or(Some(look.exposure));
+        let mut unknown = |what: &str, word: &str| {
+            warnings.push(format!(
+                "look: this version has no {what} {word:?}: its own is taken; --{what} chooses another"
+            ));
+        };
+        if args.light.is_none() && args.hdri.is_none() {
+            if Rig::NAMES.contains(&look.light.as_str()) {
+                args.light = Some(look.light.clone());
+                args.exposure = args.exposure.or(Some(look.exposure));
+            } else {
+                unknown("light", &look.light);
+            }
         }
-        if args.skin.is_none() && look.skin.parse::<Skin>().is_ok() {
-            args.skin = Some(look.skin.clone());
+        if args.skin.is_none() {
+            match look.skin.parse::<Skin>() {
+                Ok(_) => args.skin = Some(look.skin.clone()),
+                Err(_) => unknown("skin", &look.skin),
+            }
         }
         args
     }
@@ -283,7 +295,7 @@ fn draw(
     args.claim(files)?;
     args.understood()?;
     let opened = args.groom.open(report, files)?;
-    let args = &args.as_saved(&opened.document);
+    let args = &args.as_saved(&opened.document, &mut report.warnings);
     let asked = args.understood()?;
     let bar = Bar::new("nodes");
     let drawn = draw_opened(args, &asked, &opened, cancel, &bar, report, files);
