@@ -11,6 +11,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+/// Repeats of a picture from the first, at most, that a place on it is told in.
+const FARTHEST: f32 = 65536.0;
+
 /// Pictures on a solid.
 #[derive(Clone, Debug)]
 pub struct Mapped {
@@ -82,7 +85,11 @@ pub fn head_with_maps(
                         .and_then(|uvs| uvs.get(file))
                         .map(|[a, b, c]| if turned { [*a, *c, *b] } else { [*a, *b, *c] }),
                 };
-                uvs.unwrap_or_default().map(|uv| map.picture_from_uv.transform_point2(uv))
+                uvs.unwrap_or_default().map(|uv| {
+                    let at = map.picture_from_uv.transform_point2(uv);
+                    // So many repeats away a float tells no pixel from the next, and what is drawn between would be no number.
+                    if at.abs().max_element() <= FARTHEST { at } else { Vec2::ZERO }
+                })
             });
             let part = match material.colour_map.is_some() || material.colour.is_some() {
                 true => Part::Skin,
