@@ -96,13 +96,13 @@ impl Field {
                     Some((u32::try_from(triangle.at(i, root)).ok()?, bary.at(i, root)))
                 };
                 // A section of the parted scalp is a mask by its name, sharp at its partings.
-                if let Some((sections, number)) =
-                    scalp.sections().and_then(|s| Some((s, s.named(name)?)))
+                if let Some((sections, numbers)) =
+                    scalp.sections().and_then(|s| Some((s, s.names().get(name)?)))
                 {
                     let known = scalp.surface().triangles.len();
                     let value = |i: usize| {
                         let (t, bary) = place(i).filter(|(t, _)| (*t as usize) < known)?;
-                        sections.of(&scalp.root(t, bary)).filter(|at| *at == number)
+                        sections.of(&scalp.root(t, bary)).filter(|at| numbers.contains(at))
                     };
                     let values = (0..tuft.len()).map(|i| f32::from(value(i).is_some()));
                     return Ok(Part::Roots(values.collect()));

@@ -53,8 +53,8 @@ pub struct Edges {
 struct Layer {
     mode: Mode,
     strength: f32,
-    /// Numbers of the sections that it and its twin on the other side keep to; none: the head has no such section.
-    sections: Option<[Option<u32>; 2]>,
+    /// Numbers of the sections that it and its twin on the other side keep to; empty: the head has no such section.
+    sections: Option<[Vec<u32>; 2]>,
     /// The closed lines of it and its twin.
     rings: Option<[Option<Ring>; 2]>,
     /// What a smooth stroke brings the mask to.
@@ -233,7 +233,7 @@ impl Painted {
             if let Some(own) = &layer.sections {
                 let here = *section.get_or_init(|| self.section(point));
                 for (cover, own) in cover.iter_mut().zip(own) {
-                    *cover *= f32::from(own.is_some() && *own == here);
+                    *cover *= f32::from(here.is_some_and(|here| own.contains(&here)));
                 }
             }
             let cover = cover[0].max(cover[1]);
@@ -297,14 +297,15 @@ fn sections_of(
     scalp: &Scalp,
     brush: &Brush,
     sides: &[Option<Vec<Dab>>; 2],
-) -> Option<[Option<u32>; 2]> {
+) -> Option<[Vec<u32>; 2]> {
     if brush.section.is_empty() {
         return None;
     }
-    let Some(sections) = scalp.sections() else { return Some([None; 2]) };
+    let Some(sections) = scalp.sections() else { return Some([vec![], vec![]]) };
     let first = sides[1].as_ref().and_then(|dabs| dabs.first());
     let twin = first.and_then(|dab| Some(sections.at(dab.point)?.section));
-    Some([sections.named(&brush.section), twin])
+    let own = sections.names().get(&brush.section).unwrap_or_default();
+    Some([own.to_vec(), twin.into_iter().collect()])
 }
 
 impl PartialEq for Painted {

@@ -287,7 +287,8 @@ impl Scalp {
     }
     /// Names of all masks that a field may name: those of the head and the sections of a parted scalp.
     pub fn mask_names(&self) -> Vec<String> {
-        let sections = self.sections.iter().flat_map(|s| s.list()).map(|s| s.name.clone());
+        let sections = self.sections.iter().flat_map(|s| s.names().each());
+        let sections = sections.map(|(name, _)| name.to_owned());
         self.head.masks.keys().cloned().chain(sections).collect()
     }
     /// A mask's values, one a vertex.

@@ -6,8 +6,8 @@
 //!
 //! Guarantees: of two points on the two sides of a line that cuts, each has the section of its own side, however near they are;
 //! distances to partings are straight ones and exact to the lines' pieces; ids hang from the lines that bound a section and from
-//! their sides of it, so that moving a line, or cutting elsewhere, keeps them; names that were given stay where they were put. Not
-//! promised: a section narrower than a cell (1.1 mm), which is bare skin.
+//! their sides of it, so that moving a line, or cutting elsewhere, keeps them; a name means the same skin however often it is cut on
+//! ([`Names`]). Not promised: a section narrower than a cell (1.1 mm), which is bare skin.
 
 use super::chart::{Spread, around, cell_of, cross, middle};
 pub(crate) use super::cut::off_the_scalp;
@@ -16,7 +16,7 @@ use super::footprint::{Digests, read_all, read_cell};
 use super::scalp::{Root, Scalp};
 use crate::maths::hash::{Key, KeyBuilder, curve_id};
 use glam::{Vec2, Vec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
 /// A parting line, on the scalp.
@@ -37,7 +37,8 @@ pub struct Parting {
 pub struct Section {
     /// Stable id, never 0.
     pub id: u64,
-    /// What people call it: the name given to it, else one made from where it lies.
+    /// What people call it: the name given to it, else one made from that of the section it was cut from, else from where it
+    /// lies. No other section has it.
     pub name: String,
     /// Skin on which hair grows, cm2.
     pub area: f32,
@@ -69,7 +70,7 @@ pub struct Sections {
     widest: f32,
     list: Vec<Section>,
     partings: Vec<Parting>,
-    given: Vec<(String, Vec3)>,
+    names: Names,
     lines: Lines,
     /// How far out the skin is in each cell, cm.
     out: Vec<f32>,
@@ -88,7 +89,8 @@ const CONTACT: f32 = 0.3;
 pub(super) const FAR: f32 = 1e4;
 
 impl Sections {
-    /// Cuts a scalp. `names` are given names, each with a point in what it names. Also gives what there is to say about it.
+    /// Cuts a scalp. `names` are given names, each with a point in what it names; those of the sections that the scalp has already
+    /// stay what they are. Also gives what there is to say about it.
     pub fn new(
         scalp: &Scalp,
         partings: Vec<Parting>,
@@ -105,6 +107,9 @@ impl Sections {
         for (name, anchor) in names {
             key = key.text(name).vec3(*anchor);
         }
+        if let Some(before) = scalp.sections() {
+            key = key.key(before.key());
+        }
         let spread = scalp.chart().spread();
         let cut = cut(scalp, partings);
         let mut sections = Self {
@@ -114,7 +119,7 @@ impl Sections {
             widest: cut.partings.iter().fold(0.0, |widest, line| line.half_width.max(widest)),
             list: vec![],
             partings: cut.partings,
-            given: names.to_vec(),
+            names: Names::default(),
             lines: cut.lines,
             out: scalp.chart().spots().iter().map(|spot| spread.out(spot.point)).collect(),
             labels: cut.labels,
@@ -126,7 +131,7 @@ impl Sections {
             said.push(format!("{n} slivers between partings are too small and stay bare"));
         }
         sections.describe(scalp);
-        sections.give_names(scalp, names, &mut said);
+        sections.call(scalp, names, &mut said);
         (sections, said)
     }
 
@@ -149,10 +154,10 @@ impl Sections {
         read_all();
         &self.partings
     }
-    /// The names that were given, each with its point.
-    pub fn given(&self) -> &[(String, Vec3)] {
+    /// What each name means.
+    pub fn names(&self) -> &Names {
         read_all();
-        &self.given
+        &self.names
     }
     /// Half the width of the widest parting, cm.
     pub fn widest_half(&self) -> f32 {
@@ -174,11 +179,6 @@ impl Sections {
             let id = |label| self.list.get(label as usize).map_or(0, |section| section.id);
             self.lines.digests(&self.labels, id, self.widest)
         })
-    }
-    /// Number of the section of a name.
-    pub fn named(&self, name: &str) -> Option<u32> {
-        read_all();
-        (0..).zip(&self.list).find(|(_, s)| s.name == name).map(|(i, _)| i)
     }
     /// Id of the section that a point of the scalp lies in.
     pub fn id_at(&self, point: Vec3) -> Option<u64> {
@@ -345,21 +345,6 @@ impl Sections {
                 at_hairline: hairline[slot],
             })
             .collect();
-        let mut taken: BTreeMap<String, usize> = BTreeMap::new();
-        let names: Vec<String> =
-            self.list.iter().map(|section| whereabouts(scalp, section.middle)).collect();
-        for name in &names {
-            *taken.entry(name.clone()).or_default() += 1;
-        }
-        let mut next: BTreeMap<&str, usize> = BTreeMap::new();
-        for (section, name) in self.list.iter_mut().zip(&names) {
-            let number = next.entry(name).or_default();
-            *number += 1;
-            section.name = match taken[name] {
-                1 => name.clone(),
-                _ => format!("{name} {number}"),
-            };
-        }
     }
 
     /// The centre of gravity of each section, or where that lies outside (a ring), the point farthest from all partings.
@@ -389,34 +374,116 @@ impl Sections {
         (0..sum.len()).map(one).collect()
     }
 
-    fn give_names(&mut self, scalp: &Scalp, names: &[(String, Vec3)], said: &mut Vec<String>) {
-        let mut given: BTreeMap<u32, &str> = BTreeMap::new();
-        let mut times: BTreeMap<&str, u32> = BTreeMap::new();
-        for (name, anchor) in names {
-            let Some(at) = scalp.closest_root(*anchor).and_then(|root| self.of(&root)) else {
-                said.push(format!("the name {name:?} stands on no section"));
-                continue;
-            };
-            if let Some(first) = given.get(&at) {
-                if first != name {
-                    said.push(format!(
-                        "{first:?} and {name:?} are one section now; it is called {first:?}"
-                    ));
-                }
-                continue;
-            }
-            given.insert(at, name);
-            let part = times.entry(name).or_default();
-            *part += 1;
-            let called = match part {
-                1 => name.clone(),
-                _ => format!("{name} {part}"),
-            };
-            if *part > 1 {
-                said.push(format!("{name:?} is cut in two; the other part is called {called:?}"));
-            }
-            self.list[at as usize].name = called;
+    /// Names all sections.
+    fn call(&mut self, scalp: &Scalp, given: &[(String, Vec3)], said: &mut Vec<String>) {
+        let before = scalp.sections();
+        let origins = match before {
+            Some(before) => self.origins(before),
+            None => vec![NONE; self.list.len()],
+        };
+        let mut names = Names(BTreeMap::new());
+        for (name, old) in before.iter().flat_map(|before| &before.names.0) {
+            let now = (0..).zip(&origins).filter(|(_, origin)| old.contains(origin));
+            names.0.insert(name.clone(), now.map(|(number, _)| number).collect());
         }
+        let mut called: Vec<Option<&str>> = vec![None; self.list.len()];
+        let mut anew: BTreeMap<&str, BTreeSet<u32>> = BTreeMap::new();
+        for (name, anchor) in given {
+            let Some(at) = scalp.closest_root(*anchor).and_then(|root| self.of(&root)) else {
+                said.push(self.misses(scalp, name, *anchor));
+                continue;
+            };
+            anew.entry(name).or_default().insert(at);
+            match called[at as usize] {
+                None => called[at as usize] = Some(name),
+                Some(first) if first != name => said.push(format!(
+                    "{first:?} and {name:?} stand on one section: either name means all of it"
+                )),
+                Some(_) => {}
+            }
+        }
+        for (name, now) in &anew {
+            let now: Vec<u32> = now.iter().copied().collect();
+            if let Some(old) = names.0.insert((*name).to_owned(), now.clone())
+                && old.iter().any(|number| !now.contains(number))
+            {
+                said.push(format!(
+                    "{name:?} names a section of an earlier cut and another part of it, or another section, here: from here on it \
+                     means what it names here"
+                ));
+            }
+        }
+        // Sections that nobody named: by what they were cut from, and by where they lie.
+        let base = |slot: usize| match (called[slot], before) {
+            (Some(name), _) => name.to_owned(),
+            (None, Some(before)) if origins[slot] != NONE => {
+                before.list[origins[slot] as usize].name.clone()
+            }
+            _ => whereabouts(scalp, self.list[slot].middle),
+        };
+        let bases: Vec<String> = (0..self.list.len()).map(base).collect();
+        let mut together: BTreeMap<&str, usize> = BTreeMap::new();
+        for base in &bases {
+            *together.entry(base).or_default() += 1;
+        }
+        let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
+        for (slot, base) in bases.iter().enumerate() {
+            let alone = [u32::try_from(slot).expect("few sections")];
+            let mut name = base.clone();
+            // One name for one section: where several share it, or where it means more, they are numbered.
+            let is_own =
+                |name: &str, names: &Names| names.0.get(name).is_none_or(|all| *all == alone);
+            if together[base.as_str()] > 1 || !is_own(base, &names) {
+                loop {
+                    let number = numbers.entry(base).or_default();
+                    *number += 1;
+                    name = format!("{base} {number}");
+                    if is_own(&name, &names) {
+                        break;
+                    }
+                }
+            }
+            names.0.insert(name.clone(), alone.to_vec());
+            self.list[slot].name = name;
+        }
+        names.0.retain(|_, sections| !sections.is_empty());
+        self.names = names;
+    }
+
+    /// For each section that of `before` which it was cut from, by where most of it lies, or [`NONE`].
+    fn origins(&self, before: &Self) -> Vec<u32> {
+        let mut shared: BTreeMap<(u32, u32), usize> = BTreeMap::new();
+        for (now, old) in self.labels.iter().zip(&before.labels) {
+            if *now != NONE && *old != NONE {
+                *shared.entry((*now, *old)).or_default() += 1;
+            }
+        }
+        let mut best = vec![(0, NONE); self.list.len()];
+        for ((now, old), cells) in shared {
+            let best = &mut best[now as usize];
+            if cells > best.0 {
+                *best = (cells, old);
+            }
+        }
+        best.into_iter().map(|(_, old)| old).collect()
+    }
+
+    /// That a name's point lies in no section, and where the nearest is.
+    fn misses(&self, scalp: &Scalp, name: &str, anchor: Vec3) -> String {
+        let cells =
+            self.labels.iter().zip(scalp.chart().spots()).filter(|(label, _)| **label != NONE);
+        let near = cells.map(|(label, spot)| (spot.point.distance(anchor), *label));
+        let near = near.min_by(|a, b| a.0.total_cmp(&b.0));
+        let near = near.map_or(String::new(), |(distance, label)| {
+            format!("; the nearest is {distance:.1} cm away, by {:?}", self.place_of(scalp, label))
+        });
+        format!("the name {name:?} stands on no section, but on bare skin{near}")
+    }
+
+    /// A section's middle in the head frame, as names are typed.
+    fn place_of(&self, scalp: &Scalp, number: u32) -> [f32; 3] {
+        let p = scalp.frame().head_from_point(self.list[number as usize].middle);
+        p.to_array().map(|x| (x * 10.0).round() / 10.0)
     }
 
     /// Bytes held.
@@ -425,6 +492,22 @@ impl Sections {
             + self.partings.iter().map(|p| 12 * p.points.len() + 64).sum::<usize>()
             + 4 * (self.labels.len() + self.out.len())
             + self.list.len() * 128
+    }
+}
+
+/// What the names of a scalp's sections mean: each the numbers of one section or more. A section that was cut on stays, by its name,
+/// the union of its parts.
+#[derive(Clone, Debug, Default)]
+pub struct Names(BTreeMap<String, Vec<u32>>);
+
+impl Names {
+    /// The numbers of the sections that a name means, upwards.
+    pub fn get(&self, name: &str) -> Option<&[u32]> {
+        self.0.get(name).map(Vec::as_slice)
+    }
+    /// Every name with the sections that it means.
+    pub fn each(&self) -> impl Iterator<Item = (&str, &[u32])> {
+        self.0.iter().map(|(name, numbers)| (name.as_str(), numbers.as_slice()))
     }
 }
 
@@ -468,7 +551,6 @@ mod tests {
     use crate::data::scalp::tests::shared_ball;
     use crate::maths::hash::Dice;
     use crate::maths::transcendental::sin_cos_turns;
-    use std::collections::BTreeSet;
 
     /// A line over the ball in the plane x = `x` (or z = `x`), from one edge of the scalp to the other.
     fn across(id: u64, x: f32, turned: bool) -> Parting {
@@ -545,12 +627,58 @@ mod tests {
         let name = |name: &str, x: f32| (name.to_owned(), Vec3::new(x, 8.0, 0.0));
         let names = [name("left", 4.0), name("right", -4.0)];
         let (two, said) = cut(vec![across(1, 0.3, false)], &names);
-        assert!(said.is_empty() && two.named("left") != two.named("right"), "{said:?}");
+        assert!(said.is_empty() && two.names().get("left") != two.names().get("right"), "{said:?}");
         let (one, said) = cut(vec![], &names);
         assert_eq!(one.list()[0].name, "left");
-        assert_eq!(said, ["\"left\" and \"right\" are one section now; it is called \"left\""]);
-        let (_, said) = cut(vec![across(1, 0.3, false)], &[name("all", 4.0), name("all", -4.0)]);
-        assert_eq!(said, ["\"all\" is cut in two; the other part is called \"all 2\""]);
+        assert_eq!(
+            said,
+            ["\"left\" and \"right\" stand on one section: either name means all of it"]
+        );
+        assert_eq!(one.names().get("right"), Some(&[0][..]));
+        // One name twice is one part of two, for masks as for people.
+        let (both, said) = cut(vec![across(1, 0.3, false)], &[name("all", 4.0), name("all", -4.0)]);
+        assert_eq!(both.names().get("all"), Some(&[0, 1][..]), "{said:?}");
+        let called: BTreeSet<&str> = both.list().iter().map(|s| s.name.as_str()).collect();
+        assert_eq!((called, said.len()), (BTreeSet::from(["all 1", "all 2"]), 0));
+        let (_, said) = cut(vec![], &[("chin".to_owned(), Vec3::new(0.0, -8.9, 0.0))]);
+        assert!(said.len() == 1 && said[0].contains("on no section"), "{said:?}");
+    }
+
+    #[test]
+    fn a_section_that_is_cut_on_stays_the_union_of_its_parts() {
+        let name = |name: &str, x: f32, z: f32| (name.to_owned(), Vec3::new(x, 7.0, z));
+        let front = across(1, 3.0, true);
+        let (first, _) =
+            cut(vec![front.clone()], &[name("front", 0.0, 6.0), name("rest", 0.0, -3.0)]);
+        let scalp = shared_ball().parted(first.into());
+        let more = |names: &[(String, Vec3)]| {
+            let lines = vec![front.clone(), across(2, -2.0, false), across(3, 2.0, false)];
+            Sections::new(&scalp, lines, names)
+        };
+        let check = |names: &[(String, Vec3)], means: &[(&str, usize)], called: &[&str]| {
+            let (sections, said) = more(names);
+            assert!(said.is_empty(), "{said:?}");
+            for (name, parts) in means {
+                let numbers = sections.names().get(name).unwrap_or_default();
+                assert_eq!(numbers.len(), *parts, "{name}");
+            }
+            let mut now: Vec<&str> = sections.list().iter().map(|s| s.name.as_str()).collect();
+            now.sort();
+            assert_eq!(now, called);
+            // Where hair is within the union and not by whose lines it was cut.
+            for p in
+                [Vec3::new(-5.0, 5.0, 5.0), Vec3::new(0.0, 8.0, 0.0), Vec3::new(5.0, 6.0, -2.0)]
+            {
+                let at = sections.at(p).unwrap().section;
+                let is = |name| sections.names().get(name).unwrap().contains(&at);
+                assert_eq!((is("front"), is("rest")), (p.z > 3.0, p.z < 3.0), "{p}");
+            }
+        };
+        let unnamed = ["front 1", "front 2", "front 3", "rest 1", "rest 2", "rest 3"];
+        check(&[], &[("front", 3), ("rest", 3), ("rest 2", 1)], &unnamed);
+        let names = [name("left", 5.0, -1.0), name("right", -5.0, -1.0)];
+        let called = ["front 1", "front 2", "front 3", "left", "rest 1", "right"];
+        check(&names, &[("front", 3), ("rest", 3), ("left", 1)], &called);
     }
 
     #[test]

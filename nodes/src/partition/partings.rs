@@ -152,9 +152,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let (of_pattern, half_width) = (!line.by_hand, 0.5 * inputs.width * unit);
         partings.push(Parting { id: line.id, points, of_pattern, half_width });
     }
-    // Names given by a node before stay where they were put, unless this one names that section anew.
-    let mut names = names(cx, &inputs.names, scalp);
-    names.extend(scalp.sections().map_or(&[][..], Sections::given).iter().cloned());
+    let names = names(cx, &inputs.names, scalp);
     let (sections, said) = Sections::new(scalp, partings, &names);
     for text in said {
         cx.warn(text);
@@ -162,8 +160,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let area = |s: &crate::data::sections::Section| format!("{} {:.1} cm2", s.name, s.area);
     let list: Vec<String> = sections.list().iter().take(40).map(area).collect();
     cx.remark(format!("{} sections: {}", sections.list().len(), list.join(", ")));
-    for (name, parts) in cut_up(scalp, &sections) {
-        cx.remark(format!("{name:?} is cut into {parts}; the one about the name's point keeps it"));
+    for (name, parts) in sections.names().each().filter(|(_, parts)| parts.len() > 1).take(40) {
+        let part = |number: &u32| sections.list()[*number as usize].name.as_str();
+        let list: Vec<&str> = parts.iter().take(8).map(part).collect();
+        let more = if parts.len() > 8 { ", ..." } else { "" };
+        cx.remark(format!("{name:?} means {} sections: {}{more}", parts.len(), list.join(", ")));
     }
     let sections = Arc::new(sections);
     let parted = Arc::new(scalp.parted(sections.clone()));
@@ -349,26 +350,6 @@ fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec
             "{loose_ends} partings end in the middle of hair: they part it and cut no section"
         ));
     }
-}
-
-/// The named sections of a scalp that are several now, and how many.
-fn cut_up(scalp: &Scalp, now: &Sections) -> Vec<(String, usize)> {
-    let Some(before) = scalp.sections() else { return vec![] };
-    let parts = |old: u32| {
-        now.list()
-            .iter()
-            .filter(|s| before.at(s.middle).is_some_and(|at| at.section == old))
-            .count()
-    };
-    let mut out = vec![];
-    for (name, _) in before.given() {
-        let Some(old) = before.named(name) else { continue };
-        let parts = parts(old);
-        if parts > 1 {
-            out.push((name.clone(), parts));
-        }
-    }
-    out
 }
 
 /// Given names with their points, read from text.

@@ -83,7 +83,7 @@ fn reads_hair(field: &Field) -> bool {
 fn tell_sections(cx: &EvalCx, scalp: &Scalp, strokes: &Strokes) {
     let names = strokes.0.iter().filter_map(|stroke| Some(&*stroke.brush.as_ref()?.section));
     let names: BTreeSet<&str> = names.filter(|name| !name.is_empty()).collect();
-    let known = |name: &&str| scalp.sections().is_some_and(|all| all.named(name).is_some());
+    let known = |name: &&str| scalp.sections().is_some_and(|all| all.names().get(name).is_some());
     let gone: Vec<&str> = names.into_iter().filter(|name| !known(name)).collect();
     if let [first, ..] = gone[..] {
         cx.warn(format!(
