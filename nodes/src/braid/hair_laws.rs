@@ -486,7 +486,7 @@ fn one_row_takes_all_and_a_tail_keeps_off_the_skin() {
     // Every root of the region is taken.
     let area: f32 = (0..scalp.surface().triangles.len() as u32)
         .map(|t| {
-            let region = scalp.mask_at(scalp.region(), t, glam::Vec2::splat(1.0 / 3.0));
+            let region = scalp.grows(t, glam::Vec2::splat(1.0 / 3.0));
             0.5 * scalp.surface().area_vector(t).length() * region
         })
         .sum();

@@ -107,12 +107,11 @@ impl Field {
                     let values = (0..tuft.len()).map(|i| f32::from(value(i).is_some()));
                     return Ok(Part::Roots(values.collect()));
                 }
-                let mask = scalp.mask(name).ok_or_else(|| FieldFault::NoMask {
+                let mask = scalp.mask_named(name).ok_or_else(|| FieldFault::NoMask {
                     name: name.clone(),
                     known: scalp.mask_names().join(", "),
                 })?;
-                let value =
-                    |i: usize| place(i).map_or(0.0, |(t, bary)| scalp.mask_at(mask, t, bary));
+                let value = |i: usize| place(i).map_or(0.0, |(t, bary)| mask(t, bary));
                 Part::Roots((0..tuft.len()).map(value).collect())
             }
             Field::Painted(painted) => {

@@ -5,9 +5,10 @@
 //! parts and non-manifold edges are allowed.
 
 use super::chart::Chart;
+use super::drawn::Drawn;
 use super::rough::Rough;
 use super::sections::Sections;
-use super::spread::Spread;
+use super::spread::{Spread, highest};
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::distance_field::DistanceField;
 use crate::maths::hash::{Key, KeyBuilder};
@@ -116,6 +117,8 @@ struct Head {
     frame: HeadFrame,
     /// Name to one value for each vertex, 0 to 1. Always holds `scalp`, the region where hair grows.
     masks: BTreeMap<String, Vec<f32>>,
+    /// Masks that are exact between vertices.
+    drawn: Vec<(String, Drawn)>,
     field: OnceLock<DistanceField>,
     rough: OnceLock<Option<Rough>>,
     spread: OnceLock<Spread>,
@@ -161,6 +164,7 @@ impl Scalp {
                 uvs,
                 frame,
                 masks,
+                drawn: vec![],
                 field: OnceLock::new(),
                 rough: OnceLock::new(),
                 spread: OnceLock::new(),
@@ -168,6 +172,21 @@ impl Scalp {
             }),
             sections: None,
         }
+    }
+
+    /// The same scalp with regions that were drawn, by the names of their masks, whose values at vertices it has already.
+    ///
+    /// # Panics
+    /// When the scalp was handed out before.
+    pub(crate) fn with_drawn(mut self, drawn: Vec<(String, Drawn)>) -> Self {
+        let key = KeyBuilder::new("drawn").key(self.key);
+        let known =
+            |key: KeyBuilder, (name, region): &(String, Drawn)| key.text(name).key(region.key());
+        if !drawn.is_empty() {
+            self.key = drawn.iter().fold(key, known).finish();
+        }
+        Arc::get_mut(&mut self.head).expect("a fresh scalp").drawn = drawn;
+        self
     }
 
     /// The same head, its scalp cut into these sections instead of those it had.
@@ -301,9 +320,34 @@ impl Scalp {
     }
     /// The region as a line on which places are spread, made when first asked for.
     pub(crate) fn spread(&self) -> &Spread {
-        self.head.spread.get_or_init(|| Spread::new(&self.head.surface, self.region()))
+        self.head.spread.get_or_init(|| Spread::new(&self.head.surface, &|t| self.highest(t)))
     }
-    /// A mask's value at a point of a triangle; 0 for a triangle that is not there.
+    fn drawn(&self, name: &str) -> Option<&Drawn> {
+        self.head.drawn.iter().find(|(known, _)| known == name).map(|(_, region)| region)
+    }
+    /// How much hair grows at a point of a triangle, 0 to 1; 0 for a triangle that is not there.
+    pub fn grows(&self, triangle: u32, bary: Vec2) -> f32 {
+        match self.drawn(REGION) {
+            Some(region) => region.at(&self.head.surface, triangle, bary),
+            None => self.mask_at(self.region(), triangle, bary),
+        }
+    }
+    /// No more hair than this grows anywhere in a triangle.
+    pub(crate) fn highest(&self, triangle: u32) -> f32 {
+        let drawn = self.drawn(REGION).and_then(|region| region.highest(triangle));
+        drawn.unwrap_or_else(|| {
+            highest(self.region(), self.head.surface.triangles[triangle as usize])
+        })
+    }
+    /// The value of a mask at points of triangles; none without a mask of that name.
+    pub fn mask_named(&self, name: &str) -> Option<impl Fn(u32, Vec2) -> f32> {
+        let (values, drawn) = (self.mask(name)?, self.drawn(name));
+        Some(move |triangle, bary| match drawn {
+            Some(region) => region.at(&self.head.surface, triangle, bary),
+            None => self.mask_at(values, triangle, bary),
+        })
+    }
+    /// A mask's value at a point of a triangle by those of its corners; 0 for a triangle that is not there.
     pub fn mask_at(&self, mask: &[f32], triangle: u32, bary: Vec2) -> f32 {
         let Some(t) = self.head.surface.triangles.get(triangle as usize) else { return 0.0 };
         let [a, b, c] = t.map(|v| mask[v as usize]);
@@ -348,6 +392,7 @@ impl Scalp {
         vertices
             + self.head.surface.triangles.len() * 150
             + self.head.field.get().map_or(0, DistanceField::bytes)
+            + self.head.drawn.iter().map(|(_, region)| region.bytes()).sum::<usize>()
             + self.head.spread.get().map_or(0, Spread::bytes)
             + self.head.chart.get().map_or(0, Chart::bytes)
     }

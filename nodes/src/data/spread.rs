@@ -45,10 +45,10 @@ struct Item {
 }
 
 impl Spread {
-    /// Of the region with these values, one a vertex.
-    pub(crate) fn new(surface: &Surface, region: &[f32]) -> Self {
+    /// Of the region with these highest values, one a triangle.
+    pub(crate) fn new(surface: &Surface, highest: &dyn Fn(u32) -> f32) -> Self {
         let area = |t: u32| {
-            let highest = highest(region, surface.triangles[t as usize]);
+            let highest = highest(t);
             if highest <= 0.0 { 0.0 } else { 0.5 * surface.area_vector(t).length() * highest }
         };
         let areas = (0..surface.triangles.len() as u32).map(|t| (t, f64::from(area(t))));
@@ -237,7 +237,8 @@ mod tests {
         let points = |round: f32| surface.points.iter().map(|p| up(p, round)).collect::<Vec<_>>();
         let of = |points: Vec<Vec3>, triangles: Vec<[u32; 3]>| {
             let surface = Surface::new(points, triangles);
-            (places(&Spread::new(&surface, region), &surface), surface.points)
+            let most = |t: u32| highest(region, surface.triangles[t as usize]);
+            (places(&Spread::new(&surface, &most), &surface), surface.points)
         };
         let (as_is, was) = of(points(1.0), surface.triangles.clone());
         let mut turned = surface.triangles.clone();
@@ -256,7 +257,7 @@ mod tests {
     fn each_triangle_has_the_line_that_its_area_is_worth() {
         let scalp = ball();
         let (surface, region) = (scalp.surface(), scalp.region());
-        let spread = Spread::new(surface, region);
+        let spread = Spread::new(surface, &|t| highest(region, surface.triangles[t as usize]));
         let worth = |t: u32| {
             0.5 * f64::from(surface.area_vector(t).length())
                 * f64::from(highest(region, surface.triangles[t as usize]))
@@ -297,7 +298,7 @@ mod tests {
             let corners = |i: u32| [at(i), at(i) + 0.1 * Vec3::Y, at(i) + 0.1 * Vec3::Z];
             let points: Vec<Vec3> = (0..1000).flat_map(corners).collect();
             let triangles = (0..1000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-            let spread = Spread::new(&Surface::new(points, triangles), &[1.0; 3000]);
+            let spread = Spread::new(&Surface::new(points, triangles), &|_| 1.0);
             assert!(spread.triangles.len() > 900, "{}", spread.triangles.len());
             assert!(spread.ends.is_sorted());
         }

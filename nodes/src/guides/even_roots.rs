@@ -7,7 +7,7 @@
 //! Guarantees: the list depends on scalp, seed and nothing else; as many places a cm2 everywhere that the region is 1.
 
 use crate::data::scalp::{Root, Scalp};
-use crate::data::spread::{Spread, highest};
+use crate::data::spread::Spread;
 use crate::maths::hash::{Dice, mix};
 use glam::{Vec2, Vec3};
 
@@ -43,9 +43,7 @@ impl<'a> EvenRoots<'a> {
     pub(crate) fn get(&self, i: u32) -> Option<(u32, Vec2)> {
         let (triangle, fraction) = self.spread.place(self.along(i))?;
         let bary = within((fraction * f64::from(1u32 << HALVINGS)) as u32);
-        let region = self.scalp.region();
-        let share = self.scalp.mask_at(region, triangle, bary)
-            / highest(region, self.scalp.surface().triangles[triangle as usize]);
+        let share = self.scalp.grows(triangle, bary) / self.scalp.highest(triangle);
         (share >= 1.0 || self.dice.unit(1, u64::from(i)) < share).then_some((triangle, bary))
     }
 

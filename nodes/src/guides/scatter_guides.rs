@@ -369,7 +369,7 @@ mod tests {
             let triangle = tuft.view(ROOT_TRIANGLE).at(i, 0);
             let root = scalp.root(u32::try_from(triangle).unwrap(), tuft.view(ROOT_BARY).at(i, 0));
             assert!(root.point.distance(points[0]) < 1e-5);
-            assert!(scalp.mask_at(scalp.region(), root.triangle, root.bary) > 0.0);
+            assert!(scalp.grows(root.triangle, root.bary) > 0.0);
             for p in &points[1..] {
                 assert!(p.is_finite() && skin.distance(*p) >= 0.0, "{p}");
             }

@@ -191,7 +191,7 @@ impl Maker<'_> {
             let [part, b] = r2(i as u32, self.spot);
             let Some(start) = self.start(part, b * (band + ahead) - ahead) else { continue };
             let (root, id) = (&start.root, curve_id(0, inputs.seed as u64, i as u64));
-            let grows = self.scalp.mask_at(self.scalp.region(), root.triangle, root.bary);
+            let grows = self.scalp.grows(root.triangle, root.bary);
             // Where the region fades, so do they.
             let chance = (2.0 * grows).min(1.0);
             if self.dice.unit(id, 9) < chance && self.scalp.free(root.point) {

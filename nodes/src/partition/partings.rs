@@ -17,7 +17,7 @@ use crate::data::attributes::{DRIFT, Domain, ROOT_BARY, ROOT_TRIANGLE};
 use crate::data::chart::{CELLS, Chart};
 use crate::data::curves::{Curves, TuftBuilder};
 use crate::data::scalp::{HEAD_RADIUS, Scalp};
-use crate::data::sections::{Parting, Sections};
+use crate::data::sections::{Parting, Sections, named_points};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::EvalCx;
 use crate::maths::hash::curve_id;
@@ -152,7 +152,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let (of_pattern, half_width) = (!line.by_hand, 0.5 * inputs.width * unit);
         partings.push(Parting { id: line.id, points, of_pattern, half_width });
     }
-    let names = names(cx, &inputs.names, scalp);
+    let (names, faults) = named_points(&inputs.names, scalp.frame());
+    faults.into_iter().for_each(|fault| cx.warn(fault));
     let (sections, said) = Sections::new(scalp, partings, &names);
     for text in said {
         cx.warn(text);
@@ -350,24 +351,6 @@ fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec
             "{loose_ends} partings end in the middle of hair: they part it and cut no section"
         ));
     }
-}
-
-/// Given names with their points, read from text.
-fn names(cx: &EvalCx, text: &str, scalp: &Scalp) -> Vec<(String, Vec3)> {
-    let mut out = vec![];
-    for entry in text.split([';', '\n']).map(str::trim).filter(|e| !e.is_empty()) {
-        let words: Vec<&str> = entry.split_whitespace().collect();
-        let at = words.len().saturating_sub(3);
-        let numbers: Vec<f32> = words[at..].iter().filter_map(|w| w.parse().ok()).collect();
-        match numbers[..] {
-            [x, y, z] if at > 0 && x.is_finite() && y.is_finite() && z.is_finite() => {
-                let p = scalp.frame().point_from_head(Vec3::new(x, y, z));
-                out.push((words[..at].join(" "), p));
-            }
-            _ => cx.warn(format!("{entry:?} is no name with a point, such as \"fringe 0 6 8\"")),
-        }
-    }
-    out
 }
 
 #[cfg(test)]

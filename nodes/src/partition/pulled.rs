@@ -218,7 +218,7 @@ fn beside(rules: &Rules, ground: &Ground, u: f32, side: i32) -> Option<Beside> {
 const BORDER: usize = usize::MAX;
 
 fn grows(scalp: &Scalp, root: &Root) -> f32 {
-    scalp.mask_at(scalp.region(), root.triangle, root.bary)
+    scalp.grows(root.triangle, root.bary)
 }
 
 /// The root a part of the way to what lies beside, and how much room it has left.

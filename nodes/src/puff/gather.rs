@@ -392,7 +392,7 @@ impl Gatherer<'_> {
         let grows = |p: Vec3| {
             let hit = self.skin.closest(p)?;
             let root = self.scalp.root(hit.triangle, hit.bary);
-            let region = self.scalp.mask_at(self.scalp.region(), root.triangle, root.bary);
+            let region = self.scalp.grows(root.triangle, root.bary);
             let free = region > 0.5 && self.scalp.free(root.point);
             let (to, place) = if free { self.tie_of(&root)? } else { return None };
             (to == tie).then_some((root, place))

@@ -10,7 +10,7 @@ use super::face::{By, FACE};
 use super::find::{self, Found, Pieces, Search};
 use super::fit::{self, Fit};
 use super::parts::{self, Parts};
-use super::{bust, facing, hollow, region};
+use super::{bust, drawn, facing, hollow, region};
 use crate::data::mesh::Mesh;
 use crate::data::rough::{Rough, SCRAPS, WIDE};
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION, Scalp};
@@ -46,9 +46,13 @@ node! {
         region: Region = Region::Default, words("scalp area growth hairline density map");
         /// The painted mask, or the materials, that say where hair grows. Several materials are separated by commas.
         region_name: Arc<str> = "", words("vertex colour color paint material name");
-        /// The hairline as one closed stroke on the head; hair grows on the crown's side of it. Further strokes enclose
-        /// further regions.
+        /// The edge of the region as a closed stroke on the skin; hair grows inside, on the smaller of its two sides. Further
+        /// strokes enclose further regions; one inside another leaves a hole.
         hairline: Arc<Strokes> = Strokes::default(), words("edge outline");
+        /// Names for drawn regions: a name and a point in it, in the head frame (x to the head's left, y up, z forward),
+        /// centimetres on a head of average size, such as `beard 0 -7 7; left brow 3 1 9`. Each is a mask of that name. A point
+        /// outside of every stroke chooses the other side of the nearest.
+        names: Arc<str> = "", words("name label several regions mask side");
         /// Width over which the edge of a default or drawn region fades. 0 is a sharp edge.
         edge: f32 = 0.5, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("soft fade falloff");
 
@@ -226,11 +230,28 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     if let Some(wall) = masks.get(INNER_WALL) {
         grows.iter_mut().zip(wall).for_each(|(grows, wall)| *grows *= 1.0 - wall);
     }
+    let mut drawn = vec![];
+    if inputs.region == Region::Hairline {
+        let wish = drawn::Wish {
+            strokes: &inputs.hairline,
+            names: &inputs.names,
+            softness: inputs.edge * frame.unit(),
+            may: grows,
+        };
+        drawn = drawn::regions(cx, &surface, &frame, wish)?;
+        grows = drawn[0].1.values().to_vec();
+        for (name, region) in &drawn[1..] {
+            masks.insert(name.clone(), region.values().to_vec());
+        }
+    } else if !inputs.names.trim().is_empty() {
+        cx.warn("names are for drawn regions: set region to hairline and draw them");
+    }
     let everywhere =
         fit.is_none() && inputs.region == Region::Default && own_region(&masks).is_none();
-    tell_region(cx, &inputs, &surface, &frame, everywhere, &grows);
+    let area = drawn.first().map_or_else(|| area(&surface, &grows), |(_, region)| region.area());
+    tell_region(cx, &inputs, &surface, &frame, everywhere, area);
     masks.insert(REGION.to_owned(), grows);
-    let scalp = Scalp::new(surface, uvs, frame, masks);
+    let scalp = Scalp::new(surface, uvs, frame, masks).with_drawn(drawn);
     if let Some(rough) = scalp.rough() {
         let why = match rough {
             Rough::Folded => format!(
@@ -414,13 +435,12 @@ fn tell_region(
     surface: &Surface,
     frame: &HeadFrame,
     everywhere: bool,
-    grows: &[f32],
+    area: f32,
 ) {
-    let area = area(surface, grows);
     if area <= 0.0 {
         return cx.warn("hair grows nowhere: the region is empty");
     }
-    cx.remark(format!("scalp: {area:.0} cm2"));
+    cx.remark(format!("scalp: {}", drawn::area(area)));
     let whole: f32 =
         (0..surface.triangles.len()).map(|t| 0.5 * surface.area_vector(t as u32).length()).sum();
     let share = 100.0 * area / whole.max(f32::MIN_POSITIVE);
@@ -677,22 +697,10 @@ fn grows(
             }
             Ok(sum)
         }
-        Region::Hairline => {
-            for stroke in &inputs.hairline.0 {
-                let positions: Vec<Vec3> = stroke.samples.iter().map(|s| s.position).collect();
-                let gap = region::gap(&positions);
-                if gap > 0.2 {
-                    cx.warn(format!(
-                        "hairline stroke {:016x} is open: its ends were joined by a straight line",
-                        stroke.id
-                    ));
-                }
-            }
-            if !inputs.hairline.0.iter().any(|s| s.samples.len() >= 3) {
-                return Err(NodeError::failed("no hairline is drawn: draw a closed stroke"));
-            }
-            region::hairline_region(surface, frame, &inputs.hairline, softness, &check)
-        }
+        Region::Hairline => match is_head {
+            true => region::outer_skin(surface, frame, &check),
+            false => Ok(vec![1.0; surface.points.len()]),
+        },
     }
 }
 

@@ -39,7 +39,7 @@ pub(crate) fn met(scalp: &Scalp, p: Vec3) -> Option<Root> {
         let left = OVERHANG * frame.unit() - come;
         let Some(hit) = surface.ray(below + up * (come + PAST), up, left) else { break };
         come += PAST + hit.distance;
-        let grows = scalp.mask_at(scalp.region(), hit.triangle, hit.bary) > 0.0;
+        let grows = scalp.grows(hit.triangle, hit.bary) > 0.0;
         if grows && surface.face_normal(hit.triangle).dot(up) > 0.0 {
             root = scalp.root(hit.triangle, hit.bary);
         }

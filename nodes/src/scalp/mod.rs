@@ -3,6 +3,7 @@
 mod axes;
 pub mod bust;
 pub(crate) mod detour;
+mod drawn;
 mod face;
 mod facing;
 mod find;

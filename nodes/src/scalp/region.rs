@@ -1,16 +1,14 @@
 //! Where on a head hair grows, as a mask with one value a vertex.
 //!
 //! methods.md 0.1: the default region is outer surface above a plane that rises towards the face, in a shell
-//! about the cranium, without ears and a little skin about them; a drawn hairline is a closed line in the azimuthal projection about the up axis,
-//! and its inside, the crown's side, is the region.
+//! about the cranium, without ears and a little skin about them. What is drawn is in [`super::drawn`].
 
 use crate::data::scalp::HeadFrame;
-use crate::data::strokes::Strokes;
 use crate::define::NodeError;
 use crate::maths::closest::Surface;
 use crate::maths::nearest::Nearest;
-use crate::maths::transcendental::{acos, atan2, cos, sin_cos};
-use glam::{Vec2, Vec3};
+use crate::maths::transcendental::sin_cos;
+use glam::Vec3;
 
 /// The plane of the default region: this far below the centre (radii) ...
 const DROP: f32 = 0.30;
@@ -109,34 +107,13 @@ fn ears(
     Ok(ears.into_iter().step_by(every).collect())
 }
 
-/// The inside of hairlines, each stroke closed by itself; `softness` (cm) is the width of the edge.
-pub(crate) fn hairline_region(
+/// For each vertex whether it is outer surface, 0 or 1.
+pub(crate) fn outer_skin(
     surface: &Surface,
     frame: &HeadFrame,
-    strokes: &Strokes,
-    softness: f32,
     check: &dyn Fn() -> Result<(), NodeError>,
 ) -> Result<Vec<f32>, NodeError> {
-    let lines: Vec<Vec<Vec2>> = strokes
-        .0
-        .iter()
-        .map(|s| s.samples.iter().map(|sample| spread(sample.position)).collect())
-        .filter(|line: &Vec<Vec2>| line.len() >= 3)
-        .collect();
-    mask(surface, frame, check, |v| {
-        let p = spread(frame.head_from_vector(v));
-        let inside = |line: &Vec<Vec2>| inside_by(p, line, frame.radius);
-        soft(lines.iter().map(inside).fold(f32::MIN, f32::max), softness)
-    })
-}
-
-/// Length of the straight line that closes a stroke, against the stroke's own length.
-pub(crate) fn gap(positions: &[Vec3]) -> f32 {
-    let length: f32 = positions.windows(2).map(|w| w[0].distance(w[1])).sum();
-    match positions {
-        [first, .., last] if length > 0.0 => first.distance(*last) / length,
-        _ => 0.0,
-    }
+    mask(surface, frame, check, |_| 1.0)
 }
 
 /// The value that `value` gives for the vertex at `v` from the centre, where the surface is outer surface.
@@ -193,67 +170,4 @@ fn outer(
         .chain(leaning)
         .zip(hides)
         .any(|(way, hides)| !surface.ray_meets_again(start, way, 8.0 * frame.radius, hides))
-}
-
-/// Azimuthal equidistant projection of a direction of the head frame about the up axis: radians from the
-/// crown, turned as seen from above.
-fn spread(p: Vec3) -> Vec2 {
-    let p = p.try_normalize().unwrap_or(Vec3::Y);
-    let (angle, around) = (acos(p.y), atan2(p.x, p.z));
-    let (sin, cos) = sin_cos(around);
-    Vec2::new(sin, cos) * angle
-}
-
-/// The direction that [`spread`] takes to `q`.
-fn gathered(q: Vec2) -> Vec3 {
-    let angle = q.length();
-    let (sin, up) = (sin_cos(angle).0, cos(angle));
-    let flat = q.try_normalize().unwrap_or(Vec2::Y) * sin;
-    Vec3::new(flat.x, up, flat.y)
-}
-
-/// Distance of `p` from a closed line on a sphere of `radius`, positive inside (both in [`spread`]'s
-/// plane).
-fn inside_by(p: Vec2, line: &[Vec2], radius: f32) -> f32 {
-    let mut inside = false;
-    let mut nearest = (f32::MAX, p);
-    for (i, a) in line.iter().enumerate() {
-        let b = line[(i + 1) % line.len()];
-        if (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y)) {
-            inside = !inside;
-        }
-        let along = b - *a;
-        let t = ((p - *a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
-        let q = *a + along * t;
-        let d = q.distance_squared(p);
-        if d < nearest.0 {
-            nearest = (d, q);
-        }
-    }
-    let distance = gathered(p).distance(gathered(nearest.1)) * radius;
-    if inside { distance } else { -distance }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_projection_comes_back() {
-        for p in [Vec3::new(1.0, 2.0, 3.0), Vec3::new(-1.0, -0.4, 0.2), Vec3::Y, Vec3::NEG_Z] {
-            assert!(gathered(spread(p)).distance(p.normalize()) < 1e-5, "{p}");
-        }
-    }
-
-    #[test]
-    fn a_ring_has_its_inside_on_the_side_of_the_crown() {
-        let ring: Vec<Vec2> = (0..64)
-            .map(|k| {
-                let (s, c) = crate::maths::transcendental::sin_cos_turns(k as f32 / 64.0);
-                Vec2::new(s, c)
-            })
-            .collect();
-        assert!((inside_by(Vec2::new(0.5, 0.0), &ring, 10.0) - 4.95).abs() < 0.03);
-        assert!((inside_by(Vec2::new(0.0, 1.5), &ring, 10.0) + 4.95).abs() < 0.03);
-    }
 }

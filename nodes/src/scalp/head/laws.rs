@@ -135,7 +135,7 @@ fn every_root_of_a_groom_made_elsewhere_binds_to_its_head() {
         let p = Vec3::from_array([0, 4, 8].map(|k| f32::from_le_bytes(word(at + k)))) * 100.0;
         let root = scalp.closest_root(p).unwrap();
         off.push(root.point.distance(p));
-        let grows = scalp.mask_at(scalp.region(), root.triangle, root.bary);
+        let grows = scalp.grows(root.triangle, root.bary);
         touched += u32::from(grows > 0.0);
         inside += u32::from(grows > 0.5);
     }
@@ -285,7 +285,7 @@ fn hair_grows_inside_a_drawn_hairline() {
     let (scalp, said) = adult(&set(0, 48));
     let at = |p: Vec3| {
         let root = scalp.closest_root(p).unwrap();
-        scalp.mask_at(scalp.region(), root.triangle, root.bary)
+        scalp.grows(root.triangle, root.bary)
     };
     assert_eq!((at(Vec3::Y * 9.0), at(Vec3::NEG_Z * 9.0)), (1.0, 0.0));
     assert!(at(Vec3::new(0.0, 0.55, -1.0) * 9.0) > 0.9);

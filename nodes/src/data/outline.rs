@@ -1,0 +1,620 @@
+//! Closed lines on a mesh, cut along its triangles, and what lies inside them.
+//!
+//! Between its points a line goes straight over the skin: from triangle to triangle in the plane that stands on the skin there, and
+//! where that leads off the mesh, on a short way over its triangles. Two corners of a triangle are on the same side when the line
+//! crosses the edge between them an even number of times; a point of a triangle is told from a corner by the pieces of the line
+//! between.
+//!
+//! Guarantees: of two points of a triangle on two sides of the line each has its own side, however near they are; nothing but the
+//! skin that hangs together with the line is inside; the same sides for any order of triangles. Not promised: anything useful of a
+//! line that does not part the piece of mesh that it lies on, which is told ([`Outline::is_torn`]).
+
+use crate::maths::closest::{Hit, Surface, closest_on_triangle};
+use glam::{Vec2, Vec3};
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+
+/// No triangle; no side.
+const NONE: u32 = u32::MAX;
+/// Crossings keep off corners by this share of an edge, and points off edges by this share of a triangle.
+const OFF: f32 = 1e-3;
+/// A straight way is given up where it has become so many times longer than it should be.
+const TOO_LONG: f32 = 3.0;
+/// The most triangles that are looked at for a way where none is straight.
+const LOOKS: usize = 100_000;
+
+/// How the triangles of a surface hang together.
+pub(crate) struct Net<'a> {
+    surface: &'a Surface,
+    /// Over the side from each corner to the next: the triangle there, or [`NONE`].
+    beside: Vec<[u32; 3]>,
+    /// A number for each vertex, the same for what hangs together.
+    pieces: Vec<u32>,
+}
+
+/// A straight piece of a line, in one triangle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece {
+    pub(crate) triangle: u32,
+    /// Weights of the second and third corner at both ends.
+    pub(crate) bary: [Vec2; 2],
+    pub(crate) ends: [Vec3; 2],
+}
+
+/// A line on the skin.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Line {
+    /// One after another along the line.
+    pub(crate) pieces: Vec<Piece>,
+    /// Edges that are crossed, each as often as it is.
+    pub(crate) crossed: Vec<(u32, u32)>,
+    /// The point that was farthest from the skin, and how far, cm.
+    pub(crate) off: Option<(Vec3, f32)>,
+    /// Where it could not be led on over the skin.
+    pub(crate) gaps: Vec<[Vec3; 2]>,
+}
+
+impl<'a> Net<'a> {
+    pub(crate) fn new(surface: &'a Surface) -> Self {
+        let mut sides: Vec<((u32, u32), u32)> = vec![];
+        for (t, corners) in (0u32..).zip(&surface.triangles) {
+            if !surface.is_gone(t) {
+                sides.extend((0..3).map(|k| (edge(corners, k), 3 * t + k as u32)));
+            }
+        }
+        sides.sort_unstable();
+        let mut beside = vec![[NONE; 3]; surface.triangles.len()];
+        let mut joined = Joined::new(surface.points.len());
+        for same in sides.chunk_by(|a, b| a.0 == b.0) {
+            joined.join(same[0].0, false);
+            for pair in same.chunks_exact(2) {
+                for [a, b] in [[pair[0].1, pair[1].1], [pair[1].1, pair[0].1]] {
+                    beside[a as usize / 3][a as usize % 3] = b / 3;
+                }
+            }
+        }
+        let pieces = (0..surface.points.len() as u32).map(|v| joined.root(v).0).collect();
+        Self { surface, beside, pieces }
+    }
+
+    /// The surface.
+    pub(crate) fn surface(&self) -> &'a Surface {
+        self.surface
+    }
+    /// The triangles over the sides of one.
+    pub(crate) fn beside(&self, triangle: u32) -> impl Iterator<Item = u32> {
+        self.beside[triangle as usize].into_iter().filter(|t| *t != NONE)
+    }
+
+    /// The line through points near the skin, closed or not. It stays on one piece of the mesh, that which most points are on.
+    pub(crate) fn line(&self, points: &[Vec3], closed: bool) -> Line {
+        let mut line = Line::default();
+        let hits: Vec<Option<Hit>> = points.iter().map(|p| self.surface.closest(*p)).collect();
+        let piece =
+            |hit: &Hit| self.pieces[self.surface.triangles[hit.triangle as usize][0] as usize];
+        let mut votes: BTreeMap<u32, usize> = BTreeMap::new();
+        for hit in hits.iter().flatten() {
+            *votes.entry(piece(hit)).or_default() += 1;
+        }
+        let Some((own, _)) = votes.iter().max_by_key(|(id, votes)| (**votes, Reverse(**id))) else {
+            return line;
+        };
+        let mut way: Vec<Hit> = vec![];
+        for (p, hit) in points.iter().zip(&hits) {
+            let hit = hit.filter(|hit| piece(hit) == *own).or_else(|| self.closest_on(*p, *own));
+            let Some(mut hit) = hit else { continue };
+            if line.off.is_none_or(|(_, off)| hit.distance > off) {
+                line.off = Some((*p, hit.distance));
+            }
+            // Off edges and corners, where it is not clear which triangle comes next.
+            hit.bary = within(hit.bary, OFF);
+            hit.point = self.surface.at(hit.triangle, hit.bary);
+            way.push(hit);
+        }
+        if closed && way.len() > 2 {
+            way.push(way[0]);
+        }
+        for pair in way.windows(2) {
+            if pair[0].point == pair[1].point {
+                continue;
+            }
+            let led = self.straight(&pair[0], &pair[1]).or_else(|| self.round(&pair[0], &pair[1]));
+            match led {
+                Some((pieces, crossed)) => {
+                    line.pieces.extend(pieces);
+                    line.crossed.extend(crossed);
+                }
+                None => line.gaps.push([pair[0].point, pair[1].point]),
+            }
+        }
+        line
+    }
+
+    /// The point of one piece of the mesh that is closest.
+    fn closest_on(&self, p: Vec3, piece: u32) -> Option<Hit> {
+        let mut best: Option<Hit> = None;
+        for (triangle, corners) in (0u32..).zip(&self.surface.triangles) {
+            if self.pieces[corners[0] as usize] != piece || self.surface.is_gone(triangle) {
+                continue;
+            }
+            let (bary, point) = closest_on_triangle(p, self.surface.corners(triangle));
+            let distance = point.distance(p);
+            if best.is_none_or(|best| distance < best.distance) {
+                best = Some(Hit { triangle, bary, point, distance });
+            }
+        }
+        best
+    }
+
+    /// The straight way over the skin.
+    fn straight(&self, from: &Hit, to: &Hit) -> Option<(Vec<Piece>, Vec<(u32, u32)>)> {
+        let piece = |triangle, bary: [Vec2; 2]| Piece {
+            triangle,
+            bary,
+            ends: bary.map(|bary| self.surface.at(triangle, bary)),
+        };
+        if from.triangle == to.triangle {
+            return Some((vec![piece(from.triangle, [from.bary, to.bary])], vec![]));
+        }
+        let along = to.point - from.point;
+        let normal = |hit: &Hit| self.surface.smooth_normal(hit.triangle, hit.bary);
+        let across = along.cross(normal(from) + normal(to)).try_normalize()?;
+        let side = |v: u32| (self.surface.points[v as usize] - from.point).dot(across);
+        // Where the plane leaves a triangle by one of its sides, as weights of its corners.
+        let leaves = |triangle: u32, k: usize| {
+            let corners = self.surface.triangles[triangle as usize];
+            let (a, b) = (side(corners[k]), side(corners[(k + 1) % 3]));
+            if (a >= 0.0) == (b >= 0.0) {
+                return None;
+            }
+            Some(on_side(k, (a / (a - b)).clamp(OFF, 1.0 - OFF)))
+        };
+        let mut ways: Vec<(usize, Vec2)> =
+            (0..3).filter_map(|k| Some((k, leaves(from.triangle, k)?))).collect();
+        let toward = |(_, bary): &(usize, Vec2)| {
+            (self.surface.at(from.triangle, *bary) - from.point).dot(along)
+        };
+        ways.sort_by(|a, b| toward(b).total_cmp(&toward(a)));
+        let longest = TOO_LONG * along.length() + 0.05;
+        ways.into_iter().find_map(|(k, bary)| {
+            let (mut triangle, mut k, mut at, mut out) = (from.triangle, k, from.bary, bary);
+            let (mut pieces, mut crossed, mut length) = (vec![], vec![], 0.0);
+            loop {
+                let last = piece(triangle, [at, out]);
+                length += last.ends[0].distance(last.ends[1]);
+                pieces.push(last);
+                crossed.push(edge(&self.surface.triangles[triangle as usize], k));
+                if length > longest {
+                    return None;
+                }
+                let (next, entered) = self.over(triangle, k)?;
+                at = carried(self.surface, triangle, out, next);
+                triangle = next;
+                if triangle == to.triangle {
+                    pieces.push(piece(triangle, [at, to.bary]));
+                    return Some((pieces, crossed));
+                }
+                (k, out) = (0..3)
+                    .filter(|k| *k != entered)
+                    .find_map(|k| Some((k, leaves(triangle, k)?)))?;
+            }
+        })
+    }
+
+    /// The triangle over a side, and which of its sides that is.
+    fn over(&self, triangle: u32, k: usize) -> Option<(u32, usize)> {
+        let next = self.beside[triangle as usize][k];
+        let edge_of = |t: u32, k: usize| edge(&self.surface.triangles[t as usize], k);
+        let entered = (next != NONE)
+            .then(|| (0..3).find(|other| edge_of(next, *other) == edge_of(triangle, k)))??;
+        Some((next, entered))
+    }
+
+    /// A short way over the triangles, through the middles of their sides.
+    fn round(&self, from: &Hit, to: &Hit) -> Option<(Vec<Piece>, Vec<(u32, u32)>)> {
+        let middle = |t: u32| self.surface.at(t, Vec2::splat(1.0 / 3.0));
+        // Floats that are not negative are ordered as their bits are.
+        let mut best = BTreeMap::from([(from.triangle, (0.0f32, NONE, 0usize))]);
+        let mut next = BinaryHeap::from([Reverse((0u32, from.triangle))]);
+        let mut done: BTreeSet<u32> = BTreeSet::new();
+        while let Some(Reverse((_, triangle))) = next.pop() {
+            if triangle == to.triangle || done.len() > LOOKS {
+                break;
+            }
+            if !done.insert(triangle) {
+                continue;
+            }
+            for k in 0..3 {
+                let Some((other, _)) = self.over(triangle, k) else { continue };
+                let length = best[&triangle].0 + middle(triangle).distance(middle(other));
+                if best.get(&other).is_none_or(|known| length < known.0) {
+                    best.insert(other, (length, triangle, k));
+                    next.push(Reverse((length.to_bits(), other)));
+                }
+            }
+        }
+        let mut steps = vec![];
+        let mut at = to.triangle;
+        while at != from.triangle {
+            let (_, before, k) = *best.get(&at)?;
+            steps.push((before, k, at));
+            at = before;
+        }
+        let (mut pieces, mut crossed, mut bary) = (vec![], vec![], from.bary);
+        let mut push = |triangle, bary: [Vec2; 2]| {
+            let ends = bary.map(|bary| self.surface.at(triangle, bary));
+            pieces.push(Piece { triangle, bary, ends });
+        };
+        for (triangle, k, next) in steps.into_iter().rev() {
+            let out = on_side(k, 0.5);
+            push(triangle, [bary, out]);
+            crossed.push(edge(&self.surface.triangles[triangle as usize], k));
+            bary = carried(self.surface, triangle, out, next);
+        }
+        push(to.triangle, [bary, to.bary]);
+        Some((pieces, crossed))
+    }
+}
+
+/// Weights of the second and third corner, all three at least `least` of the whole or about as much.
+fn within(bary: Vec2, least: f32) -> Vec2 {
+    let rest = (1.0 - bary.x - bary.y).max(least);
+    let [x, y] = [bary.x.max(least), bary.y.max(least)];
+    Vec2::new(x, y) / (x + y + rest)
+}
+
+/// The edge from a corner of a triangle to the next.
+fn edge(corners: &[u32; 3], k: usize) -> (u32, u32) {
+    let (a, b) = (corners[k], corners[(k + 1) % 3]);
+    (a.min(b), a.max(b))
+}
+
+/// Weights of the second and third corner at a share of the way from corner `k` to the next.
+fn on_side(k: usize, share: f32) -> Vec2 {
+    match k {
+        0 => Vec2::new(share, 0.0),
+        1 => Vec2::new(1.0 - share, share),
+        _ => Vec2::new(0.0, 1.0 - share),
+    }
+}
+
+/// A point of an edge that two triangles share, from the weights of one to those of the other.
+fn carried(surface: &Surface, from: u32, bary: Vec2, to: u32) -> Vec2 {
+    let weights = [1.0 - bary.x - bary.y, bary.x, bary.y];
+    let old = surface.triangles[from as usize];
+    let [_, x, y] = surface.triangles[to as usize].map(|v| {
+        let same = old.iter().position(|other| *other == v);
+        same.map_or(0.0, |k| weights[k].max(0.0))
+    });
+    Vec2::new(x, y)
+}
+
+/// Vertices joined, each on one of two sides of what it is joined to.
+struct Joined {
+    to: Vec<(u32, bool)>,
+    /// Whether two were joined on the same side and on the other.
+    torn: bool,
+}
+
+impl Joined {
+    fn new(count: usize) -> Self {
+        Self { to: (0..count as u32).map(|v| (v, false)).collect(), torn: false }
+    }
+    /// The one that a vertex is joined to, and whether it is on the other side.
+    fn root(&mut self, v: u32) -> (u32, bool) {
+        let (mut root, mut other) = (v, false);
+        while self.to[root as usize].0 != root {
+            let (next, turned) = self.to[root as usize];
+            (root, other) = (next, other != turned);
+        }
+        // The way is shortened for whoever asks next.
+        let (mut at, mut side) = (v, other);
+        while at != root {
+            let (next, turned) = std::mem::replace(&mut self.to[at as usize], (root, side));
+            (at, side) = (next, side != turned);
+        }
+        (root, other)
+    }
+    fn join(&mut self, (a, b): (u32, u32), other: bool) {
+        let ((a, on_a), (b, on_b)) = (self.root(a), self.root(b));
+        let turned = on_a != (on_b != other);
+        match a.cmp(&b) {
+            std::cmp::Ordering::Equal => self.torn |= turned,
+            std::cmp::Ordering::Less => self.to[b as usize] = (a, turned),
+            std::cmp::Ordering::Greater => self.to[a as usize] = (b, turned),
+        }
+    }
+}
+
+/// A closed line and its inside.
+pub(crate) struct Outline {
+    /// Its pieces, by triangle.
+    pieces: Vec<Piece>,
+    /// Whether each vertex is inside.
+    inside: Vec<bool>,
+    /// Skin inside, cm2.
+    area: f32,
+    torn: bool,
+    near: BTreeMap<[i32; 3], Vec<u32>>,
+    /// How far off the line distances are known, cm.
+    reach: f32,
+}
+
+/// Points of a triangle by which the share of it that is inside is told, along a side.
+const SHARES: u32 = 24;
+
+impl Outline {
+    /// What a closed line encloses: of its two sides the smaller. Distances to it are known up to `reach`, cm.
+    pub(crate) fn new(net: &Net, line: &Line, reach: f32) -> Self {
+        let surface = net.surface;
+        let mut crossed = line.crossed.clone();
+        crossed.sort_unstable();
+        let mut odd = BTreeSet::new();
+        let mut touched = BTreeSet::new();
+        for same in crossed.chunk_by(|a, b| a == b) {
+            if same.len() % 2 == 1 {
+                odd.insert(same[0]);
+            }
+        }
+        for piece in &line.pieces {
+            touched.insert(net.pieces[surface.triangles[piece.triangle as usize][0] as usize]);
+        }
+        let mut joined = Joined::new(surface.points.len());
+        for (t, corners) in (0u32..).zip(&surface.triangles) {
+            if !surface.is_gone(t) {
+                for k in 0..3 {
+                    let edge = edge(corners, k);
+                    joined.join(edge, odd.contains(&edge));
+                }
+            }
+        }
+        let side = |v: u32, joined: &mut Joined| {
+            touched.contains(&net.pieces[v as usize]) && joined.root(v).1
+        };
+        let inside: Vec<bool> =
+            (0..surface.points.len() as u32).map(|v| side(v, &mut joined)).collect();
+        let mut pieces = line.pieces.clone();
+        pieces.sort_by_key(|piece| piece.triangle);
+        let torn = joined.torn || !line.gaps.is_empty();
+        let mut outline = Self { pieces, inside, area: 0.0, torn, near: BTreeMap::new(), reach };
+        let on = |t: u32| touched.contains(&net.pieces[surface.triangles[t as usize][0] as usize]);
+        let areas = outline.areas(surface, &on);
+        outline.area = areas[1];
+        if areas[1] > areas[0] {
+            outline.area = areas[0];
+            for (inside, piece) in outline.inside.iter_mut().zip(&net.pieces) {
+                *inside = touched.contains(piece) && !*inside;
+            }
+        }
+        if reach > 0.0 {
+            for (i, piece) in (0u32..).zip(&outline.pieces) {
+                let [a, b] = piece.ends;
+                let [low, high] = [a.min(b) - reach, a.max(b) + reach].map(|p| cell_of(p, reach));
+                for x in low[0]..=high[0] {
+                    for y in low[1]..=high[1] {
+                        for z in low[2]..=high[2] {
+                            outline.near.entry([x, y, z]).or_default().push(i);
+                        }
+                    }
+                }
+            }
+        }
+        outline
+    }
+
+    /// The skin on which the line lies: of one side and of the other, cm2.
+    fn areas(&self, surface: &Surface, on: &dyn Fn(u32) -> bool) -> [f32; 2] {
+        let mut areas = [0.0f64; 2];
+        for (t, corners) in (0u32..).zip(&surface.triangles) {
+            if surface.is_gone(t) || !on(t) {
+                continue;
+            }
+            let area = 0.5 * f64::from(surface.area_vector(t).length());
+            if self.of(t).is_empty() {
+                areas[usize::from(self.inside[corners[0] as usize])] += area;
+                continue;
+            }
+            for_middles(SHARES, |bary| {
+                areas[usize::from(self.holds(surface, t, bary))] +=
+                    area / f64::from(SHARES * SHARES);
+            });
+        }
+        areas.map(|area| area as f32)
+    }
+
+    /// The pieces of the line in a triangle.
+    fn of(&self, triangle: u32) -> &[Piece] {
+        let from = self.pieces.partition_point(|piece| piece.triangle < triangle);
+        let count = self.pieces[from..].partition_point(|piece| piece.triangle == triangle);
+        &self.pieces[from..from + count]
+    }
+
+    /// Whether the line does not part the mesh: it runs off it, or round a handle.
+    pub(crate) fn is_torn(&self) -> bool {
+        self.torn
+    }
+    /// Skin inside, cm2.
+    pub(crate) fn area(&self) -> f32 {
+        self.area
+    }
+    /// Makes the other side of the line its inside.
+    pub(crate) fn turn(&mut self, net: &Net) {
+        let surface = net.surface;
+        let touched: BTreeSet<u32> = self
+            .pieces
+            .iter()
+            .map(|piece| net.pieces[surface.triangles[piece.triangle as usize][0] as usize])
+            .collect();
+        for (inside, piece) in self.inside.iter_mut().zip(&net.pieces) {
+            *inside = touched.contains(piece) && !*inside;
+        }
+        let on = |t: u32| touched.contains(&net.pieces[surface.triangles[t as usize][0] as usize]);
+        self.area = self.areas(surface, &on)[1];
+    }
+    /// Its pieces, by triangle.
+    pub(crate) fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+    /// Whether a vertex is inside.
+    pub(crate) fn holds_vertex(&self, vertex: u32) -> bool {
+        self.inside[vertex as usize]
+    }
+    /// Whether a point of a triangle is inside.
+    pub(crate) fn holds(&self, surface: &Surface, triangle: u32, bary: Vec2) -> bool {
+        let Some(corners) = surface.triangles.get(triangle as usize) else { return false };
+        // Pieces end on the sides of their triangle: what lies on a side itself is taken for what lies beside it.
+        let to = within(bary, 0.01 * OFF);
+        let passed = self
+            .of(triangle)
+            .iter()
+            .filter(|piece| super::chart::cross(Vec2::ZERO, to, piece.bary[0], piece.bary[1]));
+        self.inside[corners[0] as usize] != (passed.count() % 2 == 1)
+    }
+    /// Straight distance to the line, cm; at most the reach.
+    pub(crate) fn distance(&self, p: Vec3) -> f32 {
+        if self.reach <= 0.0 {
+            return 0.0;
+        }
+        let near = self.near.get(&cell_of(p, self.reach)).into_iter().flatten();
+        let square = near.map(|i| super::cut::square_to(self.pieces[*i as usize].ends, p));
+        square.fold(self.reach * self.reach, f32::min).sqrt()
+    }
+    /// The same, positive inside and negative outside.
+    pub(crate) fn depth(&self, surface: &Surface, triangle: u32, bary: Vec2) -> f32 {
+        let distance = self.distance(surface.at(triangle, bary)).max(f32::MIN_POSITIVE);
+        if self.holds(surface, triangle, bary) { distance } else { -distance }
+    }
+    /// Bytes held.
+    pub(crate) fn bytes(&self) -> usize {
+        let near: usize = self.near.values().map(|list| 4 * list.len() + 48).sum();
+        self.pieces.len() * size_of::<Piece>() + self.inside.len() + near
+    }
+}
+
+/// The middles of `n` times `n` equal parts of a triangle, as weights of its second and third corner.
+pub(crate) fn for_middles(n: u32, mut each: impl FnMut(Vec2)) {
+    let step = 1.0 / n as f32;
+    for i in 0..n {
+        for j in 0..n - i {
+            let corner = Vec2::new(i as f32, j as f32) * step;
+            each(corner + step / 3.0);
+            if i + j + 1 < n {
+                each(corner + step * 2.0 / 3.0);
+            }
+        }
+    }
+}
+
+fn cell_of(p: Vec3, side: f32) -> [i32; 3] {
+    (p / side).to_array().map(|x| x.floor() as i32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maths::closest::tests::sphere;
+    use crate::maths::hash::Dice;
+    use crate::maths::transcendental::sin_cos_turns;
+
+    /// A circle on a ball about `pole`, `height` from its middle.
+    fn circle(pole: Vec3, height: f32, n: u32) -> Vec<Vec3> {
+        let right = pole.any_orthonormal_vector();
+        let up = pole.cross(right);
+        let round = |k| {
+            let (s, c) = sin_cos_turns(k as f32 / n as f32);
+            pole * height + (right * c + up * s) * (1.0f32 - height * height).sqrt()
+        };
+        (0..n).map(|k| round(k) * 9.0).collect()
+    }
+
+    #[test]
+    fn points_have_the_side_that_they_are_on_and_the_smaller_side_is_inside() {
+        let ball = sphere(9.0, 20);
+        let net = Net::new(&ball);
+        for (pole, height) in
+            [(Vec3::Y, 0.7), (Vec3::new(0.3, -0.9, 0.2).normalize(), 0.9), (Vec3::X, 0.1)]
+        {
+            let line = net.line(&circle(pole, height, 200), true);
+            assert!(line.gaps.is_empty() && line.off.unwrap().1 < 0.2);
+            let outline = Outline::new(&net, &line, 0.4);
+            assert!(!outline.is_torn());
+            // A cap of a ball is 2 pi r^2 (1 - height); the mesh is a little smaller.
+            let cap = std::f32::consts::TAU * 81.0 * (1.0 - height);
+            assert!((outline.area() / cap - 1.0).abs() < 0.01, "{} {cap}", outline.area());
+            let dice = Dice::new(3, 0, "points");
+            let mut near = 0;
+            for id in 0..4000 {
+                let some = Vec3::from([0, 1, 2].map(|k| dice.signed(id, k)));
+                let p = some.normalize_or(Vec3::Y) * 9.0;
+                let hit = ball.closest(p).unwrap();
+                let over = hit.point.normalize().dot(pole) - height;
+                // The line's chords are up to 0.01 cm off the circle.
+                if over.abs() < 0.003 {
+                    continue;
+                }
+                near += u32::from(over.abs() < 0.03);
+                assert_eq!(outline.holds(&ball, hit.triangle, hit.bary), over > 0.0, "{p} {over}");
+                let depth = outline.depth(&ball, hit.triangle, hit.bary);
+                assert!((depth > 0.0) == (over > 0.0) && depth.abs() <= 0.4);
+            }
+            assert!(near > 40, "{near}");
+        }
+    }
+
+    #[test]
+    fn a_line_in_one_triangle_has_an_inside_and_one_off_the_mesh_says_where() {
+        let ball = sphere(9.0, 4);
+        let net = Net::new(&ball);
+        let hit = ball.closest(Vec3::new(4.0, 5.0, 3.0)).unwrap();
+        let middle = ball.at(hit.triangle, Vec2::splat(1.0 / 3.0));
+        let [a, b, _] = ball.corners(hit.triangle);
+        let (x, y) = ((b - a).normalize() * 0.2, (b - a).cross(middle).normalize() * 0.2);
+        let square = [middle - x - y, middle + x - y, middle + x + y, middle - x + y];
+        let outline = Outline::new(&net, &net.line(&square, true), 0.0);
+        assert!((outline.area() - 0.16).abs() < 0.03, "{}", outline.area());
+        assert!(outline.holds(&ball, hit.triangle, Vec2::splat(1.0 / 3.0)));
+        assert!((0..ball.points.len() as u32).all(|v| !outline.holds_vertex(v)));
+        let line = net.line(&[Vec3::Y * 14.0, Vec3::X * 9.0, Vec3::Z * 9.0], true);
+        assert!((line.off.unwrap().1 - 5.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn what_does_not_hang_together_with_the_line_is_outside_and_hostile_lines_end() {
+        let (mut points, mut triangles) = (vec![], vec![]);
+        for at in [Vec3::ZERO, Vec3::X * 40.0] {
+            let ball = sphere(9.0, 8);
+            let first = points.len() as u32;
+            points.extend(ball.points.iter().map(|p| *p + at));
+            triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + first)));
+        }
+        let both = Surface::new(points, triangles);
+        let net = Net::new(&both);
+        // One of its points is nearer to the other ball.
+        let mut ring = circle(Vec3::X, 0.3, 40);
+        ring[7] = Vec3::X * 25.0;
+        let outline = Outline::new(&net, &net.line(&ring, true), 0.5);
+        assert!(!outline.is_torn());
+        let far = (0..both.points.len() as u32).filter(|v| both.points[*v as usize].x > 20.0);
+        assert!(far.into_iter().all(|v| !outline.holds_vertex(v)));
+        let dice = Dice::new(5, 0, "hostile");
+        for id in 0..60u64 {
+            let many = (0..id % 30).map(|k| {
+                let some = Vec3::from([0, 1, 2].map(|axis| dice.signed(id, 3 * k + axis)));
+                some * 10f32.powi((id % 7) as i32)
+            });
+            let mut many: Vec<Vec3> = many.collect();
+            match id % 5 {
+                0 => many.push(Vec3::NAN),
+                1 => many.push(Vec3::INFINITY),
+                2 => many.extend(many.clone()),
+                _ => {}
+            }
+            let outline = Outline::new(&net, &net.line(&many, true), 0.3);
+            let all = 2.0 * 1018.0;
+            assert!((0.0..=0.51 * all).contains(&outline.area()), "{id} {}", outline.area());
+        }
+        let none = Surface::new(vec![], vec![]);
+        let net = Net::new(&none);
+        assert_eq!(Outline::new(&net, &net.line(&[Vec3::X, Vec3::Y], true), 1.0).area(), 0.0);
+    }
+}

@@ -1,0 +1,186 @@
+//! The regions that were drawn on a head: closed strokes and names, told what does not fit.
+//!
+//! methods.md 0.1. Each stroke is closed, laid on the skin and cut along its triangles ([`crate::data::outline`]); it encloses the
+//! smaller of its two sides, unless a name's point stands on the other. Strokes inside another are holes.
+
+use crate::data::drawn::Drawn;
+use crate::data::outline::{Net, Outline};
+use crate::data::scalp::{HeadFrame, REGION};
+use crate::data::sections::named_points;
+use crate::data::strokes::Strokes;
+use crate::define::NodeError;
+use crate::eval::EvalCx;
+use crate::maths::closest::Surface;
+use glam::Vec3;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A drawn line that is farther from the skin was drawn on another head, or on none; cm on a head of average size.
+const MISSES: f32 = 0.5;
+/// The line that closes a stroke is longer than this share of it only where somebody forgot to close it.
+const OPEN: f32 = 0.2;
+
+/// What strokes enclose and what is called how.
+pub(super) struct Wish<'a> {
+    pub(super) strokes: &'a Strokes,
+    /// Names, each with a point in the head frame, as text.
+    pub(super) names: &'a str,
+    /// Width of the edge, cm.
+    pub(super) softness: f32,
+    /// For each vertex whether it is outer skin, 0 or 1.
+    pub(super) may: Vec<f32>,
+}
+
+/// The region where hair grows, first, and the named ones.
+pub(super) fn regions(
+    cx: &EvalCx,
+    surface: &Surface,
+    frame: &HeadFrame,
+    wish: Wish,
+) -> Result<Vec<(String, Drawn)>, NodeError> {
+    let net = Net::new(surface);
+    let mut outlines: Vec<Outline> = vec![];
+    let mut firsts: Vec<Vec<Vec3>> = vec![];
+    for (number, stroke) in (1..).zip(&wish.strokes.0) {
+        cx.check()?;
+        let points: Vec<Vec3> =
+            stroke.samples.iter().map(|s| frame.point_from_head(s.position)).collect();
+        if points.len() < 3 {
+            cx.warn(format!("stroke {number} has {} points and encloses nothing", points.len()));
+            continue;
+        }
+        let at = |p: Vec3| place(frame, p);
+        let gap = gap(&points);
+        if gap > OPEN {
+            let (from, to) = (at(points[0]), at(points[points.len() - 1]));
+            cx.warn(format!(
+                "stroke {number} is open: its ends, at {from} and {to}, were joined by a straight line"
+            ));
+        }
+        let line = net.line(&points, true);
+        if let Some((p, off)) = line.off.filter(|(_, off)| *off > MISSES * frame.unit()) {
+            cx.warn(format!(
+                "stroke {number} misses the skin: at {} it is {off:.1} cm away; it was laid on the nearest skin",
+                at(p)
+            ));
+        }
+        let outline = Outline::new(&net, &line, 0.5 * wish.softness);
+        if let Some([from, to]) = line.gaps.first() {
+            cx.warn(format!(
+                "stroke {number} cannot be led over the skin from {} to {}: what it encloses there is not known",
+                at(*from),
+                at(*to)
+            ));
+        } else if outline.is_torn() {
+            cx.warn(format!(
+                "stroke {number} does not part the skin in two: it runs over a hole of the mesh or round a handle"
+            ));
+        }
+        outlines.push(outline);
+        firsts.push(line.pieces.iter().map(|piece| piece.ends[0]).collect());
+    }
+    if outlines.is_empty() {
+        return Err(NodeError::failed("no hairline is drawn: draw a closed stroke"));
+    }
+    let named = names(cx, surface, frame, &net, &mut outlines, wish.names);
+    // What lies inside what: the innermost has the most about it.
+    let holds = |outer: &Outline, points: &[Vec3]| {
+        let mut seen = points.iter().step_by(points.len().div_ceil(64).max(1));
+        seen.all(|p| {
+            surface.closest(*p).is_some_and(|hit| outer.holds(surface, hit.triangle, hit.bary))
+        })
+    };
+    let about: Vec<Vec<usize>> = (0..outlines.len())
+        .map(|i| {
+            let other = |k: &usize| {
+                *k != i
+                    && outlines[*k].area() > outlines[i].area()
+                    && !firsts[i].is_empty()
+                    && holds(&outlines[*k], &firsts[i])
+            };
+            (0..outlines.len()).filter(other).collect()
+        })
+        .collect();
+    let holes = about.iter().filter(|about| about.len() % 2 == 1).count();
+    if holes > 0 {
+        let strokes = if holes == 1 { "1 stroke lies" } else { &format!("{holes} strokes lie") };
+        cx.remark(format!("{strokes} inside another and leave a hole in it"));
+    }
+    let outlines: Vec<Arc<Outline>> = outlines.into_iter().map(Arc::new).collect();
+    let may: Arc<[f32]> = wish.may.into();
+    let drawn = |chosen: &dyn Fn(usize) -> bool| {
+        let lines =
+            (0..outlines.len()).filter(|i| chosen(*i) || about[*i].iter().any(|k| chosen(*k)));
+        let lines = lines.map(|i| (outlines[i].clone(), about[i].len() % 2 == 1));
+        Drawn::new(&net, lines.collect(), wish.softness, may.clone())
+    };
+    let mut out = vec![(REGION.to_owned(), drawn(&|_| true))];
+    for (name, lines) in named {
+        cx.check()?;
+        let region = drawn(&|i| lines.contains(&i));
+        cx.remark(format!("{name:?}: {}", area(region.area())));
+        out.push((name, region));
+    }
+    Ok(out)
+}
+
+/// Which lines each name means. A name's point that is in none turns the nearest.
+fn names(
+    cx: &EvalCx,
+    surface: &Surface,
+    frame: &HeadFrame,
+    net: &Net,
+    outlines: &mut [Outline],
+    text: &str,
+) -> BTreeMap<String, Vec<usize>> {
+    let (points, faults) = named_points(text, frame);
+    faults.into_iter().for_each(|fault| cx.warn(fault));
+    let mut named: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for (name, point) in points {
+        if name == REGION {
+            cx.warn(format!("{name:?} names all drawn regions together: choose another name"));
+            continue;
+        }
+        let Some(hit) = surface.closest(point) else { continue };
+        let inside = (0..outlines.len())
+            .filter(|i| outlines[*i].holds(surface, hit.triangle, hit.bary))
+            .min_by(|a, b| outlines[*a].area().total_cmp(&outlines[*b].area()));
+        let chosen = inside.unwrap_or_else(|| {
+            let far = |i: &usize| {
+                let pieces = outlines[*i].pieces().iter();
+                pieces.map(|piece| piece.ends[0].distance(hit.point)).fold(f32::MAX, f32::min)
+            };
+            let near = (0..outlines.len()).min_by(|a, b| far(a).total_cmp(&far(b)));
+            let near = near.expect("a line");
+            outlines[near].turn(net);
+            cx.remark(format!(
+                "{name:?} stands outside of every stroke, at {}: the stroke nearest to it encloses that side",
+                place(frame, hit.point)
+            ));
+            near
+        });
+        named.entry(name).or_default().push(chosen);
+    }
+    named
+}
+
+/// Length of the straight line that closes a stroke, against the stroke's own length.
+fn gap(positions: &[Vec3]) -> f32 {
+    let length: f32 = positions.windows(2).map(|w| w[0].distance(w[1])).sum();
+    match positions {
+        [first, .., last] if length > 0.0 => first.distance(*last) / length,
+        _ => 0.0,
+    }
+}
+
+/// A point as people type it, in the head frame.
+fn place(frame: &HeadFrame, p: Vec3) -> String {
+    let p = frame.head_from_point(p);
+    format!("({:.1}, {:.1}, {:.1})", p.x, p.y, p.z)
+}
+
+/// An area with as many digits as count.
+pub(super) fn area(cm2: f32) -> String {
+    let digits = if cm2 < 9.95 { 2 } else { usize::from(cm2 < 99.5) };
+    format!("{cm2:.digits$} cm2")
+}
