@@ -15,7 +15,7 @@ pub use colour::Ramp;
 pub(crate) use colour::{of_id, over, swatch};
 
 use coif_nodes::data::attributes::{
-    BRAID, COLOUR, Column, DECLARED, Domain, GROUP, PARENT, STRAND, WIDTH,
+    BRAID, COLOUR, Column, DECLARED, Domain, GROUP, PARENT, SECTION, STRAND, WIDTH,
 };
 use coif_nodes::data::curves::{Curves, Tuft, View as Values};
 use coif_nodes::data::scalp::Scalp;
@@ -118,7 +118,8 @@ pub enum GroomColours {
     Braid,
     /// By strand of the braid; hair of no braid is grey.
     Strand,
-    /// By group within its braid or parent, such as the hairs of a stitch.
+    /// By the section between partings that it is rooted in; without partings by group within its braid or parent, such as the
+    /// hairs of a stitch.
     Section,
 }
 
@@ -529,6 +530,11 @@ fn groom(colours: GroomColours) -> Paint {
         },
         GroomColours::Section => |tuft, i| {
             let at = tuft.range(i).start;
+            // Sections of partings, where there are any; else the rows of a partition.
+            let section = tuft.view(SECTION).at(i, at);
+            if section != 0 {
+                return of_id(section);
+            }
             let braid = tuft.view(BRAID).at(i, at);
             let owner = if braid == 0 { tuft.view(PARENT).at(i, at) } else { braid };
             if tuft.attribute(GROUP.name).is_none() {
@@ -785,6 +791,17 @@ mod tests {
         let (a, b) = (Vec3::splat(0.2), Vec3::new(0.4, 0.2, 0.1));
         edit.set(COLOUR, Domain::Point, [[a; 5], [b; 5]].concat());
         assert_eq!(paint.of(&edit.build()), words);
+    }
+
+    #[test]
+    fn sections_of_partings_are_coloured_as_such_whatever_hair_was_made_from() {
+        let mut edit = TuftBuilder::even((0..4).map(|x| Vec3::X * x as f32).collect(), 1);
+        edit.set(PARENT, Domain::Curve, vec![1, 2, 1, 2]);
+        edit.set(SECTION, Domain::Curve, vec![7, 7, 9, 9]);
+        let (colours, _) = shown("section", &Curves::new(vec![Arc::new(edit.build())]));
+        assert_eq!(colours[0], colours[1]);
+        assert_eq!(colours[2], colours[3]);
+        assert_ne!(colours[0], colours[2]);
     }
 
     #[test]

@@ -470,10 +470,10 @@ impl Outline {
             .filter(|piece| super::chart::cross(Vec2::ZERO, to, piece.bary[0], piece.bary[1]));
         self.inside[corners[0] as usize] != (passed.count() % 2 == 1)
     }
-    /// Straight distance to the line, cm; at most the reach.
+    /// Straight distance to the line, cm; at most the reach, and anything above 0 without one.
     pub(crate) fn distance(&self, p: Vec3) -> f32 {
         if self.reach <= 0.0 {
-            return 0.0;
+            return 1.0;
         }
         let near = self.near.get(&cell_of(p, self.reach)).into_iter().flatten();
         let square = near.map(|i| super::cut::square_to(self.pieces[*i as usize].ends, p));

@@ -82,7 +82,6 @@ pub(super) fn regions(
     if outlines.is_empty() {
         return Err(NodeError::failed("no hairline is drawn: draw a closed stroke"));
     }
-    let named = names(cx, surface, frame, &net, &mut outlines, wish.names);
     // What lies inside what: the innermost has the most about it.
     let holds = |outer: &Outline, points: &[Vec3]| {
         let mut seen = points.iter().step_by(points.len().div_ceil(64).max(1));
@@ -101,17 +100,21 @@ pub(super) fn regions(
             (0..outlines.len()).filter(other).collect()
         })
         .collect();
-    let holes = about.iter().filter(|about| about.len() % 2 == 1).count();
+    let is_hole = |i: usize| about[i].len() % 2 == 1;
+    let named = names(cx, &net, frame, &mut outlines, &is_hole, wish.names);
+    let holes = (0..outlines.len()).filter(|i| is_hole(*i)).count();
     if holes > 0 {
-        let strokes = if holes == 1 { "1 stroke lies" } else { &format!("{holes} strokes lie") };
-        cx.remark(format!("{strokes} inside another and leave a hole in it"));
+        cx.remark(match holes {
+            1 => "1 stroke lies inside another and leaves a hole in it".to_owned(),
+            _ => format!("{holes} strokes lie inside others and leave holes in them"),
+        });
     }
     let outlines: Vec<Arc<Outline>> = outlines.into_iter().map(Arc::new).collect();
     let may: Arc<[f32]> = wish.may.into();
     let drawn = |chosen: &dyn Fn(usize) -> bool| {
         let lines =
             (0..outlines.len()).filter(|i| chosen(*i) || about[*i].iter().any(|k| chosen(*k)));
-        let lines = lines.map(|i| (outlines[i].clone(), about[i].len() % 2 == 1));
+        let lines = lines.map(|i| (outlines[i].clone(), is_hole(i)));
         Drawn::new(&net, lines.collect(), wish.softness, may.clone())
     };
     let mut out = vec![(REGION.to_owned(), drawn(&|_| true))];
@@ -127,12 +130,13 @@ pub(super) fn regions(
 /// Which lines each name means. A name's point that is in none turns the nearest.
 fn names(
     cx: &EvalCx,
-    surface: &Surface,
-    frame: &HeadFrame,
     net: &Net,
+    frame: &HeadFrame,
     outlines: &mut [Outline],
+    is_hole: &dyn Fn(usize) -> bool,
     text: &str,
 ) -> BTreeMap<String, Vec<usize>> {
+    let surface = net.surface();
     let (points, faults) = named_points(text, frame);
     faults.into_iter().for_each(|fault| cx.warn(fault));
     let mut named: BTreeMap<String, Vec<usize>> = BTreeMap::new();
@@ -143,7 +147,7 @@ fn names(
         }
         let Some(hit) = surface.closest(point) else { continue };
         let inside = (0..outlines.len())
-            .filter(|i| outlines[*i].holds(surface, hit.triangle, hit.bary))
+            .filter(|i| !is_hole(*i) && outlines[*i].holds(surface, hit.triangle, hit.bary))
             .min_by(|a, b| outlines[*a].area().total_cmp(&outlines[*b].area()));
         let chosen = inside.unwrap_or_else(|| {
             let far = |i: &usize| {
@@ -179,8 +183,11 @@ fn place(frame: &HeadFrame, p: Vec3) -> String {
     format!("({:.1}, {:.1}, {:.1})", p.x, p.y, p.z)
 }
 
-/// An area with as many digits as count.
+/// An area with three digits that count.
 pub(super) fn area(cm2: f32) -> String {
-    let digits = if cm2 < 9.95 { 2 } else { usize::from(cm2 < 99.5) };
+    let digits = [0.995, 9.95, 99.5].iter().filter(|most| cm2 < **most).count();
     format!("{cm2:.digits$} cm2")
 }
+
+#[cfg(test)]
+mod tests;

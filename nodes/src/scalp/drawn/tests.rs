@@ -1,0 +1,166 @@
+//! What drawn regions promise: hair inside the line alone, on heads and animals, by name, and a word on what does not fit.
+
+use crate::data::outline::for_middles;
+use crate::data::scalp::Scalp;
+use crate::data::strokes::{Sample, Stroke, Strokes};
+use crate::define::Value;
+use crate::maths::transcendental::sin_cos_turns;
+use crate::testing::{curves_of, fails, head, run, shared_head};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// The closed line of all skin that is `radius` (cm) from `centre`, in head units.
+fn round(scalp: &Scalp, id: u64, centre: Vec3, radius: f32) -> Stroke {
+    let middle = scalp.closest_root(centre).unwrap();
+    let right = middle.normal.any_orthonormal_vector();
+    let up = middle.normal.cross(right);
+    let on_skin = |p| scalp.closest_root(p).unwrap().point;
+    let sample = |k: u32| {
+        let (s, c) = sin_cos_turns(k as f32 / 96.0);
+        let (mut near, mut far) = (0.0, 2.0 * radius);
+        for _ in 0..30 {
+            let t = 0.5 * (near + far);
+            let p = on_skin(middle.point + (right * c + up * s) * t);
+            if p.distance(middle.point) < radius { near = t } else { far = t }
+        }
+        let p = on_skin(middle.point + (right * c + up * s) * near);
+        let position = scalp.frame().head_from_point(p);
+        Sample { position, pressure: 1.0, ..Sample::default() }
+    };
+    Stroke::new(id, (0..96).map(sample).collect())
+}
+
+fn drawn(strokes: Vec<Stroke>) -> [(&'static str, Value); 3] {
+    [
+        ("region", "hairline".into()),
+        ("hairline", Strokes(strokes).into()),
+        ("edge", Value::Float(0.0)),
+    ]
+}
+
+/// How much skin is nearer to `centre` than `radius`, cm2.
+fn area(scalp: &Scalp, centre: Vec3, radius: f32) -> f32 {
+    let middle = scalp.closest_root(centre).unwrap();
+    let surface = scalp.surface();
+    let mut sum = 0.0f64;
+    for t in 0..surface.triangles.len() as u32 {
+        let part = 0.5 * f64::from(surface.area_vector(t).length()) / 1600.0;
+        for_middles(40, |bary| {
+            sum += part * f64::from(u8::from(surface.at(t, bary).distance(middle.point) < radius));
+        });
+    }
+    sum as f32
+}
+
+#[test]
+fn hair_grows_inside_a_drawn_line_alone() {
+    let check = |set: &[(&str, Value)], centre: Vec3, radius: f32| {
+        let plain = head(set);
+        let middle = plain.closest_root(plain.frame().point_from_head(centre)).unwrap().point;
+        let line = round(&plain, 1, middle, radius);
+        let (out, said) =
+            run(crate::by_id("head").unwrap(), &[set, &drawn(vec![line])[..]].concat());
+        let Value::Scalp(scalp) = &out[0] else { panic!("a scalp") };
+        let told: Vec<&String> = said.iter().filter(|s| s.contains("stroke")).collect();
+        assert!(told.is_empty(), "{told:?}");
+        let wide = area(scalp, middle, radius);
+        let told = said.iter().find_map(|s| s.strip_prefix("scalp: ")?.strip_suffix(" cm2"));
+        let told: f32 = told.unwrap().parse().unwrap();
+        assert!((told / wide - 1.0).abs() < 0.02, "{told} cm2 of {wide}");
+        let hair = [("scalp", scalp.clone().into()), ("count", Value::Int(1500))];
+        let (grown, _) = run(crate::by_id("scatter_guides").unwrap(), &hair);
+        let mut outermost = 0.0f32;
+        for (tuft, i) in curves_of(&grown[0]).each() {
+            outermost = outermost.max(tuft.curve(i)[0].distance(middle));
+        }
+        assert!(curves_of(&grown[0]).curve_count() > 700);
+        // The line's chords lie a little inside, where the skin bends a little outside.
+        assert!((0.93..1.006).contains(&(outermost / radius)), "{outermost} of {radius}");
+    };
+    // The side of the jaw, round one eye, and over the crown.
+    check(&[], Vec3::new(6.0, -6.0, 4.0), 2.2);
+    check(&[], Vec3::new(3.2, 0.0, 8.5), 1.7);
+    check(&[], Vec3::new(0.0, 9.0, 0.0), 6.0);
+    let animal = [("fit", Value::from("none"))];
+    for (name, centre, radius) in [
+        ("rat/street_rat_4k.gltf", Vec3::new(0.0, -1.0, 0.0), 0.6),
+        ("spot/spot_triangulated.obj", Vec3::new(50.0, 0.0, 0.0), 0.25),
+    ] {
+        let Some(file) = crate::testing::shared_file(name) else {
+            println!("skipped: hair_grows_inside_a_drawn_line_alone needs ../shared/data/{name}");
+            continue;
+        };
+        check(&[&animal[..], &[("mesh", Value::File(file))]].concat(), centre, radius);
+    }
+}
+
+#[test]
+fn regions_have_names_holes_and_the_side_of_their_point() {
+    let plain = head(&[]);
+    let at = |p: Vec3| plain.closest_root(plain.frame().point_from_head(p)).unwrap().point;
+    let (chin, crown) = (at(Vec3::new(0.0, -8.0, 7.0)), at(Vec3::new(0.0, 9.0, 0.0)));
+    let lines = || {
+        vec![
+            round(&plain, 1, chin, 3.0),
+            round(&plain, 2, crown, 6.0),
+            round(&plain, 3, crown, 2.0),
+        ]
+    };
+    let made = |names: &str, strokes| {
+        let set = [&drawn(strokes)[..], &[("names", names.into())]].concat();
+        let (out, said) = run(crate::by_id("head").unwrap(), &set);
+        let Value::Scalp(scalp) = &out[0] else { panic!("a scalp") };
+        (scalp.clone(), said)
+    };
+    let value = |scalp: &Arc<Scalp>, name: &str, p: Vec3| {
+        let root = scalp.closest_root(p).unwrap();
+        scalp.mask_named(name).map(|mask| mask(root.triangle, root.bary))
+    };
+    let beside = crown + Vec3::X * 4.0;
+    let (scalp, said) = made("beard 0 -8 7; top 4 9 0", lines());
+    for (name, values) in
+        [("beard", [1.0, 0.0, 0.0]), ("top", [0.0, 0.0, 1.0]), ("scalp", [1.0, 0.0, 1.0])]
+    {
+        let found = [chin, crown, beside].map(|p| value(&scalp, name, p).unwrap());
+        assert_eq!(found, values, "{name} {said:?}");
+    }
+    assert!(said.iter().any(|s| s.contains("leave") && s.contains("hole")), "{said:?}");
+    assert!(said.iter().any(|s| s.starts_with("\"beard\": 38")), "{said:?}");
+    // All but the chin.
+    let (scalp, said) = made("rest 0 9 0", vec![round(&plain, 1, chin, 3.0)]);
+    assert_eq!([chin, crown].map(|p| value(&scalp, "rest", p)), [Some(0.0), Some(1.0)]);
+    assert!(said.iter().any(|s| s.contains("encloses that side")), "{said:?}");
+    let told = |names: &str, what: &str| {
+        let (_, said) = made(names, vec![round(&plain, 1, chin, 3.0)]);
+        assert!(said.iter().any(|s| s.contains(what)), "{said:?}");
+    };
+    told("beard", "is no name with a point");
+    told("scalp 0 -8 7", "names all drawn regions");
+}
+
+#[test]
+fn a_line_that_misses_the_skin_or_is_open_is_told_with_its_place() {
+    let plain = head(&[]);
+    let chin =
+        plain.closest_root(plain.frame().point_from_head(Vec3::new(0.0, -8.0, 7.0))).unwrap();
+    let whole = round(&plain, 1, chin.point, 3.0);
+    let check = |change: &dyn Fn(&mut Vec<Sample>), what: &str| {
+        let mut stroke = whole.clone();
+        change(&mut stroke.samples);
+        let (_, said) = run(crate::by_id("head").unwrap(), &drawn(vec![stroke]));
+        assert!(said.iter().any(|s| s.contains(what)), "{said:?}");
+    };
+    check(&|samples| samples.iter_mut().for_each(|s| s.position *= 1.2), "it is 2");
+    check(&|samples| samples.truncate(60), "stroke 1 is open: its ends, at (");
+    let none = drawn(vec![Stroke::new(1, whole.samples[..2].to_vec())]);
+    assert_eq!(
+        fails(crate::by_id("head").unwrap(), &none),
+        "no hairline is drawn: draw a closed stroke"
+    );
+    // As drawn on another head: still a region.
+    if let Some(other) =
+        shared_head("a_line_that_misses", "lps_head/LeePerrySmith.glb", &drawn(vec![whole.clone()]))
+    {
+        assert!(other.grows(0, glam::Vec2::ZERO) <= 1.0 && other.spread().area() > 5.0);
+    }
+}
