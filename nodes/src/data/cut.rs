@@ -304,6 +304,25 @@ pub(super) struct Cut {
     pub(super) slivers: usize,
 }
 
+impl Cut {
+    /// What another cut says of the map: its lines, and the section under each cell.
+    pub(super) fn told(
+        scalp: &Scalp,
+        partings: Vec<Parting>,
+        slivers: usize,
+        under: impl Fn(Vec3) -> Option<u32>,
+    ) -> Self {
+        let lines = Lines::new(scalp, &partings);
+        let spots = scalp.chart().spots().iter();
+        let label = |spot: &super::chart::Spot| match spot.area > 0.0 && spot.grows > 0.0 {
+            true => under(spot.point).unwrap_or(NONE),
+            false => NONE,
+        };
+        let labels = spots.map(label).collect();
+        Self { partings, lines, labels, slivers }
+    }
+}
+
 /// A piece of scalp that hangs together.
 #[derive(Clone, Copy, Default)]
 struct Tract {

@@ -61,12 +61,18 @@ impl Drawn {
             }
         }
         drawn.exact = exact;
+        // So close to each other that the smallest line has a few hundred inside.
+        let length = |line: &Outline| -> f32 {
+            line.pieces().iter().map(|piece| piece.ends[0].distance(piece.ends[1])).sum()
+        };
+        let shortest = drawn.lines.iter().map(|(line, _)| length(line)).fold(f32::MAX, f32::min);
         let area = (0..surface.triangles.len() as u32).filter(|t| !surface.is_gone(*t)).map(|t| {
             let whole = 0.5 * f64::from(surface.area_vector(t).length());
             if !drawn.exact[t as usize] {
                 return whole * f64::from(drawn.values[surface.triangles[t as usize][0] as usize]);
             }
-            let (mut sum, n) = (0.0, 16);
+            let n = ((2.0 * whole).sqrt() / f64::from(shortest / 80.0)).ceil();
+            let (mut sum, n) = (0.0, n.clamp(8.0, 256.0) as u32);
             for_middles(n, |bary| sum += f64::from(drawn.at(surface, t, bary)));
             whole * sum / f64::from(n * n)
         });

@@ -50,16 +50,16 @@ pub struct Home<'a> {
 }
 
 impl Scalp {
-    /// The section under a root; none where the scalp is not parted, or not there.
+    /// The section under a root; none where the scalp is not parted, or not there, or where no map shows it.
     pub fn home(&self, root: Vec3) -> Option<Home<'_>> {
-        let sections = self.sections()?;
+        let sections = self.sections().filter(|all| !all.are_of_a_mesh())?;
         let number = sections.at(root)?.section;
         Some(Home { scalp: self, sections, number })
     }
 
     /// The section that a root counts to, also where it lies beyond the edge of the map.
     pub fn home_of(&self, root: &Root) -> Option<Home<'_>> {
-        let sections = self.sections()?;
+        let sections = self.sections().filter(|all| !all.are_of_a_mesh())?;
         let number = sections.of(root)?;
         Some(Home { scalp: self, sections, number })
     }

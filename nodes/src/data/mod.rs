@@ -11,6 +11,7 @@ pub mod gestures;
 pub mod home;
 pub mod lead;
 pub mod mesh;
+mod mesh_cut;
 pub(crate) mod outline;
 pub mod painted;
 pub mod patience;

@@ -81,6 +81,10 @@ impl<'a> Net<'a> {
     pub(crate) fn surface(&self) -> &'a Surface {
         self.surface
     }
+    /// A number for the vertices of each piece of the mesh that hangs together.
+    pub(crate) fn piece(&self, vertex: u32) -> u32 {
+        self.pieces[vertex as usize]
+    }
     /// The triangles over the sides of one.
     pub(crate) fn beside(&self, triangle: u32) -> impl Iterator<Item = u32> {
         self.beside[triangle as usize].into_iter().filter(|t| *t != NONE)
@@ -257,14 +261,14 @@ impl<'a> Net<'a> {
 }
 
 /// Weights of the second and third corner, all three at least `least` of the whole or about as much.
-fn within(bary: Vec2, least: f32) -> Vec2 {
+pub(super) fn within(bary: Vec2, least: f32) -> Vec2 {
     let rest = (1.0 - bary.x - bary.y).max(least);
     let [x, y] = [bary.x.max(least), bary.y.max(least)];
     Vec2::new(x, y) / (x + y + rest)
 }
 
 /// The edge from a corner of a triangle to the next.
-fn edge(corners: &[u32; 3], k: usize) -> (u32, u32) {
+pub(super) fn edge(corners: &[u32; 3], k: usize) -> (u32, u32) {
     let (a, b) = (corners[k], corners[(k + 1) % 3]);
     (a.min(b), a.max(b))
 }
@@ -290,18 +294,18 @@ fn carried(surface: &Surface, from: u32, bary: Vec2, to: u32) -> Vec2 {
 }
 
 /// Vertices joined, each on one of two sides of what it is joined to.
-struct Joined {
+pub(super) struct Joined {
     to: Vec<(u32, bool)>,
     /// Whether two were joined on the same side and on the other.
     torn: bool,
 }
 
 impl Joined {
-    fn new(count: usize) -> Self {
+    pub(super) fn new(count: usize) -> Self {
         Self { to: (0..count as u32).map(|v| (v, false)).collect(), torn: false }
     }
     /// The one that a vertex is joined to, and whether it is on the other side.
-    fn root(&mut self, v: u32) -> (u32, bool) {
+    pub(super) fn root(&mut self, v: u32) -> (u32, bool) {
         let (mut root, mut other) = (v, false);
         while self.to[root as usize].0 != root {
             let (next, turned) = self.to[root as usize];
@@ -315,7 +319,7 @@ impl Joined {
         }
         (root, other)
     }
-    fn join(&mut self, (a, b): (u32, u32), other: bool) {
+    pub(super) fn join(&mut self, (a, b): (u32, u32), other: bool) {
         let ((a, on_a), (b, on_b)) = (self.root(a), self.root(b));
         let turned = on_a != (on_b != other);
         match a.cmp(&b) {

@@ -201,6 +201,24 @@ impl Scalp {
             sections: Some(sections),
         }
     }
+    /// The same head without partings.
+    pub(super) fn unparted(&self) -> Self {
+        Self {
+            key: self.whole(),
+            cm_per_unit: self.cm_per_unit,
+            parts: self.parts.clone(),
+            kept: self.kept.clone(),
+            head: self.head.clone(),
+            sections: None,
+        }
+    }
+    /// Whether the map shows the region, as it does of heads; of animals it sees one side of each leg.
+    pub(crate) fn is_on_map(&self) -> bool {
+        const LEAST: f64 = 0.8;
+        let spots = self.chart().spots().iter();
+        let on: f64 = spots.map(|spot| f64::from(spot.area * spot.grows)).sum();
+        on >= LEAST * self.spread().area()
+    }
     /// The sections that partings cut the scalp into; none where it is not parted.
     pub fn sections(&self) -> Option<&Sections> {
         self.sections.as_deref()

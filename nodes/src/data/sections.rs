@@ -11,8 +11,9 @@
 
 use super::chart::{Spread, around, cell_of, cross, middle};
 pub(crate) use super::cut::off_the_scalp;
-use super::cut::{Lines, cut, square_to};
+use super::cut::{Cut, Lines, cut, square_to};
 use super::footprint::{Digests, read_all, read_cell};
+use super::mesh_cut::MeshCut;
 use super::scalp::{HeadFrame, Root, Scalp};
 use crate::maths::hash::{Key, KeyBuilder, curve_id};
 use glam::{Vec2, Vec3};
@@ -71,6 +72,8 @@ pub struct Sections {
     list: Vec<Section>,
     partings: Vec<Parting>,
     names: Names,
+    /// Where the map does not show the region: the sections of its mesh.
+    mesh: Option<MeshCut>,
     lines: Lines,
     /// How far out the skin is in each cell, cm.
     out: Vec<f32>,
@@ -111,26 +114,37 @@ impl Sections {
             key = key.key(before.key());
         }
         let spread = scalp.chart().spread();
-        let cut = cut(scalp, partings);
+        let (mut mesh, mut list, mut said) = (None, vec![], vec![]);
+        let cut = if scalp.is_on_map() {
+            cut(scalp, partings)
+        } else {
+            let (parted, sections, slivers, gaps) = MeshCut::new(scalp, &partings);
+            list = sections;
+            said.extend(gaps);
+            let parted = mesh.insert(parted);
+            Cut::told(scalp, partings, slivers, |p| parted.under(p))
+        };
         let mut sections = Self {
             key: key.finish(),
             whole: scalp.key(),
             spread,
             widest: cut.partings.iter().fold(0.0, |widest, line| line.half_width.max(widest)),
-            list: vec![],
+            list,
             partings: cut.partings,
             names: Names::default(),
+            mesh,
             lines: cut.lines,
             out: scalp.chart().spots().iter().map(|spot| spread.out(spot.point)).collect(),
             labels: cut.labels,
             digests: OnceLock::new(),
         };
-        let mut said = vec![];
         if cut.slivers > 0 {
             let n = cut.slivers;
             said.push(format!("{n} slivers between partings are too small and stay bare"));
         }
-        sections.describe(scalp);
+        if sections.mesh.is_none() {
+            sections.describe(scalp);
+        }
         sections.call(scalp, names, &mut said);
         (sections, said)
     }
@@ -182,16 +196,32 @@ impl Sections {
     }
     /// Id of the section that a point of the scalp lies in.
     pub fn id_at(&self, point: Vec3) -> Option<u64> {
-        let section = self.section_at(self.spread.flat(point))?;
+        let section = self.of_point(point)?;
         Some(self.list[section as usize].id)
     }
     /// Number of the section under a point.
     pub(super) fn of_point(&self, point: Vec3) -> Option<u32> {
-        self.section_at(self.spread.flat(point))
+        match &self.mesh {
+            Some(mesh) => {
+                read_all();
+                mesh.under(point)
+            }
+            None => self.section_at(self.spread.flat(point)),
+        }
     }
     /// Number of the section under a root.
     pub fn of(&self, root: &Root) -> Option<u32> {
-        self.section_at(self.spread.flat(root.point))
+        match &self.mesh {
+            Some(mesh) => {
+                read_all();
+                mesh.at(root.triangle, root.bary)
+            }
+            None => self.section_at(self.spread.flat(root.point)),
+        }
+    }
+    /// Whether the sections are those of a mesh that no map shows: hair is not led within them.
+    pub fn are_of_a_mesh(&self) -> bool {
+        self.mesh.is_some()
     }
     /// Straight distance (cm) from a root to the nearest parting.
     pub fn distance(&self, root: &Root) -> f32 {
@@ -200,8 +230,8 @@ impl Sections {
     /// Section and distance of a point of the scalp; none where there is no section.
     pub fn at(&self, point: Vec3) -> Option<Place> {
         let q = self.spread.flat(point);
-        let section = self.section_at(q)?;
-        if (self.spread.out(point) - self.out[cell_of(q)?]).abs() > LAYER {
+        let section = self.of_point(point)?;
+        if self.mesh.is_none() && (self.spread.out(point) - self.out[cell_of(q)?]).abs() > LAYER {
             return None;
         }
         let (distance, i) = self.nearest_at(q, point).unwrap_or((FAR, NONE));
@@ -219,7 +249,10 @@ impl Sections {
 
     /// The piece whose bare skin is nearest, and the distance to it (not to its bare skin), cm.
     fn nearest_at(&self, q: Vec2, p: Vec3) -> Option<(f32, u32)> {
-        let own = cell_of(q)?;
+        let own = cell_of(q);
+        if own.is_none() && self.mesh.is_none() {
+            return None;
+        }
         let mut best = (FAR, NONE, FAR);
         let mut see = |i: u32| {
             if let Some(piece) = self.lines.pieces.get(i as usize) {
@@ -231,10 +264,12 @@ impl Sections {
             }
         };
         // The list knows all pieces within a cell's width, the cells' own pieces those beyond.
-        self.lines.near_cell(own).iter().for_each(|i| see(*i));
         self.lines.near_place(p).iter().for_each(|i| see(*i));
-        see(self.lines.nearest[own]);
-        around(own).for_each(|cell| see(self.lines.nearest[cell]));
+        if let Some(own) = own {
+            self.lines.near_cell(own).iter().for_each(|i| see(*i));
+            see(self.lines.nearest[own]);
+            around(own).for_each(|cell| see(self.lines.nearest[cell]));
+        }
         (best.1 != NONE).then_some((best.2, best.1))
     }
     /// Whether the straight way between two points of space leads over a parting or as near to it as `aside`, a share of half its
@@ -268,6 +303,9 @@ impl Sections {
 
     /// Whether the straight way between two points of the scalp crosses a parting.
     pub fn crosses(&self, from: Vec3, to: Vec3) -> bool {
+        if self.mesh.is_some() {
+            return self.passed(from, to, 0.0);
+        }
         let (p, q) = (self.spread.flat(from), self.spread.flat(to));
         let steps = ((q - p).length() / super::chart::CELL).ceil().clamp(1.0, 1e4) as usize;
         let crossed = |i: &u32| {
@@ -311,30 +349,7 @@ impl Sections {
                 }
             }
         }
-        let mut bounds: Vec<Vec<(u64, bool, f32)>> = vec![vec![]; count];
-        for ((label, line, side), (length, along)) in beside {
-            if length >= CONTACT {
-                bounds[label as usize].push((line, side, along / length));
-            }
-        }
-        let id = |bounds: &[(u64, bool, f32)]| {
-            let step =
-                |id, (line, side, _): &(u64, bool, f32)| curve_id(id, *line, u64::from(*side));
-            bounds.iter().fold(curve_id(0, SECTION_TAG, 0), step)
-        };
-        let mut ids: Vec<u64> = bounds.iter().map(|b| id(b)).collect();
-        // Sections between the very same lines, such as those of two lines that cross twice, are told by where along the first.
-        let mut order: Vec<(u64, f32, usize)> = (0..count)
-            .map(|slot| (ids[slot], bounds[slot].first().map_or(0.0, |b| b.2), slot))
-            .collect();
-        order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
-        let mut same = 0;
-        for pair in order.windows(2) {
-            same = if pair[0].0 == pair[1].0 { same + 1 } else { 0 };
-            if same > 0 {
-                ids[pair[1].2] = curve_id(pair[1].0, SECTION_TAG, same);
-            }
-        }
+        let ids = ids(count, beside, CONTACT);
         let middles = self.middles(scalp, &sum, &area);
         self.list = (0..count)
             .map(|slot| Section {
@@ -419,6 +434,7 @@ impl Sections {
             (None, Some(before)) if origins[slot] != NONE => {
                 before.list[origins[slot] as usize].name.clone()
             }
+            _ if self.mesh.is_some() => "section".to_owned(),
             _ => whereabouts(scalp, self.list[slot].middle),
         };
         let bases: Vec<String> = (0..self.list.len()).map(base).collect();
@@ -489,10 +505,44 @@ impl Sections {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.lines.bytes()
+            + self.mesh.as_ref().map_or(0, MeshCut::bytes)
             + self.partings.iter().map(|p| 12 * p.points.len() + 64).sum::<usize>()
             + 4 * (self.labels.len() + self.out.len())
             + self.list.len() * 128
     }
+}
+
+/// Ids of sections, from how long each line runs beside which of them, on which side, and where along itself on the whole. Less than
+/// `least` cm is no border.
+pub(super) fn ids(
+    count: usize,
+    beside: BTreeMap<(u32, u64, bool), (f32, f32)>,
+    least: f32,
+) -> Vec<u64> {
+    let mut bounds: Vec<Vec<(u64, bool, f32)>> = vec![vec![]; count];
+    for ((label, line, side), (length, along)) in beside {
+        if length >= least {
+            bounds[label as usize].push((line, side, along / length));
+        }
+    }
+    let id = |bounds: &[(u64, bool, f32)]| {
+        let step = |id, (line, side, _): &(u64, bool, f32)| curve_id(id, *line, u64::from(*side));
+        bounds.iter().fold(curve_id(0, SECTION_TAG, 0), step)
+    };
+    let mut ids: Vec<u64> = bounds.iter().map(|b| id(b)).collect();
+    // Sections between the very same lines, such as those of two lines that cross twice, are told by where along the first.
+    let mut order: Vec<(u64, f32, usize)> = (0..count)
+        .map(|slot| (ids[slot], bounds[slot].first().map_or(0.0, |b| b.2), slot))
+        .collect();
+    order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    let mut same = 0;
+    for pair in order.windows(2) {
+        same = if pair[0].0 == pair[1].0 { same + 1 } else { 0 };
+        if same > 0 {
+            ids[pair[1].2] = curve_id(pair[1].0, SECTION_TAG, same);
+        }
+    }
+    ids
 }
 
 /// Names with points in the head frame, such as `left puff 4 7 -3; fringe 0 6 8`, and what of the text is none.

@@ -154,8 +154,9 @@ impl Maker<'_> {
     pub(super) fn middles(&self, sections: &Sections) -> Curves {
         let one = |section: &Section| {
             let root = self.scalp.closest_root(section.middle)?;
-            let cell = cell_of(self.chart.flat(root.point))?;
-            if !self.part[cell] {
+            // Of a mesh that no map shows all is parted.
+            let cell = cell_of(self.chart.flat(root.point));
+            if !sections.are_of_a_mesh() && !self.part[cell?] {
                 return None;
             }
             let at = |k: i32| root.point + root.normal * (k as f32 / 3.0 * self.unit);

@@ -14,9 +14,9 @@ use super::lines::{End, Uneven, end, fine, laid, uneven};
 use super::pattern::{self, Cut, Drawn, Flat, Rows, Wish};
 use super::territory::Row;
 use crate::data::attributes::{DRIFT, Domain, ROOT_BARY, ROOT_TRIANGLE};
-use crate::data::chart::{CELLS, Chart};
+use crate::data::chart::{CELLS, Chart, cell_of};
 use crate::data::curves::{Curves, TuftBuilder};
-use crate::data::scalp::{HEAD_RADIUS, Scalp};
+use crate::data::scalp::{HEAD_RADIUS, HeadFrame, Scalp};
 use crate::data::sections::{Parting, Sections, named_points};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::EvalCx;
@@ -30,7 +30,8 @@ node! {
     ///
     /// Wire the scalp that comes out to the nodes that grow hair: none of it is rooted on a parting, and none is led by hair of
     /// another section. Braid along the rows, put puffs and free braids on the middles. A second Partings node cuts the
-    /// sections of the first, in all of them or where a mask says; every section is a mask by its name.
+    /// sections of the first, in all of them or where a mask says; every section is a mask by its name, and one that is cut on
+    /// stays all of its parts by it. On an animal or any other mesh drawn lines cut, along its triangles; patterns are for heads.
     "partings", version 1, label "Partings", words "part parting section sections grid line cornrow canerow rows boxes triangles zigzag zig-zag halo brick pattern comb rat tail scalp divide split";
     inputs {
         /// The head, or a head that has partings already.
@@ -134,23 +135,15 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
     let chart = scalp.chart();
     cx.check()?;
-    let part = part(&inputs, chart)?;
-    let Drawn { mut lines, middles } = lines(cx, &inputs, unit, &part)?;
-    cx.check()?;
-    let old: Vec<Vec<Vec2>> = scalp
-        .sections()
-        .map_or(&[][..], |s| s.partings())
-        .iter()
-        .map(|p| p.points.iter().map(|p| chart.flat(*p)).collect())
-        .collect();
-    bring_together(cx, chart, &mut lines, &old, inputs.join * unit);
-    cx.check()?;
     let mut partings = scalp.sections().map_or(vec![], |s| s.partings().to_vec());
     let before = partings.len();
-    for line in &lines {
-        let points = laid(scalp, chart, &line.points);
-        let (of_pattern, half_width) = (!line.by_hand, 0.5 * inputs.width * unit);
-        partings.push(Parting { id: line.id, points, of_pattern, half_width });
+    let is_on_map = scalp.is_on_map();
+    let (mut part, mut middles) = (vec![], vec![]);
+    if is_on_map {
+        part = self::part(&inputs, chart)?;
+        middles = on_the_map(cx, &inputs, unit, &part, &mut partings)?;
+    } else {
+        on_the_mesh(cx, &inputs, unit, &mut partings)?;
     }
     let (names, faults) = named_points(&inputs.names, scalp.frame());
     faults.into_iter().for_each(|fault| cx.warn(fault));
@@ -188,11 +181,81 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         .flatten()
         .map(|place| place.section);
     let rows = match &inputs.between {
+        _ if !is_on_map => Curves::default(),
         Some(rows) => maker.known_rows(cx, &sections, rows)?,
         None => maker.rows(cx, &sections, &middles, tied)?,
     };
     let middles = maker.middles(&sections);
     Ok(Outputs { scalp: parted, partings, rows, middles })
+}
+
+/// Lays drawn lines and those of a pattern on the map of a head, and gives the middles of the pattern's rows.
+fn on_the_map(
+    cx: &EvalCx,
+    inputs: &Inputs,
+    unit: f32,
+    part: &[bool],
+    partings: &mut Vec<Parting>,
+) -> Result<Vec<Vec<Vec2>>, NodeError> {
+    let scalp = &*inputs.scalp;
+    let chart = scalp.chart();
+    let Drawn { mut lines, middles } = lines(cx, inputs, unit, part)?;
+    cx.check()?;
+    let flat = |p: &Parting| p.points.iter().map(|p| chart.flat(*p)).collect();
+    let old: Vec<Vec<Vec2>> = partings.iter().map(flat).collect();
+    bring_together(cx, scalp.frame(), chart, &mut lines, &old, inputs.join * unit);
+    cx.check()?;
+    for line in &lines {
+        let points = laid(scalp, chart, &line.points);
+        let (of_pattern, half_width) = (!line.by_hand, 0.5 * inputs.width * unit);
+        partings.push(Parting { id: line.id, points, of_pattern, half_width });
+    }
+    Ok(middles)
+}
+
+/// Lays drawn lines on a mesh that no map shows, such as an animal's.
+fn on_the_mesh(
+    cx: &EvalCx,
+    inputs: &Inputs,
+    unit: f32,
+    partings: &mut Vec<Parting>,
+) -> Result<(), NodeError> {
+    let scalp = &*inputs.scalp;
+    if inputs.pattern != Pattern::None || inputs.between.is_some() {
+        cx.warn(
+            "patterns and lines between rows are laid out about a head, and this mesh is none: only drawn lines part it",
+        );
+    }
+    for (tuft, i) in inputs.lines.iter().flat_map(|curves| curves.each()) {
+        cx.check()?;
+        let id = tuft.id(i);
+        let spline = match Spline::new(tuft.curve(i)) {
+            Ok(spline) => spline,
+            Err(fault) => {
+                cx.trouble(id, fault);
+                continue;
+            }
+        };
+        let n = ((spline.length() / (0.1 * unit)).ceil() as usize).clamp(16, 4096);
+        let mut points = Vec::with_capacity(n + 1);
+        spline.resample(n, |p| points.extend(scalp.closest_root(p).map(|root| root.point)));
+        let (first, last) = (spline.at(0.0), spline.at(1.0));
+        if first.distance(last) < (inputs.join * unit).min(0.25 * spline.length()) {
+            points.extend(points.first().copied());
+        } else {
+            let [first, last] = [first, last].map(|p| {
+                let p = scalp.frame().head_from_point(p);
+                format!("({:.1}, {:.1}, {:.1})", p.x, p.y, p.z)
+            });
+            cx.remark(format!(
+                "a parting is open, from {first} to {last}: it cuts a section where it ends at others or at the edge of the mesh"
+            ));
+        }
+        let half_width = 0.5 * inputs.width * unit;
+        let id = curve_id(id, inputs.seed as u64, 0);
+        partings.push(Parting { id, points, of_pattern: false, half_width });
+    }
+    Ok(())
 }
 
 /// The cells of the map on which the pattern is drawn.
@@ -311,8 +374,15 @@ const FARTHEST: f32 = 4.0;
 
 /// Ends lines where they meet: rows first, then what cuts rows. Rows twice, for what one was ended at may itself have been
 /// ended nearer since.
-fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec2>], join: f32) {
-    let mut loose_ends = 0;
+fn bring_together(
+    cx: &EvalCx,
+    frame: &HeadFrame,
+    chart: &Chart,
+    lines: &mut [Flat],
+    old: &[Vec<Vec2>],
+    join: f32,
+) {
+    let (mut loose_ends, mut first_end) = (0, None);
     for (rows, last) in [(true, false), (true, true), (false, true)] {
         for i in 0..lines.len() {
             if lines[i].row != rows || lines[i].closed {
@@ -336,7 +406,12 @@ fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec
                     true => End::Met,
                     false => end(chart, &mut points, &others, [join, reach]),
                 };
-                loose += usize::from(end == End::Loose);
+                if end == End::Loose {
+                    loose += 1;
+                    if last && lines[i].by_hand {
+                        first_end = first_end.or(points.last().copied());
+                    }
+                }
                 points.reverse();
             }
             // What of a pattern parts nothing is left out when the scalp is cut.
@@ -347,8 +422,16 @@ fn bring_together(cx: &EvalCx, chart: &Chart, lines: &mut [Flat], old: &[Vec<Vec
         }
     }
     if loose_ends > 0 {
+        let at = first_end.and_then(|q| {
+            let out = chart.out(cell_of(q)?);
+            let p = frame.head_from_point(chart.origin() + chart.direction(q) * out);
+            Some(format!(", the first at ({:.1}, {:.1}, {:.1})", p.x, p.y, p.z))
+        });
+        let partings = if loose_ends == 1 { "parting ends" } else { "partings end" };
         cx.remark(format!(
-            "{loose_ends} partings end in the middle of hair: they part it and cut no section"
+            "{loose_ends} {partings} in the middle of hair{}, farther than {join:.1} cm from the hairline and other partings: they part it and \
+             cut no section; draw on, or raise join",
+            at.unwrap_or_default()
         ));
     }
 }

@@ -426,3 +426,98 @@ fn hair_that_hangs_from_its_box_gathers_before_it_leaves_it() {
     check("boxes", 0.02);
     check("triangles", 0.06);
 }
+
+#[test]
+fn one_closed_line_cuts_an_animal_in_two_sections_with_their_names() {
+    use crate::data::outline::for_middles;
+    let animal = [("fit", Value::from("none"))];
+    // The belly of the one and the flank of the other, as parts of their boxes.
+    for (name, place, radius) in [
+        ("rat/street_rat_4k.gltf", Vec3::new(0.5, 0.25, 0.55), 0.7),
+        ("spot/spot_triangulated.obj", Vec3::new(0.91, 0.344, 0.534), 0.25),
+    ] {
+        let test = "one_closed_line_cuts_an_animal_in_two_sections_with_their_names";
+        let Some(whole) = crate::testing::shared_head(test, name, &animal) else { continue };
+        let (low, high) = whole.surface().bounds();
+        let middle = whole.closest_root(low + (high - low) * place).unwrap();
+        let right = middle.normal.any_orthonormal_vector();
+        let up = middle.normal.cross(right);
+        let ring: Vec<Vec3> = (0..=60)
+            .map(|k| {
+                let (s, c) = crate::maths::transcendental::sin_cos_turns(k as f32 / 60.0);
+                let p = middle.point + (right * c + up * s) * (0.8 * radius);
+                whole.closest_root(p).unwrap().point
+            })
+            .collect();
+        let far = whole.closest_root(low + (high - low) * Vec3::new(0.5, 1.0, 0.55)).unwrap().point;
+        let as_typed = |p: Vec3| {
+            let p = whole.frame().head_from_point(p);
+            format!("{} {} {}", p.x, p.y, p.z)
+        };
+        let names = format!("belly {}; coat {}", as_typed(middle.point), as_typed(far));
+        let mut b = TuftBuilder::new();
+        b.push_curve(&ring);
+        b.set(crate::data::attributes::ID, crate::data::attributes::Domain::Curve, vec![7]);
+        let line = Curves::new(vec![Arc::new(b.build())]);
+        let set = [
+            ("lines", line.into()),
+            ("names", Value::from(&*names)),
+            ("width", Value::Float(0.02)),
+        ];
+        let (out, said) = part(&whole, &set);
+        assert_eq!(said, [""; 0], "{name}");
+        let scalp = scalp_of(&out[0]);
+        let sections = scalp.sections().unwrap();
+        let called: Vec<&str> = sections.list().iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(called, ["coat", "belly"], "{name}");
+        assert_eq!(curves_of(&out[2]).curve_count(), 0);
+        assert_eq!(curves_of(&out[3]).curve_count(), 2);
+        // All skin is in one of them, and what is inside the ring is what nearest skin of it says.
+        let surface = scalp.surface();
+        let mut areas = [0.0f32; 2];
+        for t in 0..surface.triangles.len() as u32 {
+            for_middles(4, |bary| {
+                let at = sections.of(&scalp.root(t, bary));
+                let number = at.expect("a section") as usize;
+                areas[number] += surface.area_vector(t).length() / 32.0;
+                let p = surface.at(t, bary);
+                if p.distance(middle.point) < 0.5 * radius {
+                    assert_eq!(called[number], "belly", "{name} {p}");
+                } else if p.distance(middle.point) > 1.2 * radius {
+                    assert_eq!(called[number], "coat", "{name} {p}");
+                }
+            });
+        }
+        for (section, area) in sections.list().iter().zip(areas) {
+            assert!((section.area / area - 1.0).abs() < 0.03, "{name} {section:?} {area}");
+        }
+        // Hair by the name of a section is rooted in it alone, and off the line.
+        let coat = [
+            ("scalp", scalp.clone().into()),
+            ("count", Value::Int(600)),
+            ("mask", Field::Mask("belly".into()).into()),
+        ];
+        let (grown, _) = run(crate::by_id("scatter_guides").unwrap(), &coat);
+        let roots: Vec<Vec3> = curves_of(&grown[0]).each().map(|(t, i)| t.curve(i)[0]).collect();
+        assert!(roots.len() > 300 && roots.iter().all(|p| p.distance(middle.point) < 1.1 * radius));
+    }
+}
+
+#[test]
+fn heads_have_their_region_on_the_map_and_animals_have_not() {
+    assert!(head().is_on_map());
+    let test = "heads_have_their_region_on_the_map_and_animals_have_not";
+    for (name, fit, is) in [
+        ("lps_head/LeePerrySmith.glb", "cranium", true),
+        ("ict_head/generic_neutral_mesh.obj", "cranium", true),
+        ("sintel/sintel.obj", "cranium", true),
+        ("rat/street_rat_4k.gltf", "none", false),
+        ("spot/spot_triangulated.obj", "none", false),
+    ] {
+        if let Some(scalp) = crate::testing::shared_head(test, name, &[("fit", fit.into())]) {
+            let on: f32 = scalp.chart().spots().iter().map(|s| s.area * s.grows).sum();
+            println!("{name}: {:.3}", f64::from(on) / scalp.spread().area());
+            assert_eq!(scalp.is_on_map(), is, "{name}");
+        }
+    }
+}
