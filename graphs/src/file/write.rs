@@ -1,12 +1,16 @@
 //! Documents to text.
 
+use super::order::{NODES, by_lot};
 use super::values::{new_line, quoted, write_to};
 use super::{FORMAT, PART};
-use crate::document::{Document, Node, NodeId, Place, Point, SavedLook, SavedView, Setting};
+use crate::document::{
+    Document, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
+};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 pub(super) fn write(document: &Document) -> String {
-    let mut out = Writer { out: String::new(), document, indent: 4 };
+    let mut out = Writer::new(document, NODES);
     for line in document.comments.get(&Place::Top).into_iter().flatten() {
         out.out.push_str(line);
         out.out.push('\n');
@@ -27,7 +31,8 @@ pub(super) fn write(document: &Document) -> String {
 
 /// Nodes and their wires, as they are copied.
 pub(super) fn write_part(part: &Document) -> String {
-    let mut out = Writer { out: "(".to_owned(), document: part, indent: 4 };
+    let mut out = Writer::new(part, 1);
+    out.out.push('(');
     out.field("coif_nodes", |out| out.text(&PART.to_string()));
     out.nodes_and_more();
     out.out
@@ -37,6 +42,38 @@ struct Writer<'a> {
     out: String,
     document: &'a Document,
     indent: usize,
+    /// Parts of the list of nodes, with a blank line between them.
+    paragraphs: usize,
+    /// What is wired to each node by itself: its input and the outputs.
+    wired: BTreeMap<&'a NodeId, Vec<(&'a Socket, &'a [Socket])>>,
+    /// What each node says of its own wires into inputs that take many.
+    into: BTreeMap<&'a NodeId, Vec<Into<'a>>>,
+}
+
+/// A wire that is written with the node that it comes from.
+struct Into<'a> {
+    from: &'a Socket,
+    to: &'a Socket,
+    /// Behind which other wire of the input.
+    after: Option<&'a Socket>,
+}
+
+impl<'a> Writer<'a> {
+    fn new(document: &'a Document, paragraphs: usize) -> Self {
+        let (mut wired, mut into) = (BTreeMap::<_, Vec<_>>::new(), BTreeMap::<_, Vec<_>>::new());
+        for (to, wires) in &document.links {
+            if !document.is_said_by_sources(to) {
+                wired.entry(&to.node).or_default().push((to, &wires[..]));
+                continue;
+            }
+            let mut after = None;
+            for from in wires {
+                into.entry(&from.node).or_default().push(Into { from, to, after });
+                after = Some(from);
+            }
+        }
+        Self { out: String::new(), document, indent: 4, paragraphs, wired, into }
+    }
 }
 
 impl Writer<'_> {
@@ -44,20 +81,11 @@ impl Writer<'_> {
     fn nodes_and_more(&mut self) {
         let document = self.document;
         let out = self;
-        out.field("nodes", |out| {
-            let nodes = document.nodes.iter();
-            out.map(
-                nodes.map(|(id, node)| (Place::Node(id.clone()), (id, node))),
-                |out, (id, node)| {
-                    out.quoted(id.as_str());
-                    out.text(": ");
-                    out.node(id, node);
-                },
-            );
-        });
-        if !document.links.is_empty() {
+        out.field("nodes", |out| out.nodes());
+        let apart = |to: &&Socket| !document.nodes.contains_key(&to.node);
+        if document.links.keys().any(|to| apart(&to)) {
             out.field("links", |out| {
-                let links = document.links.iter();
+                let links = document.links.iter().filter(|(to, _)| apart(to));
                 let links = links.map(|(to, from)| (Place::Link(to.clone()), (to, from)));
                 out.map(links, |out, (to, from)| {
                     out.quoted(&to.to_string());
@@ -99,13 +127,6 @@ impl Writer<'_> {
                 });
             });
         }
-        if !document.collapsed.is_empty() {
-            out.field("collapsed", |out| {
-                let nodes = document.collapsed.iter();
-                let nodes = nodes.map(|id| (Place::Collapsed(id.clone()), id));
-                out.block(['[', ']'], nodes, |out, id| out.quoted(id.as_str()));
-            });
-        }
         if !document.views.is_empty() {
             out.field("views", |out| {
                 let views = document.views.iter();
@@ -133,17 +154,6 @@ impl Writer<'_> {
                 out.text(")");
             });
         }
-        if !document.layout.is_empty() {
-            out.field("layout", |out| {
-                let layout = document.layout.iter();
-                let layout = layout.map(|(id, at)| (Place::Layout(id.clone()), (id, at)));
-                out.map(layout, |out, (id, at)| {
-                    out.quoted(id.as_str());
-                    out.text(": ");
-                    out.point(*at);
-                });
-            });
-        }
         out.text("\n)\n");
     }
     fn text(&mut self, text: &str) {
@@ -158,6 +168,9 @@ impl Writer<'_> {
             new_line(&mut self.out, self.indent);
             self.out.push_str(line);
         }
+        self.line(what);
+    }
+    fn line(&mut self, what: impl FnOnce(&mut Self)) {
         new_line(&mut self.out, self.indent);
         what(self);
         self.out.push(',');
@@ -169,31 +182,55 @@ impl Writer<'_> {
             what(out);
         });
     }
+    /// Entries in curly brackets, each on its line.
     fn map<T>(&mut self, entries: impl Iterator<Item = (Place, T)>, one: impl Fn(&mut Self, T)) {
-        self.block(['{', '}'], entries, one);
-    }
-    /// Entries between brackets, each on its line.
-    fn block<T>(
-        &mut self,
-        [open, close]: [char; 2],
-        entries: impl Iterator<Item = (Place, T)>,
-        one: impl Fn(&mut Self, T),
-    ) {
-        self.out.push(open);
+        self.out.push('{');
         self.indent += 4;
         for (place, entry) in entries {
             self.entry(&place, |out| one(out, entry));
         }
         self.indent -= 4;
         new_line(&mut self.out, self.indent);
-        self.out.push(close);
+        self.out.push('}');
     }
     fn point(&mut self, Point(x, y): Point) {
         let _ = write!(self.out, "({x:?}, {y:?})");
     }
+    fn nodes(&mut self) {
+        let (nodes, rest) =
+            by_lot(self.document.nodes.iter(), |(id, _)| id.to_string(), self.paragraphs);
+        self.out.push('{');
+        self.indent += 4;
+        for (blank, (id, node)) in nodes {
+            self.blank_lines(blank);
+            self.entry(&Place::Node(id.clone()), |out| {
+                out.quoted(id.as_str());
+                out.text(": ");
+                out.node(id, node);
+            });
+        }
+        self.indent -= 4;
+        self.blank_lines(rest);
+        new_line(&mut self.out, self.indent);
+        self.out.push('}');
+    }
+    fn blank_lines(&mut self, count: usize) {
+        self.out.extend(std::iter::repeat_n('\n', count));
+    }
+    /// A node. Its place comes first and its kind next, so that a moved node touches no line that
+    /// changes for another reason.
     fn node(&mut self, id: &NodeId, node: &Node) {
         self.out.push('(');
         self.indent += 4;
+        if let Some(at) = self.document.layout.get(id) {
+            self.entry(&Place::Layout(id.clone()), |out| {
+                out.text("at: ");
+                out.point(*at);
+            });
+        }
+        if self.document.collapsed.contains(id) {
+            self.entry(&Place::Collapsed(id.clone()), |out| out.text("collapsed: true"));
+        }
         self.node_field(id, "kind", |out| out.quoted(&node.kind));
         if let Some(label) = &node.label {
             self.node_field(id, "label", |out| out.quoted(label));
@@ -219,6 +256,38 @@ impl Writer<'_> {
                 });
             });
         }
+        if let Some(wired) = self.wired.remove(id) {
+            self.node_field(id, "links", |out| {
+                let wired =
+                    wired.into_iter().map(|(to, from)| (Place::Link(to.clone()), (to, from)));
+                out.map(wired, |out, (to, from)| {
+                    out.quoted(&to.name);
+                    out.text(": ");
+                    out.wires(from);
+                });
+            });
+        }
+        if let Some(into) = self.into.remove(id) {
+            self.node_field(id, "into", |out| {
+                out.out.push('[');
+                out.indent += 4;
+                for Into { from, to, after } in into {
+                    let mut line = format!("{} to {to}", from.name);
+                    if let Some(after) = after {
+                        let _ = write!(line, " after {after}");
+                    }
+                    // What stands before the wires of an input stands before the first of them.
+                    let place = Place::Link(to.clone());
+                    match after {
+                        None => out.entry(&place, |out| out.quoted(&line)),
+                        Some(_) => out.line(|out| out.quoted(&line)),
+                    }
+                }
+                out.indent -= 4;
+                new_line(&mut out.out, out.indent);
+                out.out.push(']');
+            });
+        }
         self.indent -= 4;
         new_line(&mut self.out, self.indent);
         self.out.push(')');
@@ -230,11 +299,19 @@ impl Writer<'_> {
             what(out);
         });
     }
-    fn wires(&mut self, from: &[crate::document::Socket]) {
+    /// Outputs that are wired to an input: one, or each on its line.
+    fn wires(&mut self, from: &[Socket]) {
         if let [one] = from {
             return self.quoted(&one.to_string());
         }
-        self.list(from, |out, wire| out.quoted(&wire.to_string()));
+        self.out.push('[');
+        self.indent += 4;
+        for wire in from {
+            self.line(|out| out.quoted(&wire.to_string()));
+        }
+        self.indent -= 4;
+        new_line(&mut self.out, self.indent);
+        self.out.push(']');
     }
     /// A list on one line.
     fn list<T>(&mut self, items: &[T], one: impl Fn(&mut Self, &T)) {
