@@ -258,6 +258,17 @@ pub enum Place {
     Layout(NodeId),
 }
 
+impl Place {
+    /// What an entry of a list is called there; of anything else nothing.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Place::Node(id) => id.to_string(),
+            Place::Frame(name) | Place::View(name) => name.clone(),
+            _ => String::new(),
+        }
+    }
+}
+
 impl Document {
     /// The node of that id.
     pub fn node(&self, id: &str) -> Option<&Node> {

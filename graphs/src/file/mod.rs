@@ -16,6 +16,8 @@ use std::path::Path;
 
 mod columns;
 mod gestures;
+#[cfg(test)]
+mod merges;
 mod order;
 mod points;
 mod read;

@@ -3,8 +3,8 @@
 //!
 //! Two laws. *Lots*: entries stand in the order of a hash of their names, with blank lines where the
 //! hash passes whole parts of its range; so each new entry has a place of its own among lines that are
-//! there already. *After*: what has an order that means something says behind what it comes, so its
-//! order hangs neither from its place in the file nor from numbers that one new entry would change.
+//! there already. *After*: what has an order that means something says behind what it comes where
+//! that is not where it stands, so that none has a number that a new one would change.
 
 use coif_nodes::maths::hash::KeyBuilder;
 use std::collections::BTreeMap;
@@ -14,14 +14,21 @@ pub(super) const NODES: usize = 32;
 /// Paragraphs of a list of strokes or gestures.
 pub(super) const ITEMS: usize = 16;
 
+/// Paragraphs of a list of frames or views.
+pub(super) const FRAMES: usize = 8;
+
+/// Where a name stands among others.
+pub(super) fn lot(name: &str) -> u32 {
+    KeyBuilder::new("lot").text(name).finish().0 as u32
+}
+
 /// Things by lot, each with the number of blank lines before it, and the number of them behind all.
 pub(super) fn by_lot<T>(
     things: impl Iterator<Item = T>,
     name: impl Fn(&T) -> String,
     paragraphs: usize,
 ) -> (Vec<(usize, T)>, usize) {
-    let lot = |thing: &T| KeyBuilder::new("lot").text(&name(thing)).finish().0 as u32;
-    let mut drawn: Vec<(u32, T)> = things.map(|thing| (lot(&thing), thing)).collect();
+    let mut drawn: Vec<(u32, T)> = things.map(|thing| (lot(&name(&thing)), thing)).collect();
     drawn.sort_by_key(|(lot, _)| *lot);
     let mut reached = 0;
     let mut blank_before = |lot: u32| {
@@ -66,6 +73,23 @@ pub(super) fn in_order<K: Ord + Copy>(said: &[(K, Option<K>)]) -> Vec<usize> {
     order
 }
 
+/// For each thing of a list the one that it says it comes after, by `ranks`: where each stands in the
+/// file. [`in_order`] takes it back. As few as can be say anything, and one that comes between two others
+/// mostly changes neither: what stands later in the file than all since some thing comes after nothing but
+/// what that thing itself does.
+pub(super) fn after<R: Ord>(ranks: &[R]) -> Vec<Option<usize>> {
+    let mut open: Vec<usize> = vec![];
+    let said = |n: usize| {
+        while open.last().is_some_and(|last| ranks[*last] < ranks[n]) {
+            open.pop();
+        }
+        let after = open.last().copied();
+        open.push(n);
+        after
+    };
+    (0..ranks.len()).map(said).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,6 +116,25 @@ mod tests {
         check("b>c a a>d", "a d c");
         check("a>b b>a c", "c b a");
         check("a>a", "a");
+    }
+
+    #[test]
+    fn what_is_said_gives_the_order_back() {
+        // A thing stands in the file where its number says: 2 3 1 means that 1 comes last.
+        assert_eq!(after(&[2, 3, 1]), [None, None, Some(1)]);
+        assert_eq!(after(&[3, 1, 2]), [None, Some(0), Some(0)]);
+        assert_eq!(after(&[1, 2, 3]), [None; 3]);
+        assert_eq!(after(&[3, 2, 1]), [None, Some(0), Some(1)]);
+        let mut random = crate::document::testing::Random::new(4);
+        for _ in 0..500 {
+            let ranks: Vec<u64> = (0..random.below(12)).map(|_| random.bits()).collect();
+            let said = after(&ranks);
+            let mut file: Vec<usize> = (0..ranks.len()).collect();
+            file.sort_by_key(|n| ranks[*n]);
+            let in_file: Vec<_> = file.iter().map(|n| (*n, said[*n])).collect();
+            let order: Vec<usize> = in_order(&in_file).into_iter().map(|n| in_file[n].0).collect();
+            assert_eq!(order, (0..ranks.len()).collect::<Vec<_>>(), "{ranks:?}");
+        }
     }
 
     #[test]

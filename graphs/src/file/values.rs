@@ -1,6 +1,6 @@
 //! Values as text, read by the type that the node's declaration names.
 
-use super::order::{ITEMS, by_lot, in_order};
+use super::order::{ITEMS, after, by_lot, in_order};
 use super::scan::items;
 use super::{gestures, strokes};
 use crate::document::values::{DEEPEST_FIELD, fit, wrong_item};
@@ -388,13 +388,17 @@ fn write_drawn<T>(
     let Some(indent) = indent else {
         return write_list(out, items, None, |out, item| one(out, item, None));
     };
-    let after = std::iter::once(None).chain(items.iter().map(|item| Some(id(item))));
-    let (items, rest) = by_lot(items.iter().zip(after), |(item, _)| id(item).to_string(), ITEMS);
+    let (placed, rest) = by_lot(0..items.len(), |n| id(&items[*n]).to_string(), ITEMS);
+    let mut ranks = vec![0; items.len()];
+    for (rank, (_, n)) in placed.iter().enumerate() {
+        ranks[*n] = rank;
+    }
+    let said = after(&ranks);
     out.push('[');
-    for (blank, (item, after)) in &items {
-        out.extend(std::iter::repeat_n('\n', *blank));
+    for (blank, n) in placed {
+        out.extend(std::iter::repeat_n('\n', blank));
         new_line(out, indent + 4);
-        one(out, item, *after);
+        one(out, &items[n], said[n].map(|after| id(&items[after])));
         out.push(',');
     }
     if !items.is_empty() {

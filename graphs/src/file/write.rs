@@ -1,6 +1,6 @@
 //! Documents to text.
 
-use super::order::{NODES, by_lot};
+use super::order::{FRAMES, NODES, after, by_lot, lot};
 use super::values::{new_line, quoted, write_to};
 use super::{FORMAT, PART};
 use crate::document::{
@@ -54,8 +54,9 @@ struct Writer<'a> {
 struct Into<'a> {
     from: &'a Socket,
     to: &'a Socket,
-    /// Behind which other wire of the input.
+    /// Behind which other wire of the input; none where it stands in its order.
     after: Option<&'a Socket>,
+    is_first: bool,
 }
 
 impl<'a> Writer<'a> {
@@ -66,10 +67,11 @@ impl<'a> Writer<'a> {
                 wired.entry(&to.node).or_default().push((to, &wires[..]));
                 continue;
             }
-            let mut after = None;
-            for from in wires {
-                into.entry(&from.node).or_default().push(Into { from, to, after });
-                after = Some(from);
+            let rank = |(n, from): (usize, &'a Socket)| (lot(from.node.as_str()), &from.node, n);
+            let said = after(&wires.iter().enumerate().map(rank).collect::<Vec<_>>());
+            for (n, from) in wires.iter().enumerate() {
+                let (is_first, after) = (n == 0, said[n].map(|n| &wires[n]));
+                into.entry(&from.node).or_default().push(Into { from, to, after, is_first });
             }
         }
         Self { out: String::new(), document, indent: 4, paragraphs, wired, into }
@@ -87,7 +89,7 @@ impl Writer<'_> {
             out.field("links", |out| {
                 let links = document.links.iter().filter(|(to, _)| apart(to));
                 let links = links.map(|(to, from)| (Place::Link(to.clone()), (to, from)));
-                out.map(links, |out, (to, from)| {
+                out.map(None, links, |out, (to, from)| {
                     out.quoted(&to.to_string());
                     out.text(": ");
                     out.wires(from);
@@ -99,7 +101,7 @@ impl Writer<'_> {
                 let frames = document.frames.iter();
                 let frames =
                     frames.map(|(name, frame)| (Place::Frame(name.clone()), (name, frame)));
-                out.map(frames, |out, (name, frame)| {
+                out.map(out.besides(), frames, |out, (name, frame)| {
                     out.quoted(name);
                     out.text(": (at: ");
                     out.point(frame.at);
@@ -120,7 +122,7 @@ impl Writer<'_> {
             out.field("bends", |out| {
                 let bends = document.bends.iter();
                 let bends = bends.map(|(to, bends)| (Place::Bends(to.clone()), (to, bends)));
-                out.map(bends, |out, (to, bends)| {
+                out.map(None, bends, |out, (to, bends)| {
                     out.quoted(&to.to_string());
                     out.text(": ");
                     out.list(bends, |out, wire| out.list(wire, |out, point| out.point(*point)));
@@ -131,7 +133,7 @@ impl Writer<'_> {
             out.field("views", |out| {
                 let views = document.views.iter();
                 let views = views.map(|(name, view)| (Place::View(name.clone()), (name, view)));
-                out.map(views, |out, (name, view)| {
+                out.map(out.besides(), views, |out, (name, view)| {
                     out.quoted(name);
                     let SavedView { eye, target, up, focal_mm, orthographic } = view;
                     for (open, [x, y, z]) in [(": (eye", eye), (", target", target), (", up", up)] {
@@ -182,14 +184,25 @@ impl Writer<'_> {
             what(out);
         });
     }
-    /// Entries in curly brackets, each on its line.
-    fn map<T>(&mut self, entries: impl Iterator<Item = (Place, T)>, one: impl Fn(&mut Self, T)) {
+    /// Entries in curly brackets, each on its line: by lot, in so many paragraphs, else in their order.
+    fn map<T>(
+        &mut self,
+        paragraphs: Option<usize>,
+        entries: impl Iterator<Item = (Place, T)>,
+        one: impl Fn(&mut Self, T),
+    ) {
+        let (entries, rest) = match paragraphs {
+            Some(count) => by_lot(entries, |(place, _)| place.name(), count),
+            None => (entries.map(|entry| (0, entry)).collect(), 0),
+        };
         self.out.push('{');
         self.indent += 4;
-        for (place, entry) in entries {
+        for (blank, (place, entry)) in entries {
+            self.blank_lines(blank);
             self.entry(&place, |out| one(out, entry));
         }
         self.indent -= 4;
+        self.blank_lines(rest);
         new_line(&mut self.out, self.indent);
         self.out.push('}');
     }
@@ -197,22 +210,17 @@ impl Writer<'_> {
         let _ = write!(self.out, "({x:?}, {y:?})");
     }
     fn nodes(&mut self) {
-        let (nodes, rest) =
-            by_lot(self.document.nodes.iter(), |(id, _)| id.to_string(), self.paragraphs);
-        self.out.push('{');
-        self.indent += 4;
-        for (blank, (id, node)) in nodes {
-            self.blank_lines(blank);
-            self.entry(&Place::Node(id.clone()), |out| {
-                out.quoted(id.as_str());
-                out.text(": ");
-                out.node(id, node);
-            });
-        }
-        self.indent -= 4;
-        self.blank_lines(rest);
-        new_line(&mut self.out, self.indent);
-        self.out.push('}');
+        let nodes = self.document.nodes.iter();
+        let nodes = nodes.map(|(id, node)| (Place::Node(id.clone()), (id, node)));
+        self.map(Some(self.paragraphs), nodes, |out, (id, node)| {
+            out.quoted(id.as_str());
+            out.text(": ");
+            out.node(id, node);
+        });
+    }
+    /// Paragraphs of what stands besides the nodes.
+    fn besides(&self) -> Option<usize> {
+        Some(self.paragraphs.min(FRAMES))
     }
     fn blank_lines(&mut self, count: usize) {
         self.out.extend(std::iter::repeat_n('\n', count));
@@ -246,7 +254,7 @@ impl Writer<'_> {
                 let inputs = node.inputs.iter();
                 let inputs =
                     inputs.map(|(name, set)| (Place::Input(id.clone(), name.clone()), (name, set)));
-                out.map(inputs, |out, (name, setting)| {
+                out.map(None, inputs, |out, (name, setting)| {
                     out.quoted(name);
                     out.text(": ");
                     match setting {
@@ -260,7 +268,7 @@ impl Writer<'_> {
             self.node_field(id, "links", |out| {
                 let wired =
                     wired.into_iter().map(|(to, from)| (Place::Link(to.clone()), (to, from)));
-                out.map(wired, |out, (to, from)| {
+                out.map(None, wired, |out, (to, from)| {
                     out.quoted(&to.name);
                     out.text(": ");
                     out.wires(from);
@@ -271,16 +279,16 @@ impl Writer<'_> {
             self.node_field(id, "into", |out| {
                 out.out.push('[');
                 out.indent += 4;
-                for Into { from, to, after } in into {
+                for Into { from, to, after, is_first } in into {
                     let mut line = format!("{} to {to}", from.name);
                     if let Some(after) = after {
                         let _ = write!(line, " after {after}");
                     }
                     // What stands before the wires of an input stands before the first of them.
                     let place = Place::Link(to.clone());
-                    match after {
-                        None => out.entry(&place, |out| out.quoted(&line)),
-                        Some(_) => out.line(|out| out.quoted(&line)),
+                    match is_first {
+                        true => out.entry(&place, |out| out.quoted(&line)),
+                        false => out.line(|out| out.quoted(&line)),
                     }
                 }
                 out.indent -= 4;
