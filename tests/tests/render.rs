@@ -250,8 +250,7 @@ fn light_and_skin_that_are_saved_with_the_groom_are_drawn_with_unless_others_are
     assert_eq!(png(&folder.path("hair.png")).1["light"], "backlit");
     let asked = ["--light", "backlit", "--exposure", "1", "--skin", "9"];
     assert!(saved == drawn("start", &asked), "the same picture");
-    std::fs::write(&odd, start.replace("    nodes: {", &look.replace("backlit", "disco")))
-        .unwrap();
+    std::fs::write(&odd, start.replace("    nodes: {", &look.replace("backlit", "disco"))).unwrap();
     let ran = run_with(program(), {
         let mut args = small(&["--out", &out]);
         args[1] = &odd;

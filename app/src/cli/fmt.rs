@@ -116,3 +116,76 @@ fn formatted(path: &Path) -> Result<Option<String>, Vec<String>> {
     let text = file::write(&loaded.document);
     Ok((text.as_bytes() != bytes).then_some(text))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use coif_graphs::grooms::{ALL, RECIPES};
+
+    /// Graphs in a folder of their own, formatted: how it ended.
+    fn fmt(folder: &Path, names: &[&str], check: bool) -> Exit {
+        let graphs = names.iter().map(|name| folder.join(name)).collect();
+        run(&FmtArgs { graphs, check })
+    }
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("coif-fmt-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        folder
+    }
+
+    #[test]
+    fn shipped_grooms_are_as_they_would_be_saved() {
+        for (name, text) in ALL.iter().chain(RECIPES) {
+            let loaded = file::read(text).unwrap();
+            assert!(file::write(&loaded.document) == *text, "{name}: coif fmt it");
+            assert!(loaded.warnings.is_empty() && loaded.dropped_comments.is_empty(), "{name}");
+        }
+    }
+
+    #[test]
+    fn it_writes_what_a_save_writes_and_a_second_time_nothing() {
+        let folder = folder("save");
+        let reported = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/reported");
+        let mut texts =
+            vec!["(format:1,// kept by nobody\n)".to_owned(), "// top\n(format: 1)".to_owned()];
+        match std::fs::read_dir(&reported) {
+            Ok(all) => {
+                let all = all.flatten().map(|entry| entry.path());
+                let all = all.filter(|path| path.extension().is_some_and(|e| e == "ron"));
+                texts.extend(all.filter_map(|path| std::fs::read_to_string(path).ok()));
+            }
+            Err(_) => {
+                println!("skipped: formatting of reported graphs needs ../shared/data/reported")
+            }
+        }
+        for text in texts {
+            let path = folder.join("a.ron");
+            std::fs::write(&path, &text).unwrap();
+            let loaded = file::read(&text).unwrap();
+            let saved = file::write(&loaded.document);
+            let loses = !loaded.dropped_comments.is_empty();
+            let (before, after) = if loses { (Exit::Refused, &text) } else { (Exit::Done, &saved) };
+            let found = if loses || text == saved { before } else { Exit::Failed };
+            assert_eq!(fmt(&folder, &["a.ron"], true), found, "{text}");
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), text, "--check writes nothing");
+            assert_eq!(fmt(&folder, &["a.ron"], false), before, "{text}");
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), *after);
+            assert_eq!(fmt(&folder, &["a.ron"], true), before);
+        }
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn all_are_written_or_none() {
+        let folder = folder("all");
+        let good = "(format: 1)";
+        std::fs::write(folder.join("good.ron"), good).unwrap();
+        std::fs::write(folder.join("bad.ron"), "(format: 1").unwrap();
+        for other in ["bad.ron", "missing.ron", ".", "good.ron"] {
+            assert_eq!(fmt(&folder, &["good.ron", other], false), Exit::Refused, "{other}");
+            assert_eq!(std::fs::read_to_string(folder.join("good.ron")).unwrap(), good, "{other}");
+        }
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2);
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+}

@@ -293,3 +293,6 @@ fn value(input: &InputDef) -> Option<Json> {
     }
     Some(of)
 }
+
+#[cfg(test)]
+mod tests;
