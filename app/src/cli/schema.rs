@@ -37,14 +37,14 @@ pub(super) fn schema() -> Json {
             "note": {"type": "string"},
             "seed": {"type": "integer", "minimum": 0, "maximum": u64::MAX},
             "display": {"$ref": "#/$defs/id"},
-            "nodes": map(reference("node")),
-            "links": map(reference("wires")),
+            "nodes": map_by("id", reference("node")),
+            "links": map_by("socket", reference("wires")),
             "frames": map(reference("frame")),
-            "bends": map(list(list(reference("place"), 0), 0)),
+            "bends": map_by("socket", list(list(reference("place"), 0), 0)),
             "collapsed": list(reference("id"), 0),
             "views": map(reference("view")),
             "look": reference("look"),
-            "layout": map(reference("place")),
+            "layout": map_by("id", reference("place")),
         },
         "$defs": defs,
     })
@@ -55,6 +55,12 @@ fn reference(name: &str) -> Json {
 }
 fn map(of: Json) -> Json {
     json!({"x-ron": "map", "type": "object", "additionalProperties": of})
+}
+/// A map whose names are of a kind of their own.
+fn map_by(name: &str, of: Json) -> Json {
+    let mut map = map(of);
+    map["propertyNames"] = reference(name);
+    map
 }
 fn list(of: Json, least: usize) -> Json {
     json!({"type": "array", "items": of, "minItems": least})

@@ -467,6 +467,34 @@ fn changing_a_value_changes_one_line() {
 }
 
 #[test]
+fn a_moved_point_of_a_stroke_changes_one_line_and_a_new_stroke_no_other() {
+    let mut random = Random::new(5);
+    let mut document = ok(&node("kind: \"stroke_input\"")).document;
+    let add = |document: &mut crate::document::Document,
+               stroke: &coif_nodes::data::strokes::Stroke| {
+        let (node, input, stroke) = (id("a"), "strokes".to_owned(), stroke.clone());
+        Edit::AddStroke { node, input, at: usize::MAX, stroke }.apply(document).unwrap();
+    };
+    let mut strokes = coif_nodes::data::strokes::Strokes::default();
+    for _ in 0..12 {
+        let stroke = crate::document::strokes::finish(&random.pen(200), &strokes).unwrap();
+        let before = write(&document);
+        add(&mut document, &stroke);
+        let (gone, new) = diff(&before, &write(&document));
+        assert!(gone.iter().all(|line| line.is_empty()), "{gone:?}");
+        assert!(strokes.0.is_empty() || new.len() <= stroke.samples.len() + 5, "{new:?}");
+        strokes.0.push(stroke);
+    }
+    let before = write(&document);
+    let mut stroke = strokes.0[4].clone();
+    stroke.samples[3].position.x += 1.0;
+    let (node, input) = (id("a"), "strokes".to_owned());
+    Edit::ReplaceStroke { node, input, stroke }.apply(&mut document).unwrap();
+    let (gone, new) = diff(&before, &write(&document));
+    assert_eq!((gone.len(), new.len()), (1, 1));
+}
+
+#[test]
 fn adding_a_node_adds_one_block() {
     let mut document = ok(FULL).document;
     let node = crate::document::Node { kind: "resample".into(), ..Default::default() };

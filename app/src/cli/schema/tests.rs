@@ -209,7 +209,9 @@ impl Generator<'_> {
         }
         if is_map && of["additionalProperties"].is_object() {
             for n in 0..self.below(3) {
-                let _ = write!(out, "\"n{n}_{}\": ", self.below(1 << 30));
+                let id = format!("n{n}_{}", self.below(1 << 30));
+                let is_socket = of["propertyNames"]["$ref"] == "#/$defs/socket";
+                let _ = write!(out, "\"{id}{}\": ", if is_socket { ".curves" } else { "" });
                 self.write(out, &of["additionalProperties"], depth + 1);
                 out.push_str(", ");
             }
