@@ -417,15 +417,15 @@ fn of_200_pairs_of_random_edits_95_in_100_merge_clean_and_mean_the_same_either_w
 
 #[test]
 fn two_people_each_add_a_node_its_wires_and_a_stroke_to_one_groom() {
-    if let Some(count) = clean("additions", 100, &[0, 1], 0) {
-        assert!(count >= 95, "{count}");
+    if let Some(count) = clean("additions", 40, &[0, 1], 0) {
+        assert!(count >= 38, "{count}");
     }
 }
 
 #[test]
 fn two_people_each_wire_to_a_merge_at_any_place_of_its_list() {
-    if let Some(count) = clean("wires", 100, &[4], 0) {
-        assert!(count >= 85, "{count}");
+    if let Some(count) = clean("wires", 40, &[4], 0) {
+        assert!(count >= 34, "{count}");
     }
 }
 
