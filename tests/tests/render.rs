@@ -201,8 +201,8 @@ fn a_saved_view_is_a_camera_and_others_are_listed() {
         "flat": (eye: (0, 4, 60), target: (0, 4, 0), up: (0, 1, 0), focal_mm: 50, orthographic: 30),
         "hero": (eye: (30, 8, 42), target: (0, 1, 0), up: (0, 1, 0), focal_mm: 70),
     },
-    layout: {"#;
-    std::fs::write(&graph, start.replace("    layout: {", views)).unwrap();
+    nodes: {"#;
+    std::fs::write(&graph, start.replace("    nodes: {", views)).unwrap();
     let (graph, out) = (graph.display().to_string(), folder.path("hair.png").display().to_string());
     let seen = |camera: &[&str]| {
         let mut args = small(&["--out", &out]);
@@ -235,8 +235,8 @@ fn light_and_skin_that_are_saved_with_the_groom_are_drawn_with_unless_others_are
     let folder = Folder::new("render-look");
     let graph = folder.path("look.ron");
     let start = coif_graphs::grooms::by_name("start").unwrap();
-    let look = "    look: (light: \"backlit\", exposure: 1.0, skin: \"9\"),\n    layout: {";
-    std::fs::write(&graph, start.replace("    layout: {", look)).unwrap();
+    let look = "    look: (light: \"backlit\", exposure: 1.0, skin: \"9\"),\n    nodes: {";
+    std::fs::write(&graph, start.replace("    nodes: {", look)).unwrap();
     let odd = folder.path("odd.ron").display().to_string();
     let (graph, out) = (graph.display().to_string(), folder.path("hair.png").display().to_string());
     let drawn = |graph: &str, more: &[&str]| {
@@ -250,8 +250,7 @@ fn light_and_skin_that_are_saved_with_the_groom_are_drawn_with_unless_others_are
     assert_eq!(png(&folder.path("hair.png")).1["light"], "backlit");
     let asked = ["--light", "backlit", "--exposure", "1", "--skin", "9"];
     assert!(saved == drawn("start", &asked), "the same picture");
-    std::fs::write(&odd, start.replace("    layout: {", &look.replace("backlit", "disco")))
-        .unwrap();
+    std::fs::write(&odd, start.replace("    nodes: {", &look.replace("backlit", "disco"))).unwrap();
     let ran = run_with(program(), {
         let mut args = small(&["--out", &out]);
         args[1] = &odd;

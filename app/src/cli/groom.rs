@@ -404,8 +404,8 @@ pub(crate) fn load(path: &Path, warnings: &mut Vec<String>) -> Result<(Document,
     Ok((loaded.document, folder))
 }
 
-/// The largest document that is read: strokes take 20 bytes a sample, so this holds millions.
-const MOST_DOCUMENT: u64 = 256 << 20;
+/// The largest document that is read: strokes take 30 bytes a sample, so this holds millions.
+pub(super) const MOST_DOCUMENT: u64 = 256 << 20;
 
 /// `NODE.INPUT=VALUE`.
 fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {

@@ -9,6 +9,7 @@ mod check;
 mod edit;
 mod ending;
 pub(crate) mod eval;
+mod fmt;
 pub(crate) mod groom;
 mod measure;
 pub(crate) mod memory;
@@ -17,6 +18,7 @@ pub(crate) mod progress;
 #[cfg(feature = "render")]
 pub(crate) mod render;
 pub(crate) mod report;
+mod schema;
 pub(crate) mod signals;
 mod unreal;
 
@@ -47,6 +49,8 @@ enum Command {
     Render(Box<render::RenderArgs>),
     /// Check graphs without evaluating them: syntax, types, missing inputs, unknown nodes, a target's limits
     Check(check::CheckArgs),
+    /// Write graphs as the editor would save them: one fact a line, in the order that git merges
+    Fmt(fmt::FmtArgs),
     /// Print the manual of all nodes, or of one
     Nodes(nodes::NodesArgs),
     /// Measure exported strands: the laws of hair, from the file alone
@@ -83,6 +87,7 @@ pub(crate) fn main() -> ExitCode {
         #[cfg(feature = "render")]
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Check(args)) => check::run(args),
+        Some(Command::Fmt(args)) => fmt::run(&args),
         Some(Command::Nodes(args)) => nodes::run(args),
         Some(Command::Measure(args)) => measure::run(args),
         None => start_up(),

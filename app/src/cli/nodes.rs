@@ -14,9 +14,15 @@ pub(crate) struct NodesArgs {
     /// Print JSON for other tools
     #[arg(long)]
     json: bool,
+    /// Print a JSON Schema of documents, as docs/document.md explains it
+    #[arg(long, conflicts_with_all = ["json", "kind"])]
+    schema: bool,
 }
 
 pub(crate) fn run(args: NodesArgs) -> Exit {
+    if args.schema {
+        return print(&serde_json::to_string_pretty(&super::schema::schema()).unwrap_or_default());
+    }
     let chosen: Vec<(&str, &NodeDef)> = coif_nodes::STAGES
         .iter()
         .flat_map(|(stage, nodes)| nodes.iter().map(move |node| (*stage, *node)))

@@ -8,7 +8,7 @@
 //! Documents know nothing of evaluation or windows, and open no files.
 
 use coif_nodes::data::strokes::Strokes;
-use coif_nodes::define::{Value, short};
+use coif_nodes::define::{Arity, Value, short};
 use coif_nodes::maths::hash::KeyBuilder;
 use std::borrow::{Borrow, Cow};
 use std::collections::{BTreeMap, BTreeSet};
@@ -244,7 +244,7 @@ pub enum Place {
     NodeField(NodeId, String),
     /// A set input of a node.
     Input(NodeId, String),
-    /// The wires of an input.
+    /// The wires of an input; the first of them where many go in.
     Link(Socket),
     /// A frame.
     Frame(String),
@@ -258,6 +258,17 @@ pub enum Place {
     Layout(NodeId),
 }
 
+impl Place {
+    /// What an entry of a list is called there; of anything else nothing.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Place::Node(id) => id.to_string(),
+            Place::Frame(name) | Place::View(name) => name.clone(),
+            _ => String::new(),
+        }
+    }
+}
+
 impl Document {
     /// The node of that id.
     pub fn node(&self, id: &str) -> Option<&Node> {
@@ -267,6 +278,21 @@ impl Document {
     /// The outputs wired to an input of a node, in order.
     pub fn wires(&self, id: &NodeId, input: &str) -> &[Socket] {
         self.links.get(&Socket::new(id.clone(), input)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether the wires of an input are written with the nodes that they come from, one a line: where
+    /// many go in, so that what two people wire to it merges. Not where one output is wired to it twice, nor
+    /// where a node is missing.
+    pub(crate) fn is_said_by_sources(&self, to: &Socket) -> bool {
+        let def = self.node(to.node.as_str()).and_then(|node| coif_nodes::by_id(&node.kind));
+        let input = def.and_then(|def| def.input(&to.name));
+        let Some(from) = self.links.get(to) else { return false };
+        let all: BTreeSet<&Socket> = from.iter().collect();
+        input.is_some_and(|(_, input)| input.arity == Arity::Many)
+            && all.len() == from.len()
+            && all.iter().all(|wire| {
+                self.nodes.contains_key(&wire.node) && !wire.name.contains(char::is_whitespace)
+            })
     }
 
     /// What people call a node: its label, else the label of its kind, else its id with spaces: "head 2".
@@ -347,13 +373,11 @@ impl Document {
                 "format" | "title" | "seed" | "nodes" => true,
                 "note" => !self.note.is_empty(),
                 "display" => self.display.is_some(),
-                "links" => !self.links.is_empty(),
+                "links" => self.links.keys().any(|to| !self.nodes.contains_key(&to.node)),
                 "frames" => !self.frames.is_empty(),
                 "bends" => !self.bends.is_empty(),
-                "collapsed" => !self.collapsed.is_empty(),
                 "views" => !self.views.is_empty(),
                 "look" => self.look.is_some(),
-                "layout" => !self.layout.is_empty(),
                 _ => false,
             },
             Place::Node(id) => self.nodes.contains_key(id),
@@ -364,6 +388,12 @@ impl Document {
                     "note" => !node.note.is_empty(),
                     "bypass" => node.bypass,
                     "inputs" => !node.inputs.is_empty(),
+                    "links" => {
+                        self.links.keys().any(|to| to.node == *id && !self.is_said_by_sources(to))
+                    }
+                    "into" => self.links.iter().any(|(to, from)| {
+                        from.iter().any(|wire| wire.node == *id) && self.is_said_by_sources(to)
+                    }),
                     _ => false,
                 })
             }

@@ -230,38 +230,36 @@ mod tests {
     fn a_part_is_text_that_people_can_read() {
         expect![[r#"
             (
-                coif_nodes: 1,
+                coif_nodes: 2,
                 nodes: {
-                    "rows": (
-                        kind: "stroke_input",
-                        label: "front",
-                        inputs: {
-                            "radius": 2.0,
-                            "seed": 17,
-                        },
-                    ),
                     "thin": (
+                        at: (200.0, 40.0),
+                        collapsed: true,
                         kind: "resample",
                         note: "n",
                         inputs: {
                             "count": 9,
                             "twist": Twist(3),
                         },
+                        links: {
+                            "curves": "rows.curves",
+                        },
                     ),
-                },
-                links: {
-                    "rows.scalp": "head.scalp",
-                    "thin.curves": "rows.curves",
+                    "rows": (
+                        at: (100.0, 50.0),
+                        kind: "stroke_input",
+                        label: "front",
+                        inputs: {
+                            "radius": 2.0,
+                            "seed": 17,
+                        },
+                        links: {
+                            "scalp": "head.scalp",
+                        },
+                    ),
                 },
                 bends: {
                     "thin.curves": [[(5.0, 5.0)]],
-                },
-                collapsed: [
-                    "thin",
-                ],
-                layout: {
-                    "rows": (100.0, 50.0),
-                    "thin": (200.0, 40.0),
                 },
             )
         "#]]
@@ -339,8 +337,8 @@ mod tests {
             1:1: these are no nodes: they begin with `(coif_nodes: 1`
             1:1: these are no nodes: they begin with `(coif_nodes: 1`
             there are no nodes in it
-            1:14: the nodes have format 2, this version reads up to 1: paste them into a newer coif
-            1:10: the file has format 9, this version reads up to 1: open it with a newer coif
+            1:25: expected opening `{`
+            1:10: the file has format 9, this version reads up to 2: open it with a newer coif
             1:1: these are no nodes: they begin with `(coif_nodes: 1`"#]]
         .assert_eq(
             &[

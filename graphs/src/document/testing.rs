@@ -302,7 +302,10 @@ impl Random {
                 Place::Field(field(self, &names))
             }
             2 => Place::Node(id),
-            3 => Place::NodeField(id, field(self, &["kind", "label", "note", "inputs", "bypass"])),
+            3 => {
+                let names = ["kind", "label", "note", "inputs", "bypass", "links", "into"];
+                Place::NodeField(id, field(self, &names))
+            }
             4 => Place::Input(id, input),
             5 => Place::Link(self.socket()),
             6 => Place::Frame(self.text()),

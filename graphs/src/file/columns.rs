@@ -1,5 +1,5 @@
 //! Lists of samples and points in columns of whole steps of a grid: the first one, then each one's
-//! distance from the one before. Small numbers are short, and a moved sample changes two.
+//! distance from the one before: small numbers are short.
 
 use std::fmt::Write as _;
 

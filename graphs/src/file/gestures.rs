@@ -3,17 +3,21 @@
 //! left out.
 
 use super::columns::{Columns, numbers};
+use super::read::there;
 use crate::document::gestures::{point_of, point_steps, sample_of, sample_steps};
 use crate::document::values::no_such_word;
 use coif_nodes::data::gestures::{Gesture, Layer, Tool, View};
 use glam::Vec3;
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 use std::fmt::Write as _;
 
 #[derive(Deserialize)]
 #[serde(rename = "gesture", deny_unknown_fields)]
 pub(super) struct FileGesture {
-    id: u64,
+    pub(super) id: u64,
+    /// Behind which other gesture of the list it comes.
+    #[serde(default, deserialize_with = "there")]
+    pub(super) after: Option<u64>,
     tool: String,
     layer: String,
     eye: [f32; 3],
@@ -33,7 +37,7 @@ pub(super) struct FileGesture {
     tilt_y: Vec<i64>,
     #[serde(default)]
     curves: Vec<u64>,
-    #[serde(default, deserialize_with = "some")]
+    #[serde(default, deserialize_with = "there")]
     root: Option<[f32; 3]>,
     #[serde(default)]
     path_x: Vec<i64>,
@@ -41,7 +45,7 @@ pub(super) struct FileGesture {
     path_y: Vec<i64>,
     #[serde(default)]
     path_z: Vec<i64>,
-    #[serde(default, deserialize_with = "some")]
+    #[serde(default, deserialize_with = "there")]
     colour: Option<[f32; 3]>,
     #[serde(default)]
     size: f32,
@@ -49,10 +53,6 @@ pub(super) struct FileGesture {
     strength: f32,
 }
 
-/// Without the `Some` around it.
-fn some<'de, T: Deserialize<'de>, D: Deserializer<'de>>(from: D) -> Result<Option<T>, D::Error> {
-    T::deserialize(from).map(Some)
-}
 fn one() -> f32 {
     1.0
 }
@@ -107,11 +107,15 @@ impl FileGesture {
 }
 
 /// Writes a gesture, on one line or on many.
-pub(super) fn write(out: &mut String, gesture: &Gesture, lines: bool) {
+pub(super) fn write(out: &mut String, gesture: &Gesture, lines: bool, after: Option<u64>) {
     let Gesture { id, tool, layer, view, samples, curves, root, path, colour, size, strength } =
         gesture;
     let space = if lines { '\n' } else { ' ' };
-    let _ = write!(out, "(id: {id}, tool: {:?}, layer: {:?},{space}", tool.word(), layer.word());
+    let _ = write!(out, "(id: {id},{space}");
+    if let Some(after) = after {
+        let _ = write!(out, "after: {after},{space}");
+    }
+    let _ = write!(out, "tool: {:?}, layer: {:?},{space}", tool.word(), layer.word());
     let _ = write!(out, "eye: {}, target: {},{space}", vector(view.eye), vector(view.target));
     let _ = write!(out, "up: {}, half_height: {:?}, ", vector(view.up), view.half_height);
     if view.parallel {

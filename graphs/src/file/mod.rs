@@ -1,7 +1,8 @@
 //! Documents as text: RON made for people and for git.
 //!
-//! One fact a line, in an order that does not change, with the shortest numbers that read back the
-//! same, layout apart from meaning. What this version does not know of nodes and values is kept
+//! One fact a line, with the shortest numbers that read back the same, in an order in which what two
+//! people change and add merges ([`order`]): each node stands with its place, its values and its wires.
+//! What this version does not know of nodes and values is kept
 //! byte for byte; what it does not know of the document itself is refused, with line and column.
 //! `read(write(d)) == d`, and `write(read(f))` is a fixed point.
 //!
@@ -15,6 +16,10 @@ use std::path::Path;
 
 mod columns;
 mod gestures;
+#[cfg(test)]
+mod merges;
+mod order;
+mod points;
 mod read;
 mod scan;
 mod strokes;
@@ -29,7 +34,10 @@ pub(crate) use values::proven_value;
 pub use values::{parse_value, read_value, write_value};
 
 /// The format that this version writes. It goes up when an older version would misread a file.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
+
+/// The oldest format that is read.
+const OLDEST: u32 = 1;
 
 /// A file that was read.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,7 +103,7 @@ pub(crate) fn read_part(text: &str) -> Result<Loaded, FileError> {
 }
 
 /// The format of copied nodes.
-const PART: u32 = 1;
+const PART: u32 = 2;
 
 /// Saves a document so that a crash leaves the old file or the new one: written beside it, synced,
 /// renamed.

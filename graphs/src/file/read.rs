@@ -1,16 +1,17 @@
-//! Text to documents: the structs of format 1, and their conversion.
+//! Text to documents: the structs of formats 1 and 2, and their conversion.
 
+use super::order::in_order;
 use super::scan::{Scan, error_at, errors_at, scan, trimmed};
 use super::values::{Wrong, placed_value};
-use super::{FORMAT, FileError, Loaded, PART, upgrade};
+use super::{FORMAT, FileError, Loaded, OLDEST, PART, upgrade};
 use crate::document::{
     Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
 };
 use coif_nodes::define::{NodeDef, short};
 use ron::value::RawValue;
 use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
-use std::collections::BTreeSet;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -84,6 +85,65 @@ struct FileNode<'a> {
     bypass: bool,
     #[serde(borrow, default)]
     inputs: Entries<String, &'a RawValue>,
+    #[serde(default)]
+    links: Entries<Input, FileWires>,
+    #[serde(default)]
+    into: Vec<FileInto>,
+    #[serde(default, deserialize_with = "there")]
+    at: Option<(f32, f32)>,
+    #[serde(default)]
+    collapsed: bool,
+}
+
+/// The name of an input.
+struct Input(String);
+
+impl FromStr for Input {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.is_empty() {
+            Err("an input without a name".to_owned())
+        } else {
+            Ok(Self(text.into()))
+        }
+    }
+}
+
+/// A wire as the node says it that it comes from: `output to node.input`, and behind which other wire
+/// of that input, `after node.output`.
+pub(super) struct Wire {
+    output: Arc<str>,
+    pub(super) to: Socket,
+    after: Option<Socket>,
+}
+
+impl FromStr for Wire {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let (output, to, after) = match words[..] {
+            [output, "to", to] => (output, to, None),
+            [output, "to", to, "after", after] => (output, to, Some(after)),
+            _ => {
+                return Err(format!(
+                    "{:?} is no wire: write it as \"output to node.input\" or \"output to node.input after \
+                     other.output\"",
+                    short(text)
+                ));
+            }
+        };
+        let socket = |text: &str| text.parse::<Socket>().map_err(|err| err.to_string());
+        let after = after.map(socket).transpose()?;
+        Ok(Self { output: output.into(), to: socket(to)?, after })
+    }
+}
+
+struct FileInto(Wire);
+
+impl<'de> Deserialize<'de> for FileInto {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map(FileInto).map_err(de::Error::custom)
+    }
 }
 
 #[derive(serde::Deserialize)]
@@ -120,7 +180,7 @@ struct FileLook {
 }
 
 /// What may lack, without the `Some` that RON asks for.
-fn there<'de, D: serde::Deserializer<'de>, T: serde::Deserialize<'de>>(
+pub(super) fn there<'de, D: serde::Deserializer<'de>, T: serde::Deserialize<'de>>(
     from: D,
 ) -> Result<Option<T>, D::Error> {
     T::deserialize(from).map(Some)
@@ -226,7 +286,7 @@ pub(super) fn read(text: &str) -> Result<Loaded, FileError> {
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
     refuse_conflicts(text)?;
     match parse::<FileGroom>(text) {
-        Ok(groom) if groom.format == FORMAT => Ok(convert(text, groom)),
+        Ok(groom) if (OLDEST..=FORMAT).contains(&groom.format) => Ok(convert(text, groom)),
         parsed => match upgrade::format_of(text) {
             Some((format, at)) if format > FORMAT => Err(error_at(
                 text,
@@ -235,7 +295,7 @@ pub(super) fn read(text: &str) -> Result<Loaded, FileError> {
                     "the file has format {format}, this version reads up to {FORMAT}: open it with a newer coif"
                 ),
             )),
-            Some((format, at)) if format < FORMAT => {
+            Some((format, at)) if format < OLDEST => {
                 let newer = upgrade::upgrade(text, format, upgrade::STEPS)
                     .map_err(|reason| error_at(text, at, reason))?;
                 read_upgraded(text, &newer, format, at)
@@ -267,9 +327,10 @@ pub(super) fn read_part(text: &str) -> Result<Loaded, FileError> {
         );
         return Err(error_at(text, *at, message));
     }
-    let FilePart { coif_nodes, nodes, links, bends, collapsed, frames, layout } = parse(text)?;
+    let FilePart { coif_nodes: format, nodes, links, bends, collapsed, frames, layout } =
+        parse(text)?;
     let groom = FileGroom {
-        format: coif_nodes,
+        format,
         nodes,
         links,
         bends,
@@ -374,21 +435,42 @@ fn convert(text: &str, groom: FileGroom) -> Loaded {
     let mut reader = Reader { text, scan: scan(text), warnings: vec![], raw: vec![] };
     let mut document =
         Document { title: groom.title, note: groom.note, seed: groom.seed, ..Document::default() };
-    for (id, node) in groom.nodes.0 {
+    let mut links: Vec<(Socket, Vec<Socket>)> = vec![];
+    let mut into: BTreeMap<Socket, Vec<(Socket, Option<Socket>)>> = BTreeMap::new();
+    for (id, mut node) in groom.nodes.0 {
+        let wired = std::mem::take(&mut node.links.0).into_iter();
+        links.extend(wired.map(|(input, from)| (Socket::new(id.clone(), &input.0), from.0)));
+        for FileInto(Wire { output, to, after }) in std::mem::take(&mut node.into) {
+            let from = Socket::new(id.clone(), &output);
+            into.entry(to).or_default().push((from, after));
+        }
+        if let Some((x, y)) = node.at {
+            reader.place(&mut document, &id, Point(x, y));
+        }
+        if node.collapsed {
+            document.collapsed.insert(id.clone());
+        }
         let node = reader.node(&id, node);
         document.nodes.insert(id, Arc::new(node));
     }
-    for (written, FileWires(from)) in groom.links.0 {
+    links.extend(groom.links.0.into_iter().map(|(to, FileWires(from))| (to, from)));
+    for (written, from) in links {
         let to = reader.present_input(&document, &written, Place::Link);
         let why = match document.links.entry(to) {
             _ if from.is_empty() => "an empty list of wires",
-            Entry::Occupied(_) => "the input is wired under its new name too",
+            Entry::Occupied(_) => "the input is wired elsewhere in the file too",
             Entry::Vacant(entry) => {
                 entry.insert(from);
                 continue;
             }
         };
         reader.warn(&Place::Link(written.clone()), format!("{written}: {why}: dropped"));
+    }
+    for (written, wires) in into {
+        let to = reader.present_input(&document, &written, Place::Link);
+        let said: Vec<_> = wires.iter().map(|(from, after)| (from, after.as_ref())).collect();
+        let ordered = in_order(&said).into_iter().map(|n| wires[n].0.clone());
+        document.links.entry(to).or_default().extend(ordered);
     }
     if !groom.display.is_empty() {
         let id = NodeId::new(&groom.display).ok();
@@ -410,20 +492,30 @@ fn convert(text: &str, groom: FileGroom) -> Loaded {
         }
     }
     for (id, (x, y)) in groom.layout.0 {
-        let why = if !document.nodes.contains_key(&id) {
-            "there is no such node"
-        } else if !(x.is_finite() && y.is_finite()) {
-            "its place is not a finite number"
+        if document.nodes.contains_key(&id) {
+            reader.place(&mut document, &id, Point(x, y));
         } else {
-            document.layout.insert(id, Point(x, y));
-            continue;
-        };
-        reader.warn(&Place::Layout(id.clone()), format!("layout of {id}: {why}: dropped"));
+            let message = format!("layout of {id}: there is no such node: dropped");
+            reader.warn(&Place::Layout(id), message);
+        }
     }
     reader.finish(document)
 }
 
 impl Reader<'_> {
+    /// Where a node stands; what it says itself goes before the table of format 1.
+    fn place(&mut self, document: &mut Document, id: &NodeId, at: Point) {
+        let why = if !at.is_finite() {
+            "its place is not a finite number"
+        } else if document.layout.contains_key(id) {
+            "its place is said elsewhere in the file too"
+        } else {
+            document.layout.insert(id.clone(), at);
+            return;
+        };
+        self.warn(&Place::Layout(id.clone()), format!("layout of {id}: {why}: dropped"));
+    }
+
     fn node(&mut self, id: &NodeId, file: FileNode) -> Node {
         let def = coif_nodes::by_id(&file.kind);
         if def.is_none() {
@@ -574,8 +666,21 @@ impl Reader<'_> {
     fn finish(mut self, mut document: Document) -> Loaded {
         let mut dropped = std::mem::take(&mut self.scan.dropped);
         for (place, lines) in std::mem::take(&mut self.scan.comments) {
+            // What is written with nodes now had tables of its own, and where many go in the wires
+            // may be typed with the node that they go to.
+            let place = match &place {
+                _ if document.has(&place) => place,
+                Place::Field(name) if ["links", "collapsed", "layout"].contains(&name.as_str()) => {
+                    Place::Field("nodes".to_owned())
+                }
+                Place::NodeField(id, name) if ["links", "into"].contains(&name.as_str()) => {
+                    Place::Node(id.clone())
+                }
+                _ => place,
+            };
             if document.has(&place) {
-                document.comments.insert(place, lines.into_iter().map(|line| line.text).collect());
+                let lines = lines.into_iter().map(|line| line.text);
+                document.comments.entry(place).or_default().extend(lines);
             } else {
                 dropped.extend(lines);
             }

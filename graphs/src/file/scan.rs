@@ -34,6 +34,8 @@ enum Inside<'a> {
     Nodes,
     Node(&'a NodeId),
     Inputs(&'a NodeId),
+    Wired(&'a NodeId),
+    Into,
     Links,
     Frames,
     Bends,
@@ -289,7 +291,7 @@ impl<'a> Scanner<'a> {
                 Some(place) => self.attach(place.clone()),
                 None => self.found.dropped.append(&mut self.pending),
             }
-            if matches!(inside, Inside::Collapsed) {
+            if matches!(inside, Inside::Collapsed | Inside::Into) {
                 // Of a list: the entry is its own value.
                 self.at = start;
             } else {
@@ -301,7 +303,7 @@ impl<'a> Scanner<'a> {
             }
             match place {
                 Some(place) => {
-                    self.found.values.insert(place.clone(), self.at);
+                    self.found.values.entry(place.clone()).or_insert(self.at);
                     self.child(&place);
                 }
                 None => self.value(),
@@ -330,7 +332,12 @@ impl<'a> Scanner<'a> {
                 self.trivia(false);
                 self.entries(Inside::Node(id));
             }
-            Place::NodeField(id, name) if name == "inputs" => self.entries(Inside::Inputs(id)),
+            Place::NodeField(id, name) => match name.as_str() {
+                "inputs" => self.entries(Inside::Inputs(id)),
+                "links" => self.entries(Inside::Wired(id)),
+                "into" => self.entries(Inside::Into),
+                _ => self.value(),
+            },
             _ => self.value(),
         }
     }
@@ -370,8 +377,14 @@ fn place(inside: Inside, key: &str) -> Option<Place> {
     Some(match inside {
         Inside::Document => Place::Field(key.to_owned()),
         Inside::Nodes => Place::Node(NodeId::new(key).ok()?),
-        Inside::Node(id) => Place::NodeField(id.clone(), key.to_owned()),
+        Inside::Node(id) => match key {
+            "at" => Place::Layout(id.clone()),
+            "collapsed" => Place::Collapsed(id.clone()),
+            _ => Place::NodeField(id.clone(), key.to_owned()),
+        },
         Inside::Inputs(id) => Place::Input(id.clone(), key.to_owned()),
+        Inside::Wired(id) => Place::Link(Socket::new(id.clone(), key)),
+        Inside::Into => Place::Link(key.parse::<super::read::Wire>().ok()?.to),
         Inside::Links => Place::Link(key.parse::<Socket>().ok()?),
         Inside::Frames => Place::Frame(key.to_owned()),
         Inside::Bends => Place::Bends(key.parse::<Socket>().ok()?),

@@ -1,8 +1,11 @@
-//! Strokes as text: columns of whole steps of the grid (0.01 cm, 1/256 of pressure, 1 ms, 1/64 of a right
-//! angle), and before them the brush of those that paint a mask.
+//! Strokes as text: what each is, then its samples, a point a line ([`points`]); before them the brush of
+//! those that paint a mask. Format 1 had columns of whole steps of the grid (0.01 cm, 1/256 of pressure,
+//! 1 ms, 1/64 of a right angle), each from the one before; they are still read.
 
 use super::columns::Columns;
-use super::values::quoted;
+use super::points::{self, Point};
+use super::read::there;
+use super::values::{new_line, quoted};
 use crate::document::strokes::Steps;
 use crate::document::values::no_such_word;
 use coif_nodes::data::strokes::{Brush, Mode, Sample, Stroke};
@@ -12,7 +15,11 @@ use std::fmt::Write as _;
 #[derive(Deserialize)]
 #[serde(rename = "stroke", deny_unknown_fields)]
 pub(super) struct FileStroke {
-    id: u64,
+    #[serde(default, deserialize_with = "there")]
+    pub(super) id: Option<u64>,
+    /// Behind which other stroke of the list it comes.
+    #[serde(default, deserialize_with = "there")]
+    pub(super) after: Option<u64>,
     #[serde(default)]
     mode: String,
     #[serde(default)]
@@ -25,9 +32,15 @@ pub(super) struct FileStroke {
     closed: bool,
     #[serde(default)]
     section: String,
+    #[serde(default, deserialize_with = "there")]
+    points: Option<Vec<Point>>,
+    #[serde(default)]
     x: Vec<i64>,
+    #[serde(default)]
     y: Vec<i64>,
+    #[serde(default)]
     z: Vec<i64>,
+    #[serde(default)]
     pressure: Vec<i64>,
     #[serde(default)]
     time: Vec<i64>,
@@ -39,13 +52,19 @@ pub(super) struct FileStroke {
     drawn: FileDrawn,
 }
 
-/// The samples of a stroke as drawn, in the same columns.
+/// The samples of a stroke as drawn, written in the same ways.
 #[derive(Default, Deserialize)]
 #[serde(rename = "drawn", deny_unknown_fields)]
 struct FileDrawn {
+    #[serde(default, deserialize_with = "there")]
+    points: Option<Vec<Point>>,
+    #[serde(default)]
     x: Vec<i64>,
+    #[serde(default)]
     y: Vec<i64>,
+    #[serde(default)]
     z: Vec<i64>,
+    #[serde(default)]
     pressure: Vec<i64>,
     #[serde(default)]
     time: Vec<i64>,
@@ -67,14 +86,14 @@ const A_LINE: usize = 3;
 
 impl FileStroke {
     /// The stroke; else what is wrong with it.
-    pub(super) fn stroke(self) -> Result<Stroke, String> {
-        let brush = self.brush().map_err(|reason| format!("stroke {}: {reason}", self.id))?;
-        let Self { id, x, y, z, pressure, time, tilt_x, tilt_y, drawn, .. } = self;
+    pub(super) fn stroke(self, id: u64) -> Result<Stroke, String> {
+        let brush = self.brush().map_err(|reason| format!("stroke {id}: {reason}"))?;
+        let Self { points, x, y, z, pressure, time, tilt_x, tilt_y, drawn, .. } = self;
         let columns = if brush.is_some() { &DABS } else { &SAMPLES };
-        let samples = samples(columns, [x, y, z, pressure, time, tilt_x, tilt_y])
+        let samples = samples(columns, points, [x, y, z, pressure, time, tilt_x, tilt_y])
             .map_err(|reason| format!("stroke {id}: {reason}"))?;
-        let FileDrawn { x, y, z, pressure, time, tilt_x, tilt_y } = drawn;
-        let drawn = self::samples(columns, [x, y, z, pressure, time, tilt_x, tilt_y])
+        let FileDrawn { points, x, y, z, pressure, time, tilt_x, tilt_y } = drawn;
+        let drawn = self::samples(columns, points, [x, y, z, pressure, time, tilt_x, tilt_y])
             .map_err(|reason| format!("stroke {id} as drawn: {reason}"))?;
         Ok(Stroke { id, samples, drawn, brush })
     }
@@ -95,35 +114,64 @@ impl FileStroke {
     }
 }
 
-fn samples(kind: &Columns<7>, columns: [Vec<i64>; 7]) -> Result<Vec<Sample>, String> {
-    let rows = kind.rows(columns)?;
-    Ok(rows.into_iter().map(|row| Steps(row).sample()).collect())
+fn samples(
+    kind: &Columns<7>,
+    points: Option<Vec<Point>>,
+    columns: [Vec<i64>; 7],
+) -> Result<Vec<Sample>, String> {
+    match points {
+        Some(_) if columns.iter().any(|column| !column.is_empty()) => {
+            Err("it has points and columns of numbers: keep one of them".to_owned())
+        }
+        Some(points) => Ok(points.into_iter().map(|point| point.0.sample()).collect()),
+        None => Ok(kind.rows(columns)?.into_iter().map(|row| Steps(row).sample()).collect()),
+    }
 }
 
-/// Writes a stroke, on one line or on many.
-pub(super) fn write(out: &mut String, stroke: &Stroke, lines: bool) {
-    let steps = |samples: &[Sample]| -> Vec<_> { samples.iter().map(|s| Steps::of(s).0).collect() };
-    let _ = write!(out, "(id: {}, ", stroke.id);
+/// Writes a stroke, on one line or on many: then led by `indent`, and with what it comes after.
+pub(super) fn write(out: &mut String, stroke: &Stroke, lines: Option<(usize, Option<u64>)>) {
+    let steps = |samples: &[Sample]| -> Vec<_> { samples.iter().map(Steps::of).collect() };
+    let taps = stroke.brush.is_some() && stroke.samples.len() <= A_LINE;
+    let (indent, after) = lines.unwrap_or_default();
+    let lines = lines.is_some() && !taps;
+    let next = |out: &mut String| match lines {
+        true => {
+            out.push(',');
+            new_line(out, indent + 1);
+        }
+        false => out.push_str(", "),
+    };
+    let _ = write!(out, "(id: {}", stroke.id);
+    if let Some(after) = after {
+        next(out);
+        let _ = write!(out, "after: {after}");
+    }
     if let Some(Brush { mode, radius, strength, mirrored, closed, section }) = &stroke.brush {
-        let mode = mode.word();
-        let _ = write!(out, "mode: {mode:?}, radius: {radius:?}, strength: {strength:?}, ");
+        next(out);
+        let _ = write!(out, "mode: {:?}", mode.word());
+        for (name, number) in [("radius", radius), ("strength", strength)] {
+            next(out);
+            let _ = write!(out, "{name}: {number:?}");
+        }
         for (name, on) in [("mirrored", mirrored), ("closed", closed)] {
             if *on {
-                let _ = write!(out, "{name}: true, ");
+                next(out);
+                let _ = write!(out, "{name}: true");
             }
         }
         if !section.is_empty() {
+            next(out);
             out.push_str("section: ");
             quoted(out, section);
-            out.push_str(", ");
         }
     }
-    let columns = if stroke.brush.is_some() { &DABS } else { &SAMPLES };
-    let lines = lines && (stroke.brush.is_none() || stroke.samples.len() > A_LINE);
-    columns.write(out, &steps(&stroke.samples), lines);
+    next(out);
+    out.push_str("points: ");
+    points::write(out, &steps(&stroke.samples), lines);
     if !stroke.drawn.is_empty() {
-        out.push_str(", drawn: (");
-        columns.write(out, &steps(&stroke.drawn), lines);
+        next(out);
+        out.push_str("drawn: (points: ");
+        points::write(out, &steps(&stroke.drawn), lines);
         out.push(')');
     }
     out.push(')');
@@ -137,7 +185,8 @@ mod tests {
     use coif_nodes::data::strokes::{Brush, Mode, Sample, Strokes};
     use coif_nodes::define::{Type, Value};
 
-    const DAB: &str = "(id: 7, mode: \"paint\", radius: 1.0, strength: 0.5, x: [0], y: [890], z: [0], \
+    const DAB: &str = "(id: 7, mode: \"paint\", radius: 1.0, strength: 0.5, points: [(0,8.9,0)])";
+    const COLUMNS: &str = "(id: 7, mode: \"paint\", radius: 1.0, strength: 0.5, x: [0], y: [890], z: [0], \
          pressure: [256])";
 
     #[test]
@@ -148,9 +197,16 @@ mod tests {
             assert_eq!(write_value(&strokes), format!("[{text}]"));
         }
         check(DAB);
-        check("(id: 7, x: [0], y: [890], z: [0], pressure: [256], time: [0])");
-        let all = "strength: 0.1, mirrored: true, closed: true, section: \"a \\\"b\\\"\", x";
-        check(&DAB.replace("strength: 0.5, x", all).replace("paint", "flood"));
+        check("(id: 7, points: [(0,8.9,0)])");
+        let all = "strength: 0.1, mirrored: true, closed: true, section: \"a \\\"b\\\"\", points";
+        check(&DAB.replace("strength: 0.5, points", all).replace("paint", "flood"));
+    }
+
+    #[test]
+    fn a_stroke_of_format_1_reads_to_the_same() {
+        let read = |text: &str| read_value(Type::Strokes, &format!("[{text}]")).unwrap();
+        assert_eq!(write_value(&read(COLUMNS)), format!("[{DAB}]"));
+        assert_eq!(read(COLUMNS).key(), read(DAB).key());
     }
 
     #[test]
@@ -158,10 +214,10 @@ mod tests {
         /// The second of three strokes, which begins on line 3.
         #[track_caller]
         fn check(from: &str, to: &str, expected: &str) {
-            assert!(DAB.contains(from), "{from}");
-            let (second, third) = (DAB.replace(from, to), DAB.replace("id: 7", "id: 9"));
+            assert!(COLUMNS.contains(from), "{from}");
+            let (second, third) = (COLUMNS.replace(from, to), COLUMNS.replace("id: 7", "id: 9"));
             let second = second.replace("id: 7", "id: 8");
-            let list = format!("[\n{DAB},\n{second},\n{third}]");
+            let list = format!("[\n{COLUMNS},\n{second},\n{third}]");
             let wrong = placed_value(Type::Strokes, &list).map(|v| write_value(&v)).unwrap_err();
             let line = list[..wrong.at].matches('\n').count() + 1;
             assert_eq!(line, 3, "{}", wrong.reason);

@@ -1,5 +1,6 @@
 //! Values as text, read by the type that the node's declaration names.
 
+use super::order::{ITEMS, after, by_lot, in_order};
 use super::scan::items;
 use super::{gestures, strokes};
 use crate::document::values::{DEEPEST_FIELD, fit, wrong_item};
@@ -50,19 +51,23 @@ impl From<String> for Wrong {
 
 /// The same, with an error that also says where in the text it is.
 pub(super) fn placed_value(ty: Type, text: &str) -> Result<Value, Wrong> {
-    let value = value_of(ty, text).map_err(|Wrong { at, reason }| {
+    let mut order = vec![];
+    let value = value_of(ty, text, &mut order).map_err(|Wrong { at, reason }| {
         let (text, name) = (short(text), ty.name());
         Wrong { at, reason: format!("{text} is no {name}: {reason}; write it like {}", like(ty)) }
     })?;
     fit(ty, value.clone()).map_err(|reason| match wrong_item(ty, &value) {
-        Some((n, reason)) => Wrong { at: items(text).get(n).copied().unwrap_or_default(), reason },
+        Some((n, reason)) => {
+            let n = order.get(n).copied().unwrap_or(n);
+            Wrong { at: items(text).get(n).copied().unwrap_or_default(), reason }
+        }
         None => reason.into(),
     })
 }
 
 /// The same, with an error that says only what is wrong.
 pub(crate) fn proven_value(ty: Type, text: &str) -> Result<Value, String> {
-    fit(ty, value_of(ty, text).map_err(|wrong| wrong.reason)?)
+    fit(ty, value_of(ty, text, &mut vec![]).map_err(|wrong| wrong.reason)?)
 }
 
 /// How a value of the type is written.
@@ -76,13 +81,14 @@ fn like(ty: Type) -> &'static str {
         Type::Text | Type::Choice(_) | Type::File => "\"word\"",
         Type::Ramp => "1.5 or Linear([(0.0, 1.0), (1.0, 0.3)])",
         Type::Shapes => "[(A, Circle), (B, Ellipse(0.7))]",
-        Type::Strokes => "the strokes of another groom",
+        Type::Strokes => "[(points: [(0.0, 9.0, 7.5), (0.0, 10.5, 5.0)])]",
         Type::Gestures => "the gestures of another groom",
         Type::Curves | Type::Scalp => "a wire",
     }
 }
 
-fn value_of(ty: Type, text: &str) -> Result<Value, Wrong> {
+/// The value, and of what says in which order it comes the places in the text by these in the value.
+fn value_of(ty: Type, text: &str, order: &mut Vec<usize>) -> Result<Value, Wrong> {
     Ok(match ty {
         Type::Bool => Value::Bool(parse(text)?),
         Type::Int => Value::Int(parse(text).map_err(|err| match number(text) {
@@ -105,17 +111,37 @@ fn value_of(ty: Type, text: &str) -> Result<Value, Wrong> {
             Value::from(ShapeList(shapes.collect()))
         }
         Type::Strokes => {
-            let stroke = |_, one: strokes::FileStroke| one.stroke();
-            Value::from(Strokes(list(text, "stroke", stroke)?))
+            let (mut said, mut free) = (vec![], 0);
+            let stroke = |_, one: strokes::FileStroke| {
+                // One that has no id has the number that it stands at, from 1.
+                free += 1;
+                let id = one.id.unwrap_or(free);
+                said.push((id, one.after));
+                one.stroke(id)
+            };
+            let strokes = list(text, "stroke", stroke)?;
+            *order = in_order(&said);
+            Value::from(Strokes(arranged(strokes, order)))
         }
         Type::Gestures => {
-            let gesture = |n, one: gestures::FileGesture| one.gesture(n);
-            Value::from(Gestures(list(text, "gesture", gesture)?))
+            let mut said = vec![];
+            let gesture = |n, one: gestures::FileGesture| {
+                said.push((one.id, one.after));
+                one.gesture(n)
+            };
+            let gestures = list(text, "gesture", gesture)?;
+            *order = in_order(&said);
+            Value::from(Gestures(arranged(gestures, order)))
         }
         Type::Curves | Type::Scalp => {
             return Err(format!("{} come by wire: connect a node", ty.name()).into());
         }
     })
+}
+
+fn arranged<T>(list: Vec<T>, order: &[usize]) -> Vec<T> {
+    let mut list: Vec<Option<T>> = list.into_iter().map(Some).collect();
+    order.iter().filter_map(|n| list[*n].take()).collect()
 }
 
 fn options() -> ron::Options {
@@ -299,13 +325,27 @@ pub(super) fn write_to(out: &mut String, value: &Value, indent: Option<usize>) {
             Ok(())
         }
         Value::Strokes(all) => {
-            let lines = indent.is_some();
-            write_list(out, &all.0, indent, |out, one| strokes::write(out, one, lines));
+            write_drawn(
+                out,
+                &all.0,
+                indent,
+                |one| one.id,
+                |out, one, after| {
+                    strokes::write(out, one, indent.map(|n| (n + 4, after)));
+                },
+            );
             Ok(())
         }
         Value::Gestures(all) => {
-            let lines = indent.is_some();
-            write_list(out, &all.0, indent, |out, one| gestures::write(out, one, lines));
+            write_drawn(
+                out,
+                &all.0,
+                indent,
+                |one| one.id,
+                |out, one, after| {
+                    gestures::write(out, one, indent.is_some(), after);
+                },
+            );
             Ok(())
         }
         // Never in a document: `fit` refuses them.
@@ -333,6 +373,37 @@ fn write_list<T>(
     }
     if let (Some(n), false) = (indent, items.is_empty()) {
         new_line(out, n);
+    }
+    out.push(']');
+}
+
+/// Writes what was drawn: on one line in its order, else by lot, each with what it comes after.
+fn write_drawn<T>(
+    out: &mut String,
+    items: &[T],
+    indent: Option<usize>,
+    id: impl Fn(&T) -> u64,
+    one: impl Fn(&mut String, &T, Option<u64>),
+) {
+    let Some(indent) = indent else {
+        return write_list(out, items, None, |out, item| one(out, item, None));
+    };
+    let (placed, rest) = by_lot(0..items.len(), |n| id(&items[*n]).to_string(), ITEMS);
+    let mut ranks = vec![0; items.len()];
+    for (rank, (_, n)) in placed.iter().enumerate() {
+        ranks[*n] = rank;
+    }
+    let said = after(&ranks);
+    out.push('[');
+    for (blank, n) in placed {
+        out.extend(std::iter::repeat_n('\n', blank));
+        new_line(out, indent + 4);
+        one(out, &items[n], said[n].map(|after| id(&items[after])));
+        out.push(',');
+    }
+    if !items.is_empty() {
+        out.extend(std::iter::repeat_n('\n', rest));
+        new_line(out, indent);
     }
     out.push(']');
 }
@@ -492,14 +563,22 @@ mod tests {
         let shapes = "[(A, Circle), (B, Ellipse(0.7)), (C, Rose(petals: 5, depth: 0.3)), (B, Polygon(4)), \
                       (A, Lame(0.7)), (C, Custom([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]))]";
         reads(Type::Shapes, shapes, shapes);
-        let strokes = "[(id: 7, x: [100,-5], y: [0,0], z: [1,1], pressure: [128,3], time: [0,16])]";
+        let strokes = "[(id: 7, points: [(1,0,0.01,0.5,0), (0.95,0,0.02,0.512,0.016)])]";
         reads(Type::Strokes, strokes, strokes);
-        let more = "[(id: 7, x: [100], y: [0], z: [1], pressure: [128], time: [0], tilt_x: [-64], tilt_y: [3], \
-                    drawn: (x: [90,5], y: [0,0], z: [1,1], pressure: [128,1], time: [0,9]))]";
+        let columns = "[(id: 7, x: [100,-5], y: [0,0], z: [1,1], pressure: [128,3], time: [0,16])]";
+        reads(Type::Strokes, columns, strokes);
+        let more = "[(id: 7, points: [(1,0,0.01,0.5,0,-1,0.05)], drawn: (points: [(0.9,0,0.01,0.5), \
+                    (0.95,0,0.02,0.504)]))]";
         reads(Type::Strokes, more, more);
+        // By hand: ids are the numbers that they stand at, full pressure, no time.
+        reads(
+            Type::Strokes,
+            "[(points: [(0, 9, 7.504)]), (points: [(1, 2, 3, 0.5)]), (points: [(1, 2, 3)], after: 1)]",
+            "[(id: 1, points: [(0,9,7.5)]), (id: 3, points: [(1,2,3)]), (id: 2, points: [(1,2,3,0.5)])]",
+        );
         let upright = "[(id: 7, x: [1], y: [0], z: [1], pressure: [1], time: [0], tilt_y: [0], drawn: (x: [], \
                        y: [], z: [], pressure: [], time: []))]";
-        let short = "[(id: 7, x: [1], y: [0], z: [1], pressure: [1], time: [0])]";
+        let short = "[(id: 7, points: [(0.01,0,0.01,0.004)])]";
         reads(Type::Strokes, upright, short);
     }
 
@@ -592,14 +671,24 @@ mod tests {
                 "[(id: 1, x: [9223372036854775807], y: [1], z: [1], pressure: [1], time: [1])]",
                 "[(id: 1, x: [1], y: [1], z: [1], pressure: [1], time: [1], tilt_x: [1,1])]",
                 "[(id: 1, x: [1], y: [1], z: [1], pressure: [1], time: [1], drawn: (x: [1], y: [], z: [1], pressure: [1], time: [1]))]",
+                "[(id: 1, points: [(1, 2, 3)], x: [1])]",
+                "[(points: [(1, 2, 3)]), (points: [(1, 2)])]",
+                "[(points: [(1, 2, 3, 2)])]",
+                "[(id: 2, points: [(1, 2, 3)]), (points: [(1, 2, 3)])]",
+                "[(after: 7)]",
             ],
             expect![[r#"
-                [(id: 1, x: [1,2], y: [1], z: [1], pressure: [1], time: [1])… is no strokes: stroke 1: y has 1 samples, x has 2; write it like the strokes of another groom
+                [(id: 1, x: [1,2], y: [1], z: [1], pressure: [1], time: [1])… is no strokes: stroke 1: y has 1 samples, x has 2; write it like [(points: [(0.0, 9.0, 7.5), (0.0, 10.5, 5.0)])]
                 stroke 0: its id 0 is 0 or used before
                 a stroke has no samples
-                [(id: 1, x: [9223372036854775807], y: [1], z: [1], pressure:… is no strokes: stroke 1: sample 0 is not on earth; write it like the strokes of another groom
-                [(id: 1, x: [1], y: [1], z: [1], pressure: [1], time: [1], t… is no strokes: stroke 1: tilt_x has 2 samples, x has 1; write it like the strokes of another groom
-                [(id: 1, x: [1], y: [1], z: [1], pressure: [1], time: [1], d… is no strokes: stroke 1 as drawn: y has 0 samples, x has 1; write it like the strokes of another groom"#]],
+                [(id: 1, x: [9223372036854775807], y: [1], z: [1], pressure:… is no strokes: stroke 1: sample 0 is not on earth; write it like [(points: [(0.0, 9.0, 7.5), (0.0, 10.5, 5.0)])]
+                [(id: 1, x: [1], y: [1], z: [1], pressure: [1], time: [1], t… is no strokes: stroke 1: tilt_x has 2 samples, x has 1; write it like [(points: [(0.0, 9.0, 7.5), (0.0, 10.5, 5.0)])]
+                [(id: 1, x: [1], y: [1], z: [1], pressure: [1], time: [1], d… is no strokes: stroke 1 as drawn: y has 0 samples, x has 1; write it like [(points: [(0.0, 9.0, 7.5), (0.0, 10.5, 5.0)])]
+                [(id: 1, points: [(1, 2, 3)], x: [1])] is no strokes: stroke 1: it has points and columns of numbers: keep one of them; write it like [(points: [(0.0, 9.0, 7.5), (0.0, 10.5, 5.0)])]
+                [(points: [(1, 2, 3)]), (points: [(1, 2)])] is no strokes: stroke 1: a point of 2 numbers: expected (x, y, z) in cm of head units, then pressure (0 to 1), time (seconds) and tilt (two numbers), which may be left out; write it like [(points: [(0.0, 9.0, 7.5), (0.0, 10.5, 5.0)])]
+                [(points: [(1, 2, 3, 2)])] is no strokes: stroke 0: pressure 2 of a point is outside 0 to 1; write it like [(points: [(0.0, 9.0, 7.5), (0.0, 10.5, 5.0)])]
+                stroke 1: its id 2 is 0 or used before
+                a stroke has no samples"#]],
         );
         check(
             Type::Curves,
@@ -619,9 +708,9 @@ mod tests {
     }
 
     #[test]
-    fn a_stroke_takes_at_most_20_bytes_a_sample_and_24_with_tilt() {
-        assert!(bytes_a_sample(|tilt| tilt * 0.0) <= 20.0);
-        assert!(bytes_a_sample(|tilt| tilt) <= 24.0);
+    fn a_stroke_takes_at_most_32_bytes_a_sample_and_42_with_tilt() {
+        let found = [bytes_a_sample(|tilt| tilt * 0.0), bytes_a_sample(|tilt| tilt)];
+        assert!(found[0] <= 32.0 && found[1] <= 42.0, "{found:?}");
     }
 
     fn bytes_a_sample(tilt: impl Fn(Vec2) -> Vec2) -> f32 {

@@ -1,12 +1,16 @@
 //! Documents to text.
 
+use super::order::{FRAMES, NODES, after, by_lot, lot};
 use super::values::{new_line, quoted, write_to};
 use super::{FORMAT, PART};
-use crate::document::{Document, Node, NodeId, Place, Point, SavedLook, SavedView, Setting};
+use crate::document::{
+    Document, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
+};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 pub(super) fn write(document: &Document) -> String {
-    let mut out = Writer { out: String::new(), document, indent: 4 };
+    let mut out = Writer::new(document, NODES);
     for line in document.comments.get(&Place::Top).into_iter().flatten() {
         out.out.push_str(line);
         out.out.push('\n');
@@ -27,7 +31,8 @@ pub(super) fn write(document: &Document) -> String {
 
 /// Nodes and their wires, as they are copied.
 pub(super) fn write_part(part: &Document) -> String {
-    let mut out = Writer { out: "(".to_owned(), document: part, indent: 4 };
+    let mut out = Writer::new(part, 1);
+    out.out.push('(');
     out.field("coif_nodes", |out| out.text(&PART.to_string()));
     out.nodes_and_more();
     out.out
@@ -37,6 +42,40 @@ struct Writer<'a> {
     out: String,
     document: &'a Document,
     indent: usize,
+    /// Parts of the list of nodes, with a blank line between them.
+    paragraphs: usize,
+    /// What is wired to each node by itself: its input and the outputs.
+    wired: BTreeMap<&'a NodeId, Vec<(&'a Socket, &'a [Socket])>>,
+    /// What each node says of its own wires into inputs that take many.
+    into: BTreeMap<&'a NodeId, Vec<Into<'a>>>,
+}
+
+/// A wire that is written with the node that it comes from.
+struct Into<'a> {
+    from: &'a Socket,
+    to: &'a Socket,
+    /// Behind which other wire of the input; none where it stands in its order.
+    after: Option<&'a Socket>,
+    is_first: bool,
+}
+
+impl<'a> Writer<'a> {
+    fn new(document: &'a Document, paragraphs: usize) -> Self {
+        let (mut wired, mut into) = (BTreeMap::<_, Vec<_>>::new(), BTreeMap::<_, Vec<_>>::new());
+        for (to, wires) in &document.links {
+            if !document.is_said_by_sources(to) {
+                wired.entry(&to.node).or_default().push((to, &wires[..]));
+                continue;
+            }
+            let rank = |(n, from): (usize, &'a Socket)| (lot(from.node.as_str()), &from.node, n);
+            let said = after(&wires.iter().enumerate().map(rank).collect::<Vec<_>>());
+            for (n, from) in wires.iter().enumerate() {
+                let (is_first, after) = (n == 0, said[n].map(|n| &wires[n]));
+                into.entry(&from.node).or_default().push(Into { from, to, after, is_first });
+            }
+        }
+        Self { out: String::new(), document, indent: 4, paragraphs, wired, into }
+    }
 }
 
 impl Writer<'_> {
@@ -44,22 +83,13 @@ impl Writer<'_> {
     fn nodes_and_more(&mut self) {
         let document = self.document;
         let out = self;
-        out.field("nodes", |out| {
-            let nodes = document.nodes.iter();
-            out.map(
-                nodes.map(|(id, node)| (Place::Node(id.clone()), (id, node))),
-                |out, (id, node)| {
-                    out.quoted(id.as_str());
-                    out.text(": ");
-                    out.node(id, node);
-                },
-            );
-        });
-        if !document.links.is_empty() {
+        out.field("nodes", |out| out.nodes());
+        let apart = |to: &&Socket| !document.nodes.contains_key(&to.node);
+        if document.links.keys().any(|to| apart(&to)) {
             out.field("links", |out| {
-                let links = document.links.iter();
+                let links = document.links.iter().filter(|(to, _)| apart(to));
                 let links = links.map(|(to, from)| (Place::Link(to.clone()), (to, from)));
-                out.map(links, |out, (to, from)| {
+                out.map(None, links, |out, (to, from)| {
                     out.quoted(&to.to_string());
                     out.text(": ");
                     out.wires(from);
@@ -71,7 +101,7 @@ impl Writer<'_> {
                 let frames = document.frames.iter();
                 let frames =
                     frames.map(|(name, frame)| (Place::Frame(name.clone()), (name, frame)));
-                out.map(frames, |out, (name, frame)| {
+                out.map(out.besides(), frames, |out, (name, frame)| {
                     out.quoted(name);
                     out.text(": (at: ");
                     out.point(frame.at);
@@ -92,25 +122,18 @@ impl Writer<'_> {
             out.field("bends", |out| {
                 let bends = document.bends.iter();
                 let bends = bends.map(|(to, bends)| (Place::Bends(to.clone()), (to, bends)));
-                out.map(bends, |out, (to, bends)| {
+                out.map(None, bends, |out, (to, bends)| {
                     out.quoted(&to.to_string());
                     out.text(": ");
                     out.list(bends, |out, wire| out.list(wire, |out, point| out.point(*point)));
                 });
             });
         }
-        if !document.collapsed.is_empty() {
-            out.field("collapsed", |out| {
-                let nodes = document.collapsed.iter();
-                let nodes = nodes.map(|id| (Place::Collapsed(id.clone()), id));
-                out.block(['[', ']'], nodes, |out, id| out.quoted(id.as_str()));
-            });
-        }
         if !document.views.is_empty() {
             out.field("views", |out| {
                 let views = document.views.iter();
                 let views = views.map(|(name, view)| (Place::View(name.clone()), (name, view)));
-                out.map(views, |out, (name, view)| {
+                out.map(out.besides(), views, |out, (name, view)| {
                     out.quoted(name);
                     let SavedView { eye, target, up, focal_mm, orthographic } = view;
                     for (open, [x, y, z]) in [(": (eye", eye), (", target", target), (", up", up)] {
@@ -133,17 +156,6 @@ impl Writer<'_> {
                 out.text(")");
             });
         }
-        if !document.layout.is_empty() {
-            out.field("layout", |out| {
-                let layout = document.layout.iter();
-                let layout = layout.map(|(id, at)| (Place::Layout(id.clone()), (id, at)));
-                out.map(layout, |out, (id, at)| {
-                    out.quoted(id.as_str());
-                    out.text(": ");
-                    out.point(*at);
-                });
-            });
-        }
         out.text("\n)\n");
     }
     fn text(&mut self, text: &str) {
@@ -158,6 +170,9 @@ impl Writer<'_> {
             new_line(&mut self.out, self.indent);
             self.out.push_str(line);
         }
+        self.line(what);
+    }
+    fn line(&mut self, what: impl FnOnce(&mut Self)) {
         new_line(&mut self.out, self.indent);
         what(self);
         self.out.push(',');
@@ -169,31 +184,61 @@ impl Writer<'_> {
             what(out);
         });
     }
-    fn map<T>(&mut self, entries: impl Iterator<Item = (Place, T)>, one: impl Fn(&mut Self, T)) {
-        self.block(['{', '}'], entries, one);
-    }
-    /// Entries between brackets, each on its line.
-    fn block<T>(
+    /// Entries in curly brackets, each on its line: by lot, in so many paragraphs, else in their order.
+    fn map<T>(
         &mut self,
-        [open, close]: [char; 2],
+        paragraphs: Option<usize>,
         entries: impl Iterator<Item = (Place, T)>,
         one: impl Fn(&mut Self, T),
     ) {
-        self.out.push(open);
+        let (entries, rest) = match paragraphs {
+            Some(count) => by_lot(entries, |(place, _)| place.name(), count),
+            None => (entries.map(|entry| (0, entry)).collect(), 0),
+        };
+        self.out.push('{');
         self.indent += 4;
-        for (place, entry) in entries {
+        for (blank, (place, entry)) in entries {
+            self.blank_lines(blank);
             self.entry(&place, |out| one(out, entry));
         }
         self.indent -= 4;
+        self.blank_lines(rest);
         new_line(&mut self.out, self.indent);
-        self.out.push(close);
+        self.out.push('}');
     }
     fn point(&mut self, Point(x, y): Point) {
         let _ = write!(self.out, "({x:?}, {y:?})");
     }
+    fn nodes(&mut self) {
+        let nodes = self.document.nodes.iter();
+        let nodes = nodes.map(|(id, node)| (Place::Node(id.clone()), (id, node)));
+        self.map(Some(self.paragraphs), nodes, |out, (id, node)| {
+            out.quoted(id.as_str());
+            out.text(": ");
+            out.node(id, node);
+        });
+    }
+    /// Paragraphs of what stands besides the nodes.
+    fn besides(&self) -> Option<usize> {
+        Some(self.paragraphs.min(FRAMES))
+    }
+    fn blank_lines(&mut self, count: usize) {
+        self.out.extend(std::iter::repeat_n('\n', count));
+    }
+    /// A node. Its place comes first and its kind next, so that a moved node touches no line that
+    /// changes for another reason.
     fn node(&mut self, id: &NodeId, node: &Node) {
         self.out.push('(');
         self.indent += 4;
+        if let Some(at) = self.document.layout.get(id) {
+            self.entry(&Place::Layout(id.clone()), |out| {
+                out.text("at: ");
+                out.point(*at);
+            });
+        }
+        if self.document.collapsed.contains(id) {
+            self.entry(&Place::Collapsed(id.clone()), |out| out.text("collapsed: true"));
+        }
         self.node_field(id, "kind", |out| out.quoted(&node.kind));
         if let Some(label) = &node.label {
             self.node_field(id, "label", |out| out.quoted(label));
@@ -209,7 +254,7 @@ impl Writer<'_> {
                 let inputs = node.inputs.iter();
                 let inputs =
                     inputs.map(|(name, set)| (Place::Input(id.clone(), name.clone()), (name, set)));
-                out.map(inputs, |out, (name, setting)| {
+                out.map(None, inputs, |out, (name, setting)| {
                     out.quoted(name);
                     out.text(": ");
                     match setting {
@@ -217,6 +262,38 @@ impl Writer<'_> {
                         Setting::Raw(text) => out.text(text),
                     }
                 });
+            });
+        }
+        if let Some(wired) = self.wired.remove(id) {
+            self.node_field(id, "links", |out| {
+                let wired =
+                    wired.into_iter().map(|(to, from)| (Place::Link(to.clone()), (to, from)));
+                out.map(None, wired, |out, (to, from)| {
+                    out.quoted(&to.name);
+                    out.text(": ");
+                    out.wires(from);
+                });
+            });
+        }
+        if let Some(into) = self.into.remove(id) {
+            self.node_field(id, "into", |out| {
+                out.out.push('[');
+                out.indent += 4;
+                for Into { from, to, after, is_first } in into {
+                    let mut line = format!("{} to {to}", from.name);
+                    if let Some(after) = after {
+                        let _ = write!(line, " after {after}");
+                    }
+                    // What stands before the wires of an input stands before the first of them.
+                    let place = Place::Link(to.clone());
+                    match is_first {
+                        true => out.entry(&place, |out| out.quoted(&line)),
+                        false => out.line(|out| out.quoted(&line)),
+                    }
+                }
+                out.indent -= 4;
+                new_line(&mut out.out, out.indent);
+                out.out.push(']');
             });
         }
         self.indent -= 4;
@@ -230,11 +307,19 @@ impl Writer<'_> {
             what(out);
         });
     }
-    fn wires(&mut self, from: &[crate::document::Socket]) {
+    /// Outputs that are wired to an input: one, or each on its line.
+    fn wires(&mut self, from: &[Socket]) {
         if let [one] = from {
             return self.quoted(&one.to_string());
         }
-        self.list(from, |out, wire| out.quoted(&wire.to_string()));
+        self.out.push('[');
+        self.indent += 4;
+        for wire in from {
+            self.line(|out| out.quoted(&wire.to_string()));
+        }
+        self.indent -= 4;
+        new_line(&mut self.out, self.indent);
+        self.out.push(']');
     }
     /// A list on one line.
     fn list<T>(&mut self, items: &[T], one: impl Fn(&mut Self, &T)) {
