@@ -164,6 +164,10 @@ impl Plan {
         // By density: the list is gone through once. By count: until as many are found as asked for, which a soft
         // edge, a mask or a reach may make more than that; ten times is where one gives up.
         let last = if asked.count.is_some() { wanted.saturating_mul(10) } else { wanted };
+        let last = match asked.count {
+            Some(_) => last.saturating_mul(finder.even.places_for_one() as usize),
+            None => last,
+        };
         let last = last.min(20_000_000);
         let mut found: Vec<Found> = vec![];
         let (mut start, mut count) = (0, 0);

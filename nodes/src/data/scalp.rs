@@ -350,6 +350,10 @@ impl Scalp {
             None => self.mask_at(self.region(), triangle, bary),
         }
     }
+    /// Area of the region where it was drawn, cm2.
+    pub(crate) fn drawn_area(&self) -> Option<f32> {
+        self.drawn(REGION).map(Drawn::area)
+    }
     /// No more hair than this grows anywhere in a triangle.
     pub(crate) fn highest(&self, triangle: u32) -> f32 {
         let drawn = self.drawn(REGION).and_then(|region| region.highest(triangle));

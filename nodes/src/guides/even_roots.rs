@@ -32,6 +32,16 @@ impl<'a> EvenRoots<'a> {
         self.spread.area()
     }
 
+    /// The region's area, cm2: [`Self::area`] but where the region was drawn and is known better.
+    pub(crate) fn region_area(&self) -> f64 {
+        self.scalp.drawn_area().map_or(self.area(), f64::from)
+    }
+    /// How many places of the list there are for one in the region, where that was drawn over large triangles; else 1.
+    pub(crate) fn places_for_one(&self) -> u32 {
+        let ratio = (self.area() / self.region_area()).ceil();
+        if ratio.is_finite() { ratio.clamp(1.0, 10_000.0) as u32 } else { 1 }
+    }
+
     /// How far along the curve the `i`-th place of the list lies, in 2^-32 of it. Places that lie near each other on the curve do so on
     /// the scalp, too.
     #[inline]

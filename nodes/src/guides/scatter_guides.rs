@@ -168,7 +168,7 @@ fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, No
     let even = EvenRoots::new(scalp, cx.dice(inputs.seed, "roots"));
     let wanted = match inputs.by {
         By::Count => inputs.count as f64,
-        By::Density => (f64::from(inputs.density / (unit * unit)) * even.area()).min(1e5),
+        By::Density => (f64::from(inputs.density / (unit * unit)) * even.region_area()).min(1e5),
     };
     let wanted = wanted.round() as usize;
     if inputs.mask.constant() == Some(1.0) {
@@ -180,6 +180,7 @@ fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, No
     // Masks are read for many candidates at a time.
     const BATCH: u32 = 1024;
     let last = (wanted as u32).saturating_mul(TRIES).max(BATCH);
+    let last = last.saturating_mul(even.places_for_one());
     let (mut start, mut skipped) = (0, 0.0f32);
     while (out.len() as f32 + skipped) < wanted as f32 && start < last && !apart.full() {
         cx.check()?;
