@@ -8,6 +8,7 @@
 use super::abc;
 use super::chunks::Chunks;
 use super::error::FormatError;
+use super::file_ids::FileIds;
 use super::hair;
 use super::usd::groom::{
     CurveSet, Interpolation, Primvar, PrimvarValues, Purpose, Stage, UpAxis, Widths, write_usda,
@@ -101,6 +102,8 @@ pub fn write(
         return write_hair(groups, about, out);
     }
     let places = places(groups);
+    // Of all groups, so that every format has the same.
+    let ids = FileIds::of(groups, &|| go_on(is_cancelled))?;
     let is_written = |group: &Group| format != Format::Abc || !is_left_out_of_abc(group, groups);
     let stage = Stage {
         name: about.title.clone(),
@@ -113,8 +116,9 @@ pub fn write(
         groups: groups
             .iter()
             .zip(&places)
-            .filter(|(group, _)| is_written(group))
-            .map(|(group, place)| curve_set(group, place, is_cancelled))
+            .enumerate()
+            .filter(|(_, (group, _))| is_written(group))
+            .map(|(nth, (group, place))| curve_set(group, place, (nth, &ids), is_cancelled))
             .collect::<Result<_, FormatError>>()?,
     };
     match format {
@@ -151,7 +155,12 @@ pub const ADDED: &[(&str, &str, &str, &str)] = &[
          hair of their name, else that of the first.",
     ),
     ("groom_group_name", "string", "constant", "Name of that group."),
-    ("groom_id", "int", "uniform", "`id`, folded to 31 bits without repeats, as `id` in files is."),
+    (
+        "groom_id",
+        "int",
+        "uniform",
+        "`id`, folded to 31 bits without repeats in the whole file, as `id` in files is.",
+    ),
     (
         "groom_root_uv",
         "float2",
@@ -193,14 +202,14 @@ pub fn is_left_out_of_abc(group: &Group, groups: &[Group]) -> bool {
 }
 
 /// What is written beside the attributes of a group, but for names that it has attributes of.
-fn added<'c>(curves: &'c Curves, guides: bool, place: &Place) -> Vec<Primvar<'c>> {
+fn added<'c>(curves: &'c Curves, guides: bool, place: &Place, ids: &[i32]) -> Vec<Primvar<'c>> {
     use Interpolation::{Constant, Uniform};
     let int = |value: i32| PrimvarValues::Int(vec![value].into());
     let mut added = vec![
         ("groom_guide", Constant, int(i32::from(guides))),
         ("groom_group_id", Constant, int(place.id)),
         ("groom_group_name", Constant, PrimvarValues::Text(vec![place.name.clone()])),
-        ("groom_id", Uniform, PrimvarValues::Int(unique_ids(curves).into())),
+        ("groom_id", Uniform, PrimvarValues::Int(ids.to_vec().into())),
     ];
     let uvs: Vec<Vec2> =
         curves.each().map(|(t, i)| t.view(ROOT_UV).at(i, t.range(i).start)).collect();
@@ -215,25 +224,28 @@ fn added<'c>(curves: &'c Curves, guides: bool, place: &Place) -> Vec<Primvar<'c>
         .collect()
 }
 
+fn go_on(is_cancelled: &dyn Fn() -> bool) -> Result<(), FormatError> {
+    if is_cancelled() { Err(FormatError::at("file", "interrupted")) } else { Ok(()) }
+}
+
 fn curve_set<'c>(
     group: &'c Group,
     place: &Place,
+    (nth, ids): (usize, &FileIds),
     is_cancelled: &dyn Fn() -> bool,
 ) -> Result<CurveSet<'c>, FormatError> {
-    let check = || match is_cancelled() {
-        true => Err(FormatError::at("file", "interrupted")),
-        false => Ok(()),
-    };
+    let check = || go_on(is_cancelled);
+    let own = ids.of_group(nth);
     let tufts = group.curves.tufts();
     let names: BTreeSet<&str> =
         tufts.iter().flat_map(|t| t.attributes()).map(|a| a.name.as_ref()).collect();
     let mut primvars: Vec<Primvar> = vec![];
     for name in names.into_iter().filter(|name| *name != WIDTH.name) {
         check()?;
-        primvars.extend(primvar(&group.curves, name));
+        primvars.extend(primvar(&group.curves, name, &own, ids));
     }
     check()?;
-    primvars.extend(added(&group.curves, group.guides, place));
+    primvars.extend(added(&group.curves, group.guides, place, &own));
     check()?;
     Ok(CurveSet {
         name: group.name.clone(),
@@ -316,13 +328,13 @@ fn spread<'c, T: Item>(curves: &'c Curves, name: &str, default: T) -> Chunks<'c,
     chunks
 }
 
-fn primvar<'c>(curves: &'c Curves, name: &str) -> Option<Primvar<'c>> {
+fn primvar<'c>(curves: &'c Curves, name: &str, own: &[i32], ids: &FileIds) -> Option<Primvar<'c>> {
     let sample = curves.tufts().iter().find_map(|t| t.attribute(name))?;
     let of = |interpolation, values| {
         Some(Primvar { name: file_name(name).to_owned(), interpolation, values })
     };
     if name == ID.name {
-        return of(Interpolation::Uniform, PrimvarValues::Int(unique_ids(curves).into()));
+        return of(Interpolation::Uniform, PrimvarValues::Int(own.to_vec().into()));
     }
     match &sample.values {
         Column::F32(_) => {
@@ -335,7 +347,7 @@ fn primvar<'c>(curves: &'c Curves, name: &str) -> Option<Primvar<'c>> {
         }
         Column::U64(_) => {
             let (how, v) = values::<u64>(curves, name, missing(name, &sample.values)?);
-            let folded: Vec<i32> = v.values().map(|id| fold(*id)).collect();
+            let folded: Vec<i32> = v.values().map(|id| ids.number(*id)).collect();
             of(how, PrimvarValues::Int(folded.into()))
         }
         Column::Vec2(_) => {
@@ -357,39 +369,6 @@ fn primvar<'c>(curves: &'c Curves, name: &str) -> Option<Primvar<'c>> {
 /// What curves without the attribute have.
 fn missing<T: Item>(name: &str, like: &Column) -> Option<T> {
     T::values(&a::default_of(name, like))?.first().copied()
-}
-
-/// A stable id in the 31 bits that `int` primvars have. 0, which means none, stays 0, and nothing else becomes it.
-fn fold(id: u64) -> i32 {
-    let folded = ((id ^ (id >> 33)) & 0x7FFF_FFFF) as i32;
-    if id == 0 { 0 } else { folded.max(1) }
-}
-
-/// Folded ids, one a curve, without repeats: among 100,000 about two pairs collide, and the larger full id of a pair
-/// takes the next free number, whatever the order of the curves.
-fn unique_ids(curves: &Curves) -> Vec<i32> {
-    let ids: Vec<u64> = curves.each().map(|(t, i)| t.id(i)).collect();
-    let mut out: Vec<i32> = ids.iter().map(|id| fold(*id)).collect();
-    let mut sorted: Vec<(i32, u64, u32)> =
-        out.iter().zip(&ids).zip(0..).map(|((folded, id), i)| (*folded, *id, i)).collect();
-    sorted.sort_unstable();
-    let repeats: Vec<u32> =
-        sorted.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].2).collect();
-    if !repeats.is_empty() {
-        let mut taken: BTreeSet<i32> = sorted.iter().map(|s| s.0).collect();
-        // Those of one number follow each other, and below the last that was given nothing is free.
-        let (mut of, mut free) = (-1, 0);
-        for i in repeats {
-            if out[i as usize] != of {
-                (of, free) = (out[i as usize], out[i as usize]);
-            }
-            while !taken.insert(free) {
-                free = if free == i32::MAX { 1 } else { free + 1 };
-            }
-            out[i as usize] = free;
-        }
-    }
-    out
 }
 
 fn write_hair(groups: &[Group], about: &About, out: &mut impl Write) -> Result<(), FormatError> {
@@ -467,7 +446,9 @@ mod tests {
                     (wanted, if *name == ID.name { 2 } else { n }),
                     "{name} {ty}"
                 );
-                assert_eq!(one.values, two.values, "{name} is the same in every prim");
+                // But for ids, which the second has anew.
+                let same = one.values == two.values;
+                assert_eq!(same, *name != ID.name, "{name} is the same in every prim");
             }
         }
     }
@@ -527,35 +508,5 @@ mod tests {
             let [id] = of("groom_group_id")[..] else { panic!("{format:?}") };
             assert_eq!(id.values, super::super::usd::read::ReadValues::Int(vec![42]));
         }
-    }
-
-    #[test]
-    fn curves_without_ids_are_numbered_in_no_time() {
-        let mut b = TuftBuilder::new();
-        (0..100_000).for_each(|_| b.push_curve(&[Vec3::ZERO, Vec3::Y]));
-        let curves = Curves::new(b.build().split());
-        // Each searched from 0 on for a free number, which is 5,000,000,000 looks.
-        assert!(unique_ids(&curves).into_iter().eq(0..100_000));
-    }
-
-    #[test]
-    fn an_id_never_folds_to_none() {
-        assert_eq!(fold(0), 0);
-        for id in [1 << 31, 1 | 1 << 33, 5, u64::MAX] {
-            assert!(fold(id) > 0, "{id:x}");
-        }
-    }
-
-    #[test]
-    fn folded_ids_never_repeat() {
-        let mut b = TuftBuilder::new();
-        for _ in 0..4 {
-            b.push_curve(&[Vec3::ZERO, Vec3::Y]);
-        }
-        // Bits 31 and 32 do not reach the folded id: these three collide.
-        b.set(ID, Domain::Curve, vec![5, 5 | 1 << 31, 5 | 1 << 32, 6]);
-        let ids = unique_ids(&Curves::new(vec![Arc::new(b.build())]));
-        let set: BTreeSet<i32> = ids.iter().copied().collect();
-        assert_eq!((set.len(), ids[0]), (4, 5));
     }
 }
