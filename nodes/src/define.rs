@@ -638,6 +638,15 @@ impl Input for Colour {
         }
     }
 }
+impl Input for Arc<FileData> {
+    const TYPE: Type = Type::File;
+    fn read(_: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+        match one(values, def)? {
+            Value::File(file) => Ok(file),
+            other => Err(wrong(def, &other)),
+        }
+    }
+}
 impl Input for Option<Arc<FileData>> {
     const TYPE: Type = Type::File;
     const ARITY: Arity = Arity::Optional;
@@ -702,7 +711,7 @@ optional!(f32, FieldInput, Arc<ShapeList>);
 
 /// The first words of a text, on one line: what a message quotes of something that may be as long as it likes.
 pub fn short(text: &str) -> String {
-    const MOST: usize = 60;
+    const MOST: usize = 80;
     let mut line = String::new();
     for word in text.split_whitespace() {
         if !line.is_empty() {

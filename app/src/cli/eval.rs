@@ -36,6 +36,7 @@ pub(crate) fn run(args: EvalArgs) -> Exit {
         &args.groom.graph,
         args.report.as_deref(),
         "hair",
+        args.groom.strict,
         |cancel, report, files| evaluate(&args, cancel, report, files),
         |report| summary(report, &args.out),
     )
@@ -59,7 +60,7 @@ fn evaluate(
     files.allowed().map_err(Stop::failed)?;
     let evaluated = args.groom.evaluate(&opened, &[], cancel, report)?;
     if formats.contains(&Format::Abc) {
-        report.warnings.extend(left_out_of_abc(&evaluated.groups));
+        report.notes.extend(left_out_of_abc(&evaluated.groups));
     }
     save(args, &formats, &opened.document, &evaluated, cancel, files)
 }

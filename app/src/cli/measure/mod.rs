@@ -25,7 +25,8 @@ mod ties;
 mod word;
 mod words;
 
-use super::{Exit, complain, ending, extension_of, print, shown};
+use super::{Exit, complain, complain_of, ending, extension_of, print, print_plain, shown};
+use crate::words::plain_json;
 use clap::Args;
 use coif_graphs::schedule::files::{DiskFiles, Files};
 use coif_nodes::data::scalp::Scalp;
@@ -158,9 +159,10 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
     // A prim may say that it has none.
     let is_bald = stage.curves.iter().all(|curves| curves.counts.is_empty());
     // The report says the rest.
-    for what in left_out.iter().filter(|what| what.broken || is_bald) {
-        complain(format!("{}: not read: {}", shown(&args.file), what.in_words()));
-    }
+    let of_note = left_out.iter().filter(|what| what.broken || is_bald);
+    let of_note =
+        of_note.map(|what| format!("{}: not read: {}", shown(&args.file), what.in_words()));
+    complain_of(of_note.collect());
     if is_bald {
         let none = if left_out.is_empty() {
             "there are no curves in it"
@@ -175,11 +177,11 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
     };
     let all = measure(&stage, scalp.as_deref());
     let printed = if args.json {
-        print(&serde_json::to_string_pretty(&all).unwrap_or_default())
+        print(&plain_json(&serde_json::to_string_pretty(&all).unwrap_or_default()))
     } else {
         let left_out = left_out.iter().map(|what| format!("not read: {}", what.in_words()));
         let lines: Vec<String> = all.iter().map(words::in_words).chain(left_out).collect();
-        print(&lines.join("\n"))
+        print_plain(&lines.join("\n"))
     };
     if all.iter().all(|m| m.no_curve == m.curves) {
         complain(format!("{}: there is no curve in it that can be measured", shown(&args.file)));

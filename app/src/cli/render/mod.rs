@@ -278,6 +278,7 @@ pub(crate) fn run(args: &RenderArgs) -> Exit {
         &args.groom.graph,
         args.report.as_deref(),
         "picture",
+        args.groom.strict,
         |cancel, report, files| draw(args, cancel, report, files),
         summary,
     )
