@@ -54,6 +54,8 @@ fn check(args: &[&str]) -> i32 {
             "{args:?}: {:?}",
             at.map(|at| said[at..].chars().take(40).collect::<String>())
         );
+        // JSON is for programs.
+        let said = if args.contains(&"--json") { &String::new() } else { said };
         let longest = said.lines().map(|line| line.chars().count()).max().unwrap_or(0);
         assert!(longest < 8000, "{args:?}: a line of {longest} characters");
     }

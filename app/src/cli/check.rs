@@ -5,7 +5,6 @@
 use super::carry_out::not_strict;
 use super::lines::Lines;
 use super::{Exit, complain, complain_of, ending, groom, print_plain, unreal};
-use crate::words::MOST_PROBLEMS;
 use clap::{Args, ValueEnum};
 use coif_graphs::document::Document;
 use coif_graphs::document::graph::{Severity, check, targets, upstream};
@@ -13,6 +12,7 @@ use coif_graphs::schedule::files::{DiskFiles, Files, named};
 use coif_nodes::define::short;
 use coif_nodes::formats::picture_in::{Channel, read_picture};
 use coif_nodes::formats::read_mesh;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
@@ -88,12 +88,12 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
             });
         let told: Vec<(bool, Option<usize>, String)> = told.chain(of_files).collect();
         // What is told of a place in the graph is not told of the same place in the file, too.
+        let places: BTreeSet<&str> =
+            told.iter().filter_map(|(.., problem)| problem.split(": ").next()).collect();
+        let of_file = shown.to_string();
         warnings.retain(|warning| {
-            let is_of = |(_, _, problem): &&(bool, Option<usize>, String)| {
-                let place = problem.split(": ").next().unwrap_or_default();
-                warning.contains(&format!(": {place}: "))
-            };
-            !told.iter().take(MOST_PROBLEMS).any(|one| is_of(&one))
+            let place = warning.strip_prefix(&of_file).and_then(|said| said.split(": ").nth(1));
+            !place.is_some_and(|place| places.contains(place))
         });
         let warned = warnings.iter().map(|warning| format!("warning: {warning}"));
         let all = warned.chain(told.iter().map(|(is_error, line, problem)| {

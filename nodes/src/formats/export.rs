@@ -11,16 +11,17 @@ use super::error::FormatError;
 use super::file_ids::FileIds;
 use super::hair;
 use super::usd::groom::{
-    CurveSet, Interpolation, Primvar, PrimvarValues, Purpose, Stage, UpAxis, Widths, write_usda,
-    write_usdc,
+    CurveSet, Interpolation, Primvar, PrimvarValues, Purpose, Skin, Stage, UpAxis, Widths,
+    write_usda, write_usdc,
 };
 use crate::data::attributes::{
     self as a, Column, ID, Item, PARENT, PARTING, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, View};
 use crate::data::scalp::Scalp;
+use crate::maths::hair_colour::{absorption_of, pigment_of};
 use glam::{Vec2, Vec3};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Seek, Write};
 use std::sync::Arc;
 
@@ -55,6 +56,8 @@ pub struct About {
     pub graph_hash: String,
     /// The seed it ran with.
     pub seed: u64,
+    /// Names of the sections of scalps, by id; curves in a section have its name beside its number ([`SECTION_NAME`]).
+    pub sections: BTreeMap<u64, String>,
 }
 
 /// A file format that grooms are written in.
@@ -85,7 +88,7 @@ impl Format {
     pub const EXTENSIONS: &str = ".usda, .usdc, .abc, .hair";
 }
 
-/// Writes groups in a format. Alembic holds the meshes of `heads` too. Whether somebody asks to stop is looked at from one attribute
+/// Writes groups in a format. USD and Alembic hold the meshes of `heads` too. Whether somebody asks to stop is looked at from one attribute
 /// to the next while they are gathered; after that by `out`, which fails then.
 ///
 /// # Errors
@@ -118,8 +121,9 @@ pub fn write(
             .zip(&places)
             .enumerate()
             .filter(|(_, (group, _))| is_written(group))
-            .map(|(nth, (group, place))| curve_set(group, place, (nth, &ids), is_cancelled))
+            .map(|(nth, (group, place))| curve_set(group, place, (nth, &ids), about, is_cancelled))
             .collect::<Result<_, FormatError>>()?,
+        skins: heads.iter().map(|head| skin(head)).collect(),
     };
     match format {
         Format::Usda => write_usda(&stage, out),
@@ -232,6 +236,7 @@ fn curve_set<'c>(
     group: &'c Group,
     place: &Place,
     (nth, ids): (usize, &FileIds),
+    about: &About,
     is_cancelled: &dyn Fn() -> bool,
 ) -> Result<CurveSet<'c>, FormatError> {
     let check = || go_on(is_cancelled);
@@ -244,6 +249,8 @@ fn curve_set<'c>(
         check()?;
         primvars.extend(primvar(&group.curves, name, &own, ids));
     }
+    check()?;
+    primvars.extend(beside(&group.curves, &about.sections));
     check()?;
     primvars.extend(added(&group.curves, group.guides, place, &own));
     check()?;
@@ -261,6 +268,92 @@ fn curve_set<'c>(
         primvars,
         color: mean_colour(&group.curves),
     })
+}
+
+/// The mesh of a head.
+fn skin(head: &Scalp) -> Skin<'_> {
+    let surface = head.surface();
+    Skin {
+        name: "skin".into(),
+        points: &surface.points,
+        triangles: &surface.triangles,
+        uvs: head.uvs(),
+    }
+}
+
+/// Name of the primvar that holds names of sections.
+pub const SECTION_NAME: &str = "section_name";
+
+/// What is written for lookdev beside attributes: name and meaning.
+pub const LOOKDEV: &[(&str, &str)] = &[
+    (
+        "pref",
+        "Where the point rests: the groom as it was made, cm. For textures and noises that stay on moving hair.",
+    ),
+    (
+        "melanin",
+        "Pigment, 0 (white) to 1 (black), that gives `displayColor`. Not there where dye or paint colours hair.",
+    ),
+    ("redness", "How much of that pigment is red, 0 to 1."),
+    (SECTION_NAME, "Name of the section that `section` is the number of; empty: none."),
+];
+
+/// What is written for lookdev, but for names that the curves have attributes of.
+fn beside<'c>(curves: &'c Curves, sections: &BTreeMap<u64, String>) -> Vec<Primvar<'c>> {
+    let rest = curves.tufts().iter().map(|t| t.points()).collect();
+    let rest = (Interpolation::Vertex, PrimvarValues::Point(rest));
+    let mut all = vec![("pref", rest)];
+    if let Some((how, melanin, redness)) = pigment(curves) {
+        all.push(("melanin", (how, PrimvarValues::Float(melanin.into()))));
+        all.push(("redness", (how, PrimvarValues::Float(redness.into()))));
+    }
+    all.extend(section_names(curves, sections).map(|names| (SECTION_NAME, names)));
+    let is_free = |name: &str| curves.tufts().iter().all(|t| t.attribute(name).is_none());
+    all.into_iter()
+        .filter(|(name, _)| is_free(name))
+        .map(|(name, (interpolation, values))| Primvar { name: name.into(), interpolation, values })
+        .collect()
+}
+
+/// Melanin and redness of coloured curves, spread as their colours are; none where something else than pigment colours any.
+fn pigment(curves: &Curves) -> Option<(Interpolation, Vec<f32>, Vec<f32>)> {
+    /// Colours are this near to those of pigment where nothing else made them.
+    const NEAR: f32 = 2e-3;
+    curves.tufts().iter().find(|t| t.attribute(a::COLOUR.name).is_some())?;
+    let (how, colours) = values(curves, a::COLOUR.name, a::COLOUR.default);
+    let (mut melanin, mut redness) = (vec![], vec![]);
+    for colour in colours.values() {
+        let (m, r, missed) = pigment_of(absorption_of(*colour));
+        if missed > NEAR {
+            return None;
+        }
+        melanin.push(m);
+        redness.push(r);
+    }
+    Some((how, melanin, redness))
+}
+
+/// The section's name of each curve, where the curves know their sections and these have names.
+fn section_names<'c>(
+    curves: &Curves,
+    sections: &BTreeMap<u64, String>,
+) -> Option<(Interpolation, PrimvarValues<'c>)> {
+    curves.tufts().iter().find(|t| t.attribute(a::SECTION.name).is_some())?;
+    if sections.is_empty() {
+        return None;
+    }
+    let mut names: Vec<String> = vec![];
+    let mut numbers: BTreeMap<&str, i32> = BTreeMap::new();
+    let mut number = |id: u64| {
+        let name = sections.get(&id).map_or("", String::as_str);
+        *numbers.entry(name).or_insert_with(|| {
+            names.push(name.replace(char::is_control, "_"));
+            names.len() as i32 - 1
+        })
+    };
+    let of = |(t, i): (&Tuft, usize)| t.view(a::SECTION).at(i, t.range(i).start);
+    let indices: Vec<i32> = curves.each().map(|one| number(of(one))).collect();
+    Some((Interpolation::Uniform, PrimvarValues::Named(names, indices.into())))
 }
 
 fn counts(curves: &Curves) -> Chunks<'static, i32> {
@@ -333,6 +426,17 @@ fn primvar<'c>(curves: &'c Curves, name: &str, own: &[i32], ids: &FileIds) -> Op
     let of = |interpolation, values| {
         Some(Primvar { name: file_name(name).to_owned(), interpolation, values })
     };
+    // What all curves have as they would without it says nothing.
+    if name != a::COLOUR.name && a::DECLARED.iter().any(|(declared, ..)| *declared == name) {
+        let default = a::default_of(name, &sample.values);
+        let says_nothing = |tuft: &Arc<Tuft>| match tuft.attribute(name) {
+            Some(own) => own.values == default,
+            None => true,
+        };
+        if curves.tufts().iter().all(says_nothing) {
+            return None;
+        }
+    }
     if name == ID.name {
         return of(Interpolation::Uniform, PrimvarValues::Int(own.to_vec().into()));
     }
@@ -431,6 +535,7 @@ mod tests {
                 generator: "test".into(),
                 graph_hash: String::new(),
                 seed: 0,
+                sections: BTreeMap::new(),
             };
             let mut file = std::io::Cursor::new(vec![]);
             write(Format::Usdc, &[group("one"), group("two")], &[], &about, &mut file, &|| false)
@@ -468,6 +573,7 @@ mod tests {
             generator: "test".into(),
             graph_hash: String::new(),
             seed: 0,
+            sections: BTreeMap::new(),
         };
         let written = |format: Format, group: &Group| {
             let mut file = std::io::Cursor::new(vec![]);
