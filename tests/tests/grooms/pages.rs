@@ -60,12 +60,12 @@ fn files_hold_names_as_authored_rest_pigment_and_the_skin() {
     let text = std::fs::read_to_string(file("usda")).expect("it was written");
     for part in [
         "displayName = \"Back & \u{e9}\"",
-        "def BasisCurves \"Back___\"",
+        "def BasisCurves \"Back____\"",
         "point3f[] primvars:pref",
         "float[] primvars:melanin",
         "float[] primvars:redness",
         "def Mesh \"skin\"",
-        "color3f inputs:diffuseColor.connect = </Start/Looks/Back___/Colour.outputs:result>",
+        "color3f inputs:diffuseColor.connect = </Start/Looks/Back____/Colour.outputs:result>",
     ] {
         assert!(text.contains(part), "{part}");
     }
