@@ -711,7 +711,7 @@ optional!(f32, FieldInput, Arc<ShapeList>);
 
 /// The first words of a text, on one line: what a message quotes of something that may be as long as it likes.
 pub fn short(text: &str) -> String {
-    const MOST: usize = 80;
+    const MOST: usize = 60;
     let mut line = String::new();
     for word in text.split_whitespace() {
         if !line.is_empty() {
