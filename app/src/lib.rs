@@ -21,7 +21,6 @@ pub mod pen;
 pub mod scene;
 #[cfg(feature = "editor")]
 pub mod viewport;
-#[cfg(feature = "render")]
 mod words;
 
 /// Runs what the words of the command line ask for.

@@ -638,6 +638,15 @@ impl Input for Colour {
         }
     }
 }
+impl Input for Arc<FileData> {
+    const TYPE: Type = Type::File;
+    fn read(_: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+        match one(values, def)? {
+            Value::File(file) => Ok(file),
+            other => Err(wrong(def, &other)),
+        }
+    }
+}
 impl Input for Option<Arc<FileData>> {
     const TYPE: Type = Type::File;
     const ARITY: Arity = Arity::Optional;

@@ -240,7 +240,7 @@ impl Subject<'_> {
 
     /// What an overall view shows besides hair: skull and face with room for a hand's breadth of
     /// neck and the root of the shoulders. The body under it must not shrink the head, so nothing
-    /// of the mesh counts, unless the mesh is no head at all.
+    /// of the mesh counts, unless the mesh is no head at all, such as an animal: then all of it does.
     fn portrait(&self, frame: &HeadFrame) -> Vec<Sphere> {
         let at = |x, y, z| frame.point_from_head(Vec3::new(x, y, z) * HEAD_RADIUS);
         let head = vec![
@@ -248,13 +248,22 @@ impl Subject<'_> {
             Sphere { centre: at(0.0, -1.15, 0.05), radius: 0.9 * frame.radius },
         ];
         let Some(surface) = self.surface.filter(|s| !s.points.is_empty()) else { return head };
-        let on_head = |p: &Vec3| head.iter().any(|s| p.distance(s.centre) <= s.radius);
-        if surface.points.iter().any(on_head) {
+        // A skull has points about the frame's middle on all sides but below.
+        let on_side = |side: Vec3| {
+            surface.points.iter().any(|p| {
+                let out = *p - frame.origin;
+                let far = out.length() / frame.radius;
+                (0.5..=1.6).contains(&far) && out.dot(side) > 0.7 * out.length()
+            })
+        };
+        let sides = [frame.up, frame.right, -frame.right, frame.forward, -frame.forward];
+        let (lowest, highest) = surface.bounds();
+        if sides.into_iter().all(on_side) || !sane(lowest) || !sane(highest) {
             return head;
         }
-        let (lowest, highest) = surface.bounds();
-        let around = Sphere::around(lowest, highest);
-        if sane(lowest) && sane(highest) { vec![around] } else { head }
+        let middle = Sphere { centre: 0.5 * (lowest + highest), radius: 0.0 };
+        let at = |p: &Vec3| Sphere { centre: *p, radius: 0.0 };
+        [middle].into_iter().chain(surface.points.iter().filter(|p| sane(**p)).map(at)).collect()
     }
 }
 
@@ -685,8 +694,10 @@ mod tests {
     fn the_body_under_the_shoulders_does_not_shrink_the_head() {
         let triangle = |at: Vec3| [at, at + Vec3::X, at + Vec3::Z];
         let mesh = |lowest: f32| {
-            let points = [triangle(Vec3::Y * 8.0), triangle(Vec3::Y * lowest)].concat();
-            Surface::new(points, vec![[0, 1, 2], [3, 4, 5]])
+            let skull = [Vec3::Y, Vec3::X, -Vec3::X, Vec3::Z, -Vec3::Z].map(|side| side * 8.0);
+            let places = skull.into_iter().chain([Vec3::Y * lowest]);
+            let points = places.flat_map(triangle).collect();
+            Surface::new(points, (0..6).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
         };
         let hair = hair(5.0);
         let cameras = [-20.0, -160.0].map(|lowest| {
@@ -695,6 +706,24 @@ mod tests {
             frame(&Viewpoint::ThreeQuarter, &subject, 85.0, 1.5)
         });
         assert_eq!(cameras[0], cameras[1]);
+    }
+
+    #[test]
+    fn an_animal_at_its_frame_fills_overall_views() {
+        // As a rat lies about the origin: 18 cm long, 4 high and 5 wide, where a head would be 20 high.
+        let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+        let points =
+            vec![at(-2.5, 0.0, -12.0), at(2.5, 0.0, 6.0), at(0.0, 4.0, 0.0), at(0.0, 3.0, 6.0)];
+        let surface = Surface::new(points, vec![[0, 1, 2], [1, 2, 3]]);
+        let none = Curves::new(vec![]);
+        let subject = Subject { surface: Some(&surface), ..subject(&none) };
+        for view in Viewpoint::NAMES[..6].iter().filter_map(|name| Viewpoint::named(name)) {
+            let camera = frame(&view, &subject, 85.0, 1.5);
+            let reach = surface.points.iter().map(|p| seen(&camera, 1.5, *p).truncate().abs());
+            let farthest = reach.fold(0.0, |most: f32, p| most.max(p.max_element()));
+            // The margin is 0.88 of the way to the edge.
+            assert!((0.8..=0.881).contains(&farthest), "{view:?}: {farthest}");
+        }
     }
 
     #[test]

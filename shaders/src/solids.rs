@@ -44,6 +44,8 @@ type Bound = (Arc<[MaterialMaps]>, Vec<wgpu::BindGroup>);
 #[derive(Debug)]
 pub(crate) struct Run {
     pub(crate) triangles: Range<u32>,
+    /// Of the ground its height: it is not there for who looks from below.
+    pub(crate) ground: Option<f32>,
     /// The pictures on them.
     pub(crate) maps: Option<wgpu::BindGroup>,
 }
@@ -96,12 +98,15 @@ impl Solids {
                 places.extend_from_slice(&mapped.uvs);
                 for (triangles, material) in &mapped.runs {
                     let triangles = triangles.start + begin..triangles.end + begin;
-                    runs.push(Run { triangles: end..triangles.start, maps: None });
+                    runs.push(Run { triangles: end..triangles.start, ground: None, maps: None });
                     end = triangles.end;
-                    runs.push(Run { triangles, maps: groups.get(*material).cloned() });
+                    let maps = groups.get(*material).cloned();
+                    runs.push(Run { triangles, ground: None, maps });
                 }
             }
-            runs.push(Run { triangles: end..indices.len() as u32 / 3, maps: None });
+            let lies_at = solid.points.first().map(|p| p.y);
+            let ground = lies_at.filter(|_| solid.material == Material::Ground);
+            runs.push(Run { triangles: end..indices.len() as u32 / 3, ground, maps: None });
             if solid.casts {
                 casting = indices.len() as u32 / 3;
             }

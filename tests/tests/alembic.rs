@@ -59,12 +59,12 @@ fn measure_judges_alembic_as_it_judges_usd() {
 }
 
 #[test]
-fn a_head_goes_into_alembic_alone() {
+fn a_head_goes_into_alembic_and_usd() {
     let folder = Folder::new("alembic-head");
-    let usd = folder.path("groom.usdc").display().to_string();
-    let ran = run(["eval", "start", "--out", &usd, "--with-head"]);
+    let hair = folder.path("groom.hair").display().to_string();
+    let ran = run(["eval", "start", "--out", &hair, "--with-head"]);
     assert_eq!(ran.code, 2, "{}", ran.err);
-    assert!(ran.err.contains("--with-head: only .abc"), "{}", ran.err);
+    assert!(ran.err.contains("--with-head: .usda, .usdc and .abc"), "{}", ran.err);
     assert!(folder.names().is_empty());
     let out = folder.path("groom.abc");
     eval("start", &["--out", &out.display().to_string(), "--with-head"]);

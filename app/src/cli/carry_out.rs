@@ -6,6 +6,7 @@ use super::ending::Ending;
 use super::report::Report;
 use super::{Exit, complain, tell};
 use crate::files::{Role, Together};
+use crate::words::{first_of, plain_json};
 use coif_graphs::schedule::run::CancelToken;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -47,11 +48,12 @@ impl Stop {
 
 /// Runs a command that evaluates: whoever asks the process to end asks `body` to stop. What `body` writes and the report are put
 /// in place together; where anything fails, the report alone is written and says why. `makes` says what is made, in a word.
-/// `summary` is for a person, where no report was asked for.
+/// `summary` is for a person, where no report was asked for. `strict` makes warnings errors.
 pub(crate) fn carry_out(
     graph: &Path,
     report_to: Option<&Path>,
     makes: &str,
+    strict: bool,
     body: impl FnOnce(&CancelToken, &mut Report, &mut Together) -> Result<(), Stop>,
     summary: impl FnOnce(&Report) -> String,
 ) -> Exit {
@@ -69,9 +71,19 @@ pub(crate) fn carry_out(
     );
     let made =
         begin(graph, report_to, &mut files).and_then(|()| body(&cancel, &mut report, &mut files));
+    report.warnings = first_of(std::mem::take(&mut report.warnings));
+    report.notes = first_of(std::mem::take(&mut report.notes));
     for warning in &report.warnings {
         complain(format_args!("warning: {warning}"));
     }
+    for note in &report.notes {
+        complain(format_args!("note: {note}"));
+    }
+    // Whatever wrote its files after the last look.
+    let made = made.and_then(|()| match strict && !report.warnings.is_empty() {
+        true => Err(Stop(Exit::Failed, vec![not_strict(graph)])),
+        false => Ok(()),
+    });
     for output in &report.outputs {
         output.hash.wait();
     }
@@ -97,6 +109,7 @@ pub(crate) fn carry_out(
     if let Some(last) = errors.last_mut().filter(|_| exit != Exit::Refused && files.has_outputs()) {
         *last += &format!("; no {makes} was written");
     }
+    let errors = first_of(errors);
     errors.iter().for_each(complain);
     report.errors = errors;
     if let Some(path) = report_to.filter(|path| files.may_be(path, Role::Report)) {
@@ -137,6 +150,11 @@ fn at_once(
     }
 }
 
+/// What `--strict` says where there are warnings, which are told already.
+pub(super) fn not_strict(graph: impl AsRef<Path>) -> String {
+    format!("{}: has warnings, which --strict does not let pass", graph.as_ref().display())
+}
+
 /// Tells `files` what every command reads and writes.
 fn begin(graph: &Path, report_to: Option<&Path>, files: &mut Together) -> Result<(), Stop> {
     files
@@ -166,7 +184,7 @@ fn write_report(
     files: &mut Together,
     cancel: &CancelToken,
 ) -> Result<(), Stop> {
-    let text = serde_json::to_string_pretty(&report).unwrap_or_default() + "\n";
+    let text = plain_json(&serde_json::to_string_pretty(&report).unwrap_or_default()) + "\n";
     let written = match is_stdout(path) {
         true => files.print(&text),
         false => files.write_text(path, &text, cancel),

@@ -2,7 +2,9 @@
 //!
 //! Files that a graph names are opened and read as its nodes would read them. What only an evaluation finds is not found here.
 
-use super::{Exit, complain, ending, groom, print, unreal};
+use super::carry_out::not_strict;
+use super::lines::Lines;
+use super::{Exit, complain, complain_of, ending, groom, print_plain, unreal};
 use clap::{Args, ValueEnum};
 use coif_graphs::document::Document;
 use coif_graphs::document::graph::{Severity, check, targets, upstream};
@@ -10,6 +12,7 @@ use coif_graphs::schedule::files::{DiskFiles, Files, named};
 use coif_nodes::define::short;
 use coif_nodes::formats::picture_in::{Channel, read_picture};
 use coif_nodes::formats::read_mesh;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
@@ -35,8 +38,8 @@ pub(crate) enum Target {
     Unreal,
 }
 
-/// What is wrong with files that a document names, each with whether that keeps it from being evaluated.
-fn files(document: &Document, folder: &Path) -> Vec<(bool, String)> {
+/// What is wrong with files that a document names, each with whether that keeps it from being evaluated, and the input that names it.
+fn files(document: &Document, folder: &Path) -> Vec<(bool, String, String, String)> {
     let needed = upstream(document, &targets(document));
     let disk = DiskFiles::new(folder);
     let fault = |kind: &str, path: &str| -> Option<String> {
@@ -53,7 +56,8 @@ fn files(document: &Document, folder: &Path) -> Vec<(bool, String)> {
     let all = named(document).into_iter();
     let told = all.filter_map(|(node, input, path)| {
         let why = fault(&document.node(node.as_str())?.kind, &path)?;
-        Some((needed.contains(node), format!("{node}.{input}: {}: {why}", short(&path))))
+        let text = format!("{}: {why}", short(&path));
+        Some((needed.contains(node), node.to_string(), input.to_owned(), text))
     });
     told.collect()
 }
@@ -67,23 +71,41 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
         let (document, folder) = match groom::load(path, &mut warnings) {
             Ok(loaded) => loaded,
             Err(stop) => {
-                stop.lines().iter().for_each(complain);
+                complain_of(stop.lines().to_vec());
                 exit = Exit::Refused;
                 continue;
             }
         };
-        warnings.iter().for_each(|w| complain(format!("warning: {w}")));
         let problems = check(&document);
-        let told = problems.iter().map(|p| (p.severity == Severity::Error, p.to_string()));
-        let told: Vec<(bool, String)> = told.chain(files(&document, &folder)).collect();
-        for (is_error, problem) in &told {
+        let lines = Lines::of(&std::fs::read_to_string(path).unwrap_or_default());
+        let told = problems.iter().map(|p| {
+            let line = lines.of_input(p.node.as_str(), p.socket.as_deref());
+            (p.severity == Severity::Error, line, p.to_string())
+        });
+        let of_files =
+            files(&document, &folder).into_iter().map(|(is_error, node, input, text)| {
+                (is_error, lines.of_input(&node, Some(&input)), format!("{node}.{input}: {text}"))
+            });
+        let told: Vec<(bool, Option<usize>, String)> = told.chain(of_files).collect();
+        // What is told of a place in the graph is not told of the same place in the file, too.
+        let places: BTreeSet<&str> =
+            told.iter().filter_map(|(.., problem)| problem.split(": ").next()).collect();
+        let of_file = shown.to_string();
+        warnings.retain(|warning| {
+            let place = warning.strip_prefix(&of_file).and_then(|said| said.split(": ").nth(1));
+            !place.is_some_and(|place| places.contains(place))
+        });
+        let warned = warnings.iter().map(|warning| format!("warning: {warning}"));
+        let all = warned.chain(told.iter().map(|(is_error, line, problem)| {
             let kind = if *is_error { "" } else { "warning: " };
-            complain(format!("{kind}{shown}: {problem}"));
-        }
-        let errors = told.iter().filter(|(is_error, _)| *is_error).count();
+            let line = line.map_or(String::new(), |line| format!("{line}:"));
+            format!("{kind}{shown}:{line} {problem}")
+        }));
+        complain_of(all.collect());
+        let errors = told.iter().filter(|(is_error, ..)| *is_error).count();
         let strict = args.strict && warnings.len() + told.len() > errors;
         if strict && errors == 0 {
-            complain(format!("{shown}: has warnings, which --strict does not let pass"));
+            complain(not_strict(path));
         }
         if errors > 0 || strict {
             exit = Exit::Refused;
@@ -94,7 +116,7 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
                 match unreal::found(&document, folder, shown.to_string(), args.allow_large) {
                     Ok(found) => found,
                     Err(stop) => {
-                        stop.lines().iter().for_each(complain);
+                        complain_of(stop.lines().to_vec());
                         exit = Exit::Refused;
                         continue;
                     }
@@ -110,7 +132,8 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
             complain(format!("note: {shown}: {line}"));
         }
         if found.lost.is_empty() {
-            exit = exit.max(print(&format!("{shown}: {} nodes, no errors", document.nodes.len())));
+            exit = exit
+                .max(print_plain(&format!("{shown}: {} nodes, no errors", document.nodes.len())));
         }
     }
     exit

@@ -13,6 +13,7 @@ use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::short;
 use coif_nodes::formats::export::{self, About, Format, Group};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -23,8 +24,9 @@ pub(crate) struct EvalArgs {
     /// File to write; the extension picks the format (.usda, .usdc, .abc, .hair). Gets every output, one group for each
     #[arg(long, value_name = "FILE")]
     out: Vec<PathBuf>,
-    /// Put the head's mesh into .abc files too; not for Unreal, to which a file with a mesh in it is no groom
-    #[arg(long)]
+    /// Put the head's mesh, whose triangles skinprim counts, into .usda, .usdc and .abc files too; not for Unreal, to which an .abc
+    /// with a mesh in it is no groom
+    #[arg(long, visible_alias = "with-skin")]
     with_head: bool,
     /// Write what was made, and what happened, as JSON to a file (- for stdout)
     #[arg(long, value_name = "FILE|-")]
@@ -36,6 +38,7 @@ pub(crate) fn run(args: EvalArgs) -> Exit {
         &args.groom.graph,
         args.report.as_deref(),
         "hair",
+        args.groom.strict,
         |cancel, report, files| evaluate(&args, cancel, report, files),
         |report| summary(report, &args.out),
     )
@@ -49,9 +52,9 @@ fn evaluate(
 ) -> Result<(), Stop> {
     writes_all(args.out.iter().cloned(), files)?;
     let formats = formats(&args.out)?;
-    if args.with_head && !formats.contains(&Format::Abc) {
+    if args.with_head && formats.iter().all(|format| *format == Format::Hair) {
         return Err(Stop::refused(
-            "--with-head: only .abc holds the head beside the hair; add --out FILE.abc, or leave the option out",
+            "--with-head: .usda, .usdc and .abc hold the head beside the hair; add one by --out, or leave the option out",
         ));
     }
     let opened = args.groom.open(report, files)?;
@@ -59,7 +62,7 @@ fn evaluate(
     files.allowed().map_err(Stop::failed)?;
     let evaluated = args.groom.evaluate(&opened, &[], cancel, report)?;
     if formats.contains(&Format::Abc) {
-        report.warnings.extend(left_out_of_abc(&evaluated.groups));
+        report.notes.extend(left_out_of_abc(&evaluated.groups));
     }
     save(args, &formats, &opened.document, &evaluated, cancel, files)
 }
@@ -128,6 +131,7 @@ pub(crate) fn write_files(
         generator: format!("coif {}", env!("CARGO_PKG_VERSION")),
         graph_hash: document_hash(document),
         seed: document.seed,
+        sections: BTreeMap::new(),
     };
     for (i, (path, format)) in wanted.iter().enumerate() {
         begins(i, path);

@@ -5,7 +5,7 @@
 //! node that failed is told. Ends of both kinds carry their exit code.
 
 use super::Exit;
-use super::carry_out::Stop;
+use super::carry_out::{Stop, not_strict};
 use super::measure::MOST_POINTS;
 use super::memory;
 use super::progress::Bar;
@@ -52,6 +52,9 @@ pub(crate) struct GroomArgs {
     /// Also make more than 16 million points, as many as memory holds
     #[arg(long)]
     pub(crate) allow_large: bool,
+    /// Warnings and clamped values are errors: nothing is written (exit code 2 before, 1 after anything ran)
+    #[arg(long)]
+    pub(crate) strict: bool,
     /// How much hair is made
     #[arg(long, value_enum, default_value_t = QualityArg::Final)]
     pub(crate) quality: QualityArg,
@@ -72,6 +75,8 @@ pub(crate) struct Opened {
     folder: PathBuf,
     graph: String,
     allow_large: bool,
+    /// Warnings are errors.
+    strict: bool,
 }
 
 /// What an evaluation gave.
@@ -107,7 +112,8 @@ impl GroomArgs {
         report.seed = document.seed;
         let outputs = outputs(&document, &self.output)?;
         let graph = self.graph.display().to_string();
-        Ok(Opened { document, outputs, folder, graph, allow_large: self.allow_large })
+        let (allow_large, strict) = (self.allow_large, self.strict);
+        Ok(Opened { document, outputs, folder, graph, allow_large, strict })
     }
 
     /// Evaluates the outputs, and `more` besides.
@@ -162,7 +168,7 @@ impl Opened {
         allow_large: bool,
     ) -> Result<Self, Stop> {
         let outputs = outputs(&document, &[])?;
-        Ok(Self { document, outputs, folder, graph, allow_large })
+        Ok(Self { document, outputs, folder, graph, allow_large, strict: false })
     }
 
     /// The mesh file of each head that the outputs and `more` stand on, where it has one, as [`Evaluated::scalps`] lists them.
@@ -185,7 +191,7 @@ impl Opened {
         progress: &dyn Progress,
         report: &mut Report,
     ) -> Result<Evaluated, Stop> {
-        let Opened { document, outputs, folder, graph, allow_large } = self;
+        let Opened { document, outputs, folder, graph, allow_large, strict } = self;
         let mut targets: Vec<Socket> = outputs.iter().map(|o| o.socket.clone()).collect();
         targets.extend_from_slice(more);
         let heads = of_kind(document, &targets, "head");
@@ -254,6 +260,9 @@ impl Opened {
         }
         let hair = groups.iter().filter(|group| !group.guides);
         report.warnings.extend(too_many(hair.map(|group| group.curves.point_count()).sum()));
+        if *strict && !report.warnings.is_empty() {
+            return Err(Stop(Exit::Failed, vec![not_strict(graph)]));
+        }
         Ok(Evaluated { groups, scalps, more })
     }
 }
@@ -544,10 +553,13 @@ impl Opened {
         for problem in check_for(&self.document, &targets).into_iter().filter(|p| p.needed) {
             match problem.severity {
                 Severity::Error => errors.push(problem.to_string()),
-                // The node clamps such a value and says so itself.
-                Severity::Warning if problem.fault == Fault::OutOfRange => {}
+                // The node clamps such a value and says so itself, where it comes to run.
+                Severity::Warning if problem.fault == Fault::OutOfRange && !self.strict => {}
                 Severity::Warning => warnings.push(problem.to_string()),
             }
+        }
+        if errors.is_empty() && self.strict && !warnings.is_empty() {
+            errors.push(not_strict(&self.graph));
         }
         if errors.is_empty() { Ok(()) } else { Err(Stop(Exit::Refused, errors)) }
     }

@@ -11,6 +11,7 @@ mod ending;
 pub(crate) mod eval;
 mod fmt;
 pub(crate) mod groom;
+mod lines;
 mod measure;
 pub(crate) mod memory;
 mod nodes;
@@ -22,6 +23,7 @@ mod schema;
 pub(crate) mod signals;
 mod unreal;
 
+use crate::words::{first_of, plain};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -75,7 +77,14 @@ pub(crate) enum Exit {
 }
 
 pub(crate) fn main() -> ExitCode {
-    let args = Args::parse();
+    let args = Args::try_parse().unwrap_or_else(|err| {
+        let text = err.render().to_string();
+        if text != plain(&text) && err.use_stderr() {
+            tell(text.trim_end());
+            std::process::exit(err.exit_code());
+        }
+        err.exit()
+    });
     #[cfg(feature = "editor")]
     let given = args.edit.graph.is_some().then_some(Command::Edit(args.edit));
     #[cfg(not(feature = "editor"))]
@@ -158,7 +167,17 @@ fn complain(text: impl std::fmt::Display) {
 /// Says something to whoever watches; that nobody listens any more, or that there is no room for it, ends nothing.
 fn tell(text: impl std::fmt::Display) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr().lock(), "{text}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", plain(&text.to_string()));
+}
+
+/// Tells a person what is wrong, the first of it and how much more there is.
+fn complain_of(problems: Vec<String>) {
+    first_of(problems).iter().for_each(complain);
+}
+
+/// Prints a line of data that quotes, and gives how that ended.
+fn print_plain(text: &str) -> Exit {
+    print(&plain(text))
 }
 
 /// Prints a line of data, and gives how that ended; a reader that went away is no error of ours.

@@ -1,5 +1,6 @@
 //! A progress line on a terminal, and nothing in a pipe.
 
+use crate::words::plain;
 use coif_graphs::schedule::run::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -51,7 +52,7 @@ impl Tell for Bar {
     }
     fn say(&self, text: String) {
         if let Some(bar) = &self.0 {
-            bar.set_message(text);
+            bar.set_message(plain(&text).replace('\n', " "));
         }
     }
 }

@@ -36,6 +36,8 @@ pub(crate) struct Report {
     pub(crate) errors: Vec<String>,
     /// What was left out, clamped or changed.
     pub(crate) warnings: Vec<String>,
+    /// What is as it should be, and may surprise.
+    pub(crate) notes: Vec<String>,
 }
 
 /// How the head was understood.
@@ -221,6 +223,7 @@ impl Report {
             nodes: vec![],
             errors: vec![],
             warnings: vec![],
+            notes: vec![],
         }
     }
 

@@ -382,9 +382,17 @@ fn check_node(
     for input in def.inputs {
         let wired = document.links.contains_key(&Socket::new(id.clone(), input.name));
         let set = node.inputs.get(input.name);
-        if let Some(setting) = set {
+        let is_empty = input.ty == Type::File
+            && matches!(set, Some(Setting::Known(Value::Text(path))) if path.is_empty());
+        if let Some(setting) = set.filter(|_| !is_empty) {
             check_value(id, input, setting, problems);
         } else if !wired && input.arity == Arity::One && input.default.is_none() {
+            if input.ty == Type::File {
+                let text = "no file is named, and one is needed".to_owned();
+                let remedy = format!("set {} to the path of a file", input.name);
+                problems.push(problem(Fault::Missing, id, Some(input.name), text, &remedy));
+                continue;
+            }
             let text = format!("nothing is wired to it, {} is needed", input.ty.name());
             let from = fitting(document, id, input.ty);
             let remedy = match from {

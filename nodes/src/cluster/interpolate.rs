@@ -118,10 +118,15 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     }
     if let Some(count) = asked.count.filter(|_| plan.missing > 0) {
         let there = count - plan.missing;
-        cx.warn(format!(
+        let text = format!(
             "only {there} of {count} hairs are there, in places ten times as many: mask, reach or partings leave the others bare; \
              raise count, or go by density"
-        ));
+        );
+        // A mask is there to leave hair out.
+        match inputs.mask.constant() {
+            None => cx.remark(text),
+            Some(_) => cx.warn(text),
+        }
     }
     let skin = cx.skin(scalp);
     let maker = Maker {

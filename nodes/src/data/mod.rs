@@ -9,6 +9,7 @@ pub mod field;
 pub mod footprint;
 pub mod gestures;
 pub mod home;
+pub(crate) mod ids;
 pub mod lead;
 pub mod mesh;
 mod mesh_cut;

@@ -8,18 +8,20 @@
 use super::abc;
 use super::chunks::Chunks;
 use super::error::FormatError;
+use super::file_ids::FileIds;
 use super::hair;
 use super::usd::groom::{
-    CurveSet, Interpolation, Primvar, PrimvarValues, Purpose, Stage, UpAxis, Widths, write_usda,
-    write_usdc,
+    CurveSet, Interpolation, Primvar, PrimvarValues, Purpose, Skin, Stage, UpAxis, Widths,
+    write_usda, write_usdc,
 };
 use crate::data::attributes::{
     self as a, Column, ID, Item, PARENT, PARTING, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, View};
 use crate::data::scalp::Scalp;
+use crate::maths::hair_colour::{absorption_of, pigment_of};
 use glam::{Vec2, Vec3};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Seek, Write};
 use std::sync::Arc;
 
@@ -54,6 +56,8 @@ pub struct About {
     pub graph_hash: String,
     /// The seed it ran with.
     pub seed: u64,
+    /// Names of the sections of scalps, by id; curves in a section have its name beside its number ([`SECTION_NAME`]).
+    pub sections: BTreeMap<u64, String>,
 }
 
 /// A file format that grooms are written in.
@@ -84,7 +88,7 @@ impl Format {
     pub const EXTENSIONS: &str = ".usda, .usdc, .abc, .hair";
 }
 
-/// Writes groups in a format. Alembic holds the meshes of `heads` too. Whether somebody asks to stop is looked at from one attribute
+/// Writes groups in a format. USD and Alembic hold the meshes of `heads` too. Whether somebody asks to stop is looked at from one attribute
 /// to the next while they are gathered; after that by `out`, which fails then.
 ///
 /// # Errors
@@ -101,6 +105,8 @@ pub fn write(
         return write_hair(groups, about, out);
     }
     let places = places(groups);
+    // Of all groups, so that every format has the same.
+    let ids = FileIds::of(groups, &|| go_on(is_cancelled))?;
     let is_written = |group: &Group| format != Format::Abc || !is_left_out_of_abc(group, groups);
     let stage = Stage {
         name: about.title.clone(),
@@ -113,9 +119,11 @@ pub fn write(
         groups: groups
             .iter()
             .zip(&places)
-            .filter(|(group, _)| is_written(group))
-            .map(|(group, place)| curve_set(group, place, is_cancelled))
+            .enumerate()
+            .filter(|(_, (group, _))| is_written(group))
+            .map(|(nth, (group, place))| curve_set(group, place, (nth, &ids), about, is_cancelled))
             .collect::<Result<_, FormatError>>()?,
+        skins: heads.iter().map(|head| skin(head)).collect(),
     };
     match format {
         Format::Usda => write_usda(&stage, out),
@@ -151,7 +159,12 @@ pub const ADDED: &[(&str, &str, &str, &str)] = &[
          hair of their name, else that of the first.",
     ),
     ("groom_group_name", "string", "constant", "Name of that group."),
-    ("groom_id", "int", "uniform", "`id`, folded to 31 bits without repeats, as `id` in files is."),
+    (
+        "groom_id",
+        "int",
+        "uniform",
+        "`id`, folded to 31 bits without repeats in the whole file, as `id` in files is.",
+    ),
     (
         "groom_root_uv",
         "float2",
@@ -193,14 +206,14 @@ pub fn is_left_out_of_abc(group: &Group, groups: &[Group]) -> bool {
 }
 
 /// What is written beside the attributes of a group, but for names that it has attributes of.
-fn added<'c>(curves: &'c Curves, guides: bool, place: &Place) -> Vec<Primvar<'c>> {
+fn added<'c>(curves: &'c Curves, guides: bool, place: &Place, ids: &[i32]) -> Vec<Primvar<'c>> {
     use Interpolation::{Constant, Uniform};
     let int = |value: i32| PrimvarValues::Int(vec![value].into());
     let mut added = vec![
         ("groom_guide", Constant, int(i32::from(guides))),
         ("groom_group_id", Constant, int(place.id)),
         ("groom_group_name", Constant, PrimvarValues::Text(vec![place.name.clone()])),
-        ("groom_id", Uniform, PrimvarValues::Int(unique_ids(curves).into())),
+        ("groom_id", Uniform, PrimvarValues::Int(ids.to_vec().into())),
     ];
     let uvs: Vec<Vec2> =
         curves.each().map(|(t, i)| t.view(ROOT_UV).at(i, t.range(i).start)).collect();
@@ -215,25 +228,31 @@ fn added<'c>(curves: &'c Curves, guides: bool, place: &Place) -> Vec<Primvar<'c>
         .collect()
 }
 
+fn go_on(is_cancelled: &dyn Fn() -> bool) -> Result<(), FormatError> {
+    if is_cancelled() { Err(FormatError::at("file", "interrupted")) } else { Ok(()) }
+}
+
 fn curve_set<'c>(
     group: &'c Group,
     place: &Place,
+    (nth, ids): (usize, &FileIds),
+    about: &About,
     is_cancelled: &dyn Fn() -> bool,
 ) -> Result<CurveSet<'c>, FormatError> {
-    let check = || match is_cancelled() {
-        true => Err(FormatError::at("file", "interrupted")),
-        false => Ok(()),
-    };
+    let check = || go_on(is_cancelled);
+    let own = ids.of_group(nth);
     let tufts = group.curves.tufts();
     let names: BTreeSet<&str> =
         tufts.iter().flat_map(|t| t.attributes()).map(|a| a.name.as_ref()).collect();
     let mut primvars: Vec<Primvar> = vec![];
     for name in names.into_iter().filter(|name| *name != WIDTH.name) {
         check()?;
-        primvars.extend(primvar(&group.curves, name));
+        primvars.extend(primvar(&group.curves, name, &own, ids));
     }
     check()?;
-    primvars.extend(added(&group.curves, group.guides, place));
+    primvars.extend(beside(&group.curves, &about.sections));
+    check()?;
+    primvars.extend(added(&group.curves, group.guides, place, &own));
     check()?;
     Ok(CurveSet {
         name: group.name.clone(),
@@ -249,6 +268,92 @@ fn curve_set<'c>(
         primvars,
         color: mean_colour(&group.curves),
     })
+}
+
+/// The mesh of a head.
+fn skin(head: &Scalp) -> Skin<'_> {
+    let surface = head.surface();
+    Skin {
+        name: "skin".into(),
+        points: &surface.points,
+        triangles: &surface.triangles,
+        uvs: head.uvs(),
+    }
+}
+
+/// Name of the primvar that holds names of sections.
+pub const SECTION_NAME: &str = "section_name";
+
+/// What is written for lookdev beside attributes: name and meaning.
+pub const LOOKDEV: &[(&str, &str)] = &[
+    (
+        "pref",
+        "Where the point rests: the groom as it was made, cm. For textures and noises that stay on moving hair.",
+    ),
+    (
+        "melanin",
+        "Pigment, 0 (white) to 1 (black), that gives `displayColor`. Not there where dye or paint colours hair.",
+    ),
+    ("redness", "How much of that pigment is red, 0 to 1."),
+    (SECTION_NAME, "Name of the section that `section` is the number of; empty: none."),
+];
+
+/// What is written for lookdev, but for names that the curves have attributes of.
+fn beside<'c>(curves: &'c Curves, sections: &BTreeMap<u64, String>) -> Vec<Primvar<'c>> {
+    let rest = curves.tufts().iter().map(|t| t.points()).collect();
+    let rest = (Interpolation::Vertex, PrimvarValues::Point(rest));
+    let mut all = vec![("pref", rest)];
+    if let Some((how, melanin, redness)) = pigment(curves) {
+        all.push(("melanin", (how, PrimvarValues::Float(melanin.into()))));
+        all.push(("redness", (how, PrimvarValues::Float(redness.into()))));
+    }
+    all.extend(section_names(curves, sections).map(|names| (SECTION_NAME, names)));
+    let is_free = |name: &str| curves.tufts().iter().all(|t| t.attribute(name).is_none());
+    all.into_iter()
+        .filter(|(name, _)| is_free(name))
+        .map(|(name, (interpolation, values))| Primvar { name: name.into(), interpolation, values })
+        .collect()
+}
+
+/// Melanin and redness of coloured curves, spread as their colours are; none where something else than pigment colours any.
+fn pigment(curves: &Curves) -> Option<(Interpolation, Vec<f32>, Vec<f32>)> {
+    /// Colours are this near to those of pigment where nothing else made them.
+    const NEAR: f32 = 2e-3;
+    curves.tufts().iter().find(|t| t.attribute(a::COLOUR.name).is_some())?;
+    let (how, colours) = values(curves, a::COLOUR.name, a::COLOUR.default);
+    let (mut melanin, mut redness) = (vec![], vec![]);
+    for colour in colours.values() {
+        let (m, r, missed) = pigment_of(absorption_of(*colour));
+        if missed > NEAR {
+            return None;
+        }
+        melanin.push(m);
+        redness.push(r);
+    }
+    Some((how, melanin, redness))
+}
+
+/// The section's name of each curve, where the curves know their sections and these have names.
+fn section_names<'c>(
+    curves: &Curves,
+    sections: &BTreeMap<u64, String>,
+) -> Option<(Interpolation, PrimvarValues<'c>)> {
+    curves.tufts().iter().find(|t| t.attribute(a::SECTION.name).is_some())?;
+    if sections.is_empty() {
+        return None;
+    }
+    let mut names: Vec<String> = vec![];
+    let mut numbers: BTreeMap<&str, i32> = BTreeMap::new();
+    let mut number = |id: u64| {
+        let name = sections.get(&id).map_or("", String::as_str);
+        *numbers.entry(name).or_insert_with(|| {
+            names.push(name.replace(char::is_control, "_"));
+            names.len() as i32 - 1
+        })
+    };
+    let of = |(t, i): (&Tuft, usize)| t.view(a::SECTION).at(i, t.range(i).start);
+    let indices: Vec<i32> = curves.each().map(|one| number(of(one))).collect();
+    Some((Interpolation::Uniform, PrimvarValues::Named(names, indices.into())))
 }
 
 fn counts(curves: &Curves) -> Chunks<'static, i32> {
@@ -316,13 +421,24 @@ fn spread<'c, T: Item>(curves: &'c Curves, name: &str, default: T) -> Chunks<'c,
     chunks
 }
 
-fn primvar<'c>(curves: &'c Curves, name: &str) -> Option<Primvar<'c>> {
+fn primvar<'c>(curves: &'c Curves, name: &str, own: &[i32], ids: &FileIds) -> Option<Primvar<'c>> {
     let sample = curves.tufts().iter().find_map(|t| t.attribute(name))?;
     let of = |interpolation, values| {
         Some(Primvar { name: file_name(name).to_owned(), interpolation, values })
     };
+    // What all curves have as they would without it says nothing.
+    if name != a::COLOUR.name && a::DECLARED.iter().any(|(declared, ..)| *declared == name) {
+        let default = a::default_of(name, &sample.values);
+        let says_nothing = |tuft: &Arc<Tuft>| match tuft.attribute(name) {
+            Some(own) => own.values == default,
+            None => true,
+        };
+        if curves.tufts().iter().all(says_nothing) {
+            return None;
+        }
+    }
     if name == ID.name {
-        return of(Interpolation::Uniform, PrimvarValues::Int(unique_ids(curves).into()));
+        return of(Interpolation::Uniform, PrimvarValues::Int(own.to_vec().into()));
     }
     match &sample.values {
         Column::F32(_) => {
@@ -335,7 +451,7 @@ fn primvar<'c>(curves: &'c Curves, name: &str) -> Option<Primvar<'c>> {
         }
         Column::U64(_) => {
             let (how, v) = values::<u64>(curves, name, missing(name, &sample.values)?);
-            let folded: Vec<i32> = v.values().map(|id| fold(*id)).collect();
+            let folded: Vec<i32> = v.values().map(|id| ids.number(*id)).collect();
             of(how, PrimvarValues::Int(folded.into()))
         }
         Column::Vec2(_) => {
@@ -357,39 +473,6 @@ fn primvar<'c>(curves: &'c Curves, name: &str) -> Option<Primvar<'c>> {
 /// What curves without the attribute have.
 fn missing<T: Item>(name: &str, like: &Column) -> Option<T> {
     T::values(&a::default_of(name, like))?.first().copied()
-}
-
-/// A stable id in the 31 bits that `int` primvars have. 0, which means none, stays 0, and nothing else becomes it.
-fn fold(id: u64) -> i32 {
-    let folded = ((id ^ (id >> 33)) & 0x7FFF_FFFF) as i32;
-    if id == 0 { 0 } else { folded.max(1) }
-}
-
-/// Folded ids, one a curve, without repeats: among 100,000 about two pairs collide, and the larger full id of a pair
-/// takes the next free number, whatever the order of the curves.
-fn unique_ids(curves: &Curves) -> Vec<i32> {
-    let ids: Vec<u64> = curves.each().map(|(t, i)| t.id(i)).collect();
-    let mut out: Vec<i32> = ids.iter().map(|id| fold(*id)).collect();
-    let mut sorted: Vec<(i32, u64, u32)> =
-        out.iter().zip(&ids).zip(0..).map(|((folded, id), i)| (*folded, *id, i)).collect();
-    sorted.sort_unstable();
-    let repeats: Vec<u32> =
-        sorted.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].2).collect();
-    if !repeats.is_empty() {
-        let mut taken: BTreeSet<i32> = sorted.iter().map(|s| s.0).collect();
-        // Those of one number follow each other, and below the last that was given nothing is free.
-        let (mut of, mut free) = (-1, 0);
-        for i in repeats {
-            if out[i as usize] != of {
-                (of, free) = (out[i as usize], out[i as usize]);
-            }
-            while !taken.insert(free) {
-                free = if free == i32::MAX { 1 } else { free + 1 };
-            }
-            out[i as usize] = free;
-        }
-    }
-    out
 }
 
 fn write_hair(groups: &[Group], about: &About, out: &mut impl Write) -> Result<(), FormatError> {
@@ -452,6 +535,7 @@ mod tests {
                 generator: "test".into(),
                 graph_hash: String::new(),
                 seed: 0,
+                sections: BTreeMap::new(),
             };
             let mut file = std::io::Cursor::new(vec![]);
             write(Format::Usdc, &[group("one"), group("two")], &[], &about, &mut file, &|| false)
@@ -467,7 +551,9 @@ mod tests {
                     (wanted, if *name == ID.name { 2 } else { n }),
                     "{name} {ty}"
                 );
-                assert_eq!(one.values, two.values, "{name} is the same in every prim");
+                // But for ids, which the second has anew.
+                let same = one.values == two.values;
+                assert_eq!(same, *name != ID.name, "{name} is the same in every prim");
             }
         }
     }
@@ -487,6 +573,7 @@ mod tests {
             generator: "test".into(),
             graph_hash: String::new(),
             seed: 0,
+            sections: BTreeMap::new(),
         };
         let written = |format: Format, group: &Group| {
             let mut file = std::io::Cursor::new(vec![]);
@@ -527,35 +614,5 @@ mod tests {
             let [id] = of("groom_group_id")[..] else { panic!("{format:?}") };
             assert_eq!(id.values, super::super::usd::read::ReadValues::Int(vec![42]));
         }
-    }
-
-    #[test]
-    fn curves_without_ids_are_numbered_in_no_time() {
-        let mut b = TuftBuilder::new();
-        (0..100_000).for_each(|_| b.push_curve(&[Vec3::ZERO, Vec3::Y]));
-        let curves = Curves::new(b.build().split());
-        // Each searched from 0 on for a free number, which is 5,000,000,000 looks.
-        assert!(unique_ids(&curves).into_iter().eq(0..100_000));
-    }
-
-    #[test]
-    fn an_id_never_folds_to_none() {
-        assert_eq!(fold(0), 0);
-        for id in [1 << 31, 1 | 1 << 33, 5, u64::MAX] {
-            assert!(fold(id) > 0, "{id:x}");
-        }
-    }
-
-    #[test]
-    fn folded_ids_never_repeat() {
-        let mut b = TuftBuilder::new();
-        for _ in 0..4 {
-            b.push_curve(&[Vec3::ZERO, Vec3::Y]);
-        }
-        // Bits 31 and 32 do not reach the folded id: these three collide.
-        b.set(ID, Domain::Curve, vec![5, 5 | 1 << 31, 5 | 1 << 32, 6]);
-        let ids = unique_ids(&Curves::new(vec![Arc::new(b.build())]));
-        let set: BTreeSet<i32> = ids.iter().copied().collect();
-        assert_eq!((set.len(), ids[0]), (4, 5));
     }
 }

@@ -5,6 +5,7 @@ pub mod chunks;
 pub mod conform;
 pub mod error;
 pub mod export;
+mod file_ids;
 pub mod gltf;
 pub mod hair;
 pub mod looks;

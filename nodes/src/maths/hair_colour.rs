@@ -38,6 +38,26 @@ pub fn absorption_of_melanin(melanin: f32, redness: f32) -> Vec3 {
     EUMELANIN.lerp(PHEOMELANIN, redness.clamp(0.0, 1.0)) * pigment
 }
 
+/// Melanin and redness that absorb `sigma`, and by what share of it the nearest pigment misses it: 0 where pigment alone colours
+/// the hair, much where dye does. The inverse of [`absorption_of_melanin`], by least squares; white hair has no redness.
+pub fn pigment_of(sigma: Vec3) -> (f32, f32, f32) {
+    let (e, p) = (EUMELANIN, PHEOMELANIN);
+    let (ee, ep, pp) = (e.dot(e), e.dot(p), p.dot(p));
+    let (es, ps) = (e.dot(sigma), p.dot(sigma));
+    let det = ee * pp - ep * ep;
+    let (brown, red) = (((es * pp - ps * ep) / det).max(0.0), ((ps * ee - es * ep) / det).max(0.0));
+    // Where one of them would be less than nothing, the other alone is nearest.
+    let (brown, red) = match (brown > 0.0, red > 0.0) {
+        (true, false) => (es / ee, 0.0),
+        (false, true) => (0.0, ps / pp),
+        _ => (brown, red),
+    };
+    let pigment = brown + red;
+    let missed = (e * brown + p * red).distance(sigma) / sigma.length().max(1e-3);
+    let redness = if pigment > 1e-6 { red / pigment } else { 0.0 };
+    (1.0 - exp(-pigment), redness, missed)
+}
+
 /// The colour, linear Rec.709, of hair that absorbs `sigma`; negative absorption is none.
 pub fn colour_of(sigma: Vec3) -> Vec3 {
     let d = steepness(ROUGHNESS);
@@ -69,6 +89,24 @@ mod tests {
     fn near(got: Vec3, want: Vec3) {
         let off = ((got - want) / want.max(Vec3::splat(1e-6))).abs().max_element();
         assert!(off < 1e-4, "{got} {want}");
+    }
+
+    #[test]
+    fn pigment_is_found_again_in_what_it_absorbs_and_in_its_colour() {
+        for melanin in [0.02, 0.3, 0.6, 0.87, 0.97] {
+            for redness in [0.0, 0.1, 0.5, 0.9, 1.0] {
+                let sigma = absorption_of_melanin(melanin, redness);
+                for sigma in [sigma, absorption_of(colour_of(sigma))] {
+                    let (m, r, missed) = pigment_of(sigma);
+                    assert!((m - melanin).abs() < 1e-3, "{melanin} {redness}: {m}");
+                    assert!((r - redness).abs() < 1e-2, "{melanin} {redness}: {r}");
+                    assert!(missed < 1e-3, "{melanin} {redness}: {missed}");
+                }
+            }
+        }
+        // Blue is no pigment's colour; what absorbs nothing is white.
+        assert!(pigment_of(absorption_of(Vec3::new(0.01, 0.02, 0.6))).2 > 0.3);
+        assert_eq!(pigment_of(Vec3::ZERO), (0.0, 0.0, 0.0));
     }
 
     #[test]

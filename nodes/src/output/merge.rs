@@ -5,9 +5,9 @@
 
 use crate::data::attributes::{Domain, ID};
 use crate::data::curves::{Curves, Tuft};
+use crate::data::ids::renewed;
 use crate::define::{NodeError, node};
 use crate::eval::{EvalCx, Size};
-use crate::maths::hash::curve_id;
 use std::sync::Arc;
 
 node! {
@@ -29,40 +29,20 @@ node! {
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     cx.may_make(&Size::as_many(&inputs.curves))?;
     let tufts: Vec<&Arc<Tuft>> = inputs.curves.iter().flat_map(|c| c.tufts()).collect();
-    let mut seen: Vec<(u64, u32, u32)> = vec![];
-    for (t, tuft) in (0..).zip(&tufts) {
+    let (mut ids, mut of) = (vec![], vec![]);
+    for (t, tuft) in (0u32..).zip(&tufts) {
         cx.check()?;
-        let ids = tuft.view(ID);
-        let first = |i: usize| tuft.offsets()[i] as usize;
-        seen.extend((0..tuft.len()).map(|i| (ids.at(i, first(i)), t, i as u32)));
+        ids.extend((0..tuft.len()).map(|i| tuft.id(i)));
+        of.extend((0..tuft.len()).map(|i| (t, i as u32)));
     }
-    cx.check()?;
-    seen.sort_unstable();
-    cx.check()?;
-    // Later curves of one id, and all that have none.
-    let repeated: Vec<(u64, u32, u32, u64)> = {
-        let mut before = 0;
-        let mut nth = |at: usize| {
-            before = if at > 0 && seen[at - 1].0 == seen[at].0 { before + 1 } else { 0 };
-            before
-        };
-        let all = (0..seen.len()).map(|at| (seen[at].0, seen[at].1, seen[at].2, nth(at)));
-        all.filter(|(id, .., nth)| *nth > 0 || *id == 0).collect()
-    };
-    if repeated.is_empty() {
+    let fresh = renewed(&ids, || cx.check())?;
+    if fresh.is_empty() {
         return Ok(Outputs { curves: Curves::new(tufts.into_iter().cloned().collect()) });
     }
-    let mut fresh: Vec<(u32, u32, u64)> = vec![];
-    let mut given = std::collections::BTreeSet::new();
-    for (n, (id, tuft, curve, nth)) in repeated.iter().enumerate() {
-        if n.is_multiple_of(4096) {
-            cx.check()?;
-        }
-        let taken = |id: u64| seen.binary_search_by(|one| one.0.cmp(&id)).is_ok();
-        let new = fresh_id(*id, *nth, |new| !taken(*new) && given.insert(*new));
-        fresh.push((*tuft, *curve, new));
-    }
-    fresh.sort_unstable();
+    let none = fresh.iter().filter(|(at, _)| ids[*at as usize] == 0).count();
+    let twice = fresh.len() - none;
+    let fresh: Vec<(u32, u32, u64)> =
+        fresh.into_iter().map(|(at, new)| (of[at as usize].0, of[at as usize].1, new)).collect();
     let mut out: Vec<Arc<Tuft>> = tufts.into_iter().cloned().collect();
     for group in fresh.chunk_by(|a, b| a.0 == b.0) {
         cx.check()?;
@@ -73,8 +53,6 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         edit.set(ID, Domain::Curve, ids);
         *tuft = Arc::new(edit.build());
     }
-    let none = repeated.iter().filter(|(id, ..)| *id == 0).count();
-    let twice = repeated.len() - none;
     for (lot, text) in [(twice, "came in with an id that another has"), (none, "had no id")] {
         match lot {
             0 => {}
@@ -84,15 +62,6 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     }
     Ok(Outputs { curves: Curves::new(out) })
 }
-
-/// A new id for the `nth` curve of one id: the first that `takes` takes. Each try is another id of this curve. The new id of the
-/// one that was taken would be taken, too, where lots were merged with themselves again and again: a walk along all of them.
-fn fresh_id(id: u64, nth: u64, takes: impl FnMut(&u64) -> bool) -> u64 {
-    (0..).map(|k| curve_id(id, MERGED + k, nth)).find(takes).unwrap_or_default()
-}
-
-/// Stands for "made by merging" among seed tags; the tries of one curve follow.
-const MERGED: u64 = 0x6D65_7267_6500;
 
 #[cfg(test)]
 mod tests {
@@ -139,24 +108,6 @@ mod tests {
         check(&[&[1, 2, 3], &[1, 2], &[1, 2]], &[many]);
         check(&[&[0, 2], &[0]], &["2 curves had no id and got new ones"]);
         check(&[], &[]);
-    }
-
-    #[test]
-    fn lots_merged_with_themselves_again_and_again_find_new_ids_in_as_many_tries_as_merges() {
-        let mut ids = BTreeSet::from([1u64, 2, 3]);
-        let (mut tries, mut asked) = (0, 0);
-        for merge in 0..10 {
-            for id in ids.clone() {
-                fresh_id(id, 1, |new| {
-                    tries += 1;
-                    ids.insert(*new)
-                });
-                asked += 1;
-            }
-            assert_eq!(ids.len(), 3 << (merge + 1));
-        }
-        // An id of the first lot has had a new one made of it in each merge before, 9 at most.
-        assert!(tries <= 10 * asked, "{tries} tries for {asked} ids");
     }
 
     #[test]

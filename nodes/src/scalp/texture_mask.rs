@@ -17,7 +17,7 @@ node! {
         words "texture map image picture png tiff tif uv paint weight density length mari substance ptex grey";
     inputs {
         /// A PNG or TIFF file of 8 or 16 bits. No colour space is applied: a mask is data.
-        file: Option<Arc<FileData>>, words("image picture map path");
+        file: Arc<FileData>, words("image picture map path");
         /// The head, with uvs.
         scalp: Arc<Scalp>;
         /// Which number of its pixels is read.
@@ -48,9 +48,7 @@ choice! {
 }
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let Some(file) = &inputs.file else {
-        return Err(NodeError::failed("no picture is given: set file to a PNG or TIFF"));
-    };
+    let file = &inputs.file;
     let refused = |reason: String| NodeError::Refused { file: file.path.clone(), reason };
     let Some(uvs) = inputs.scalp.uvs() else {
         return Err(NodeError::failed(

@@ -50,6 +50,7 @@ fn exported(format: Format, groups: &[Group]) -> Vec<u8> {
         generator: "coif tests".into(),
         graph_hash: "00ff".into(),
         seed: 7,
+        sections: Default::default(),
     };
     let mut file = Cursor::new(vec![]);
     export::write(format, groups, &[], &about, &mut file, &|| false).unwrap();

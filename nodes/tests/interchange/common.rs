@@ -70,6 +70,7 @@ pub(crate) fn sample_stage<'a>(strands: &'a Tufts, guides: &'a Tufts) -> Stage<'
         seed: u64::MAX - 1,
         meters_per_unit: 0.01,
         up_axis: UpAxis::Y,
+        skins: vec![],
         groups: vec![
             strand_set(strands),
             CurveSet {

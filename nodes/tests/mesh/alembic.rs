@@ -20,8 +20,13 @@ fn file(n: usize, more: usize) -> Vec<u8> {
         b.set_column(Attribute { name, domain: Domain::Point, values });
     }
     let curves = Curves::new(vec![Arc::new(b.build())]);
-    let about =
-        About { title: "x".into(), generator: "x".into(), graph_hash: String::new(), seed: 0 };
+    let about = About {
+        title: "x".into(),
+        generator: "x".into(),
+        graph_hash: String::new(),
+        seed: 0,
+        sections: Default::default(),
+    };
     let mut out = std::io::Cursor::new(vec![]);
     let group = Group { name: "hair".into(), guides: false, curves };
     write(Format::Abc, &[group], &[], &about, &mut out, &|| false).unwrap();

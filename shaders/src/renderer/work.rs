@@ -431,7 +431,11 @@ impl Renderer {
         }
         for run in &self.solids.runs {
             let (from, to) = (run.triangles.start.max(first), run.triangles.end.min(last));
-            if from >= to {
+            let from_below = |height: f32| match self.camera.orthographic {
+                Some(_) => self.camera.ahead().y > 0.0,
+                None => self.camera.eye.y < height,
+            };
+            if from >= to || run.ground.is_some_and(from_below) {
                 continue;
             }
             match &run.maps {

@@ -8,5 +8,6 @@ mod hero;
 mod laws;
 mod light;
 mod openusd;
+mod pages;
 mod shipped;
 mod sketches;

@@ -1,9 +1,10 @@
 //! Each shipped groom, evaluated once a head: its report, and what `coif measure` finds in the written file alone.
 
+use super::pages::primvars;
 use coif_graphs::grooms;
 use coif_tests::{Folder, RealHead, eval, run};
 use serde_json::Value as Json;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::{Mutex, OnceLock};
 
@@ -13,6 +14,8 @@ pub(crate) struct Shipped {
     pub(crate) report: Json,
     /// What was measured, a prim each.
     pub(crate) prims: Vec<Json>,
+    /// Name, type and interpolation of all primvars of its file.
+    pub(crate) primvars: BTreeSet<(String, String, String)>,
 }
 
 impl Shipped {
@@ -45,5 +48,5 @@ pub(crate) fn evaluate(name: &str, head: Option<&RealHead>, more: &[&str]) -> Sh
     let ran = run(["measure", &out, "--json", "--scalp", mesh]);
     assert_eq!(ran.code, 0, "{name}: {}", ran.err);
     let prims = serde_json::from_str(&ran.out).unwrap_or_else(|err| panic!("{name}: {err}"));
-    Shipped { report, prims }
+    Shipped { report, prims, primvars: primvars(folder.path("groom.usdc").as_path()) }
 }

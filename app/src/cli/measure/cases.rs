@@ -354,3 +354,26 @@ fn hair_that_dives_between_its_points_is_found() {
     assert_eq!(found.too_deep, 1);
     assert!(found.deepest_cm > 3.0, "{}", found.deepest_cm);
 }
+
+#[test]
+fn an_id_that_curves_of_two_prims_have_breaks_the_law_of_both() {
+    let prim = |name: &str, ids: &str| {
+        format!(
+            "def BasisCurves \"{name}\" {{ point3f[] points = [(0,0,0),(0,1,0),(1,0,0),(1,1,0)]\n int[] curveVertexCounts = \
+             [2, 2]\n {ids} }}\n"
+        )
+    };
+    let ids = |ids: &str| format!("int[] primvars:id = [{ids}] (interpolation = \"uniform\")");
+    let text = format!(
+        "{}{}{}",
+        prim("a", &ids("7, 8")),
+        prim("b", &ids("9, 8")),
+        prim("c", "") + &prim("d", &ids("1, 2"))
+    );
+    let found = measured(&text);
+    // 8 is the second curve of both a and b; c has no ids, and nothing is wrong with d.
+    let shared: Vec<_> = found.iter().map(|m| m.ids_elsewhere).collect();
+    assert_eq!(shared, [Some(1), Some(1), None, Some(0)]);
+    let law: Vec<_> = found.iter().map(|m| m.laws.get("ids do not repeat").copied()).collect();
+    assert_eq!(law, [Some(false), Some(false), None, Some(true)]);
+}

@@ -25,7 +25,8 @@ mod ties;
 mod word;
 mod words;
 
-use super::{Exit, complain, ending, extension_of, print, shown};
+use super::{Exit, complain, complain_of, ending, extension_of, print, print_plain, shown};
+use crate::words::plain_json;
 use clap::Args;
 use coif_graphs::schedule::files::{DiskFiles, Files};
 use coif_nodes::data::scalp::Scalp;
@@ -86,6 +87,8 @@ struct Measured {
     reading_difference_cm: Option<f32>,
     /// Curves whose id another curve has too; null where the file has no ids.
     repeated_ids: Option<usize>,
+    /// Curves whose id a curve of another prim of the file has too; null where the prim has no ids.
+    ids_elsewhere: Option<usize>,
     braids: Option<braids::Braids>,
     sections: Option<parted::BySection>,
     partings: Option<parted::Parted>,
@@ -156,9 +159,10 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
     // A prim may say that it has none.
     let is_bald = stage.curves.iter().all(|curves| curves.counts.is_empty());
     // The report says the rest.
-    for what in left_out.iter().filter(|what| what.broken || is_bald) {
-        complain(format!("{}: not read: {}", shown(&args.file), what.in_words()));
-    }
+    let of_note = left_out.iter().filter(|what| what.broken || is_bald);
+    let of_note =
+        of_note.map(|what| format!("{}: not read: {}", shown(&args.file), what.in_words()));
+    complain_of(of_note.collect());
     if is_bald {
         let none = if left_out.is_empty() {
             "there are no curves in it"
@@ -173,11 +177,11 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
     };
     let all = measure(&stage, scalp.as_deref());
     let printed = if args.json {
-        print(&serde_json::to_string_pretty(&all).unwrap_or_default())
+        print(&plain_json(&serde_json::to_string_pretty(&all).unwrap_or_default()))
     } else {
         let left_out = left_out.iter().map(|what| format!("not read: {}", what.in_words()));
         let lines: Vec<String> = all.iter().map(words::in_words).chain(left_out).collect();
-        print(&lines.join("\n"))
+        print_plain(&lines.join("\n"))
     };
     if all.iter().all(|m| m.no_curve == m.curves) {
         complain(format!("{}: there is no curve in it that can be measured", shown(&args.file)));
@@ -206,6 +210,8 @@ fn read_scalp(path: &PathBuf) -> Result<Arc<Scalp>, String> {
     }
 }
 
+/// In the whole file.
+const UNIQUE: &str = "ids do not repeat";
 const DEEPER: &str = "nothing is deeper under the skin than allowed";
 const ROOTED: &str = "roots lie on the scalp to 0.001 cm";
 
@@ -214,8 +220,30 @@ fn measure(stage: &ReadStage, scalp: Option<&Scalp>) -> Vec<Measured> {
     let partings = Partings::of(&prims);
     let hair = prims.iter().filter(|p| !p.is_guides()).map(|p| p.read.points.len()).sum();
     let left_out: Vec<NotRead> = stage.left_out.iter().map(NotRead::new).collect();
-    let all = prims.iter().map(|prim| of_prim(prim, partings.as_ref(), hair, scalp));
-    all.map(|measured| Measured { left_out: left_out.clone(), ..measured }).collect()
+    let elsewhere = ids_elsewhere(&prims);
+    let all = prims.iter().zip(elsewhere).map(|(prim, ids_elsewhere)| {
+        let mut measured = of_prim(prim, partings.as_ref(), hair, scalp);
+        if ids_elsewhere.is_some_and(|shared| shared > 0) {
+            measured.laws.insert(UNIQUE, false);
+        }
+        Measured { left_out: left_out.clone(), ids_elsewhere, ..measured }
+    });
+    all.collect()
+}
+
+/// For each prim that has ids, how many of its curves share theirs with a curve of another.
+fn ids_elsewhere(prims: &[Prim]) -> Vec<Option<usize>> {
+    let ids: Vec<Option<Vec<i64>>> = prims.iter().map(|prim| prim.whole("id")).collect();
+    let of_prim = |(p, ids): (usize, &Option<Vec<i64>>)| {
+        ids.iter().flatten().map(|id| (*id, p)).collect::<Vec<_>>()
+    };
+    let mut all: Vec<(i64, usize)> = ids.iter().enumerate().flat_map(of_prim).collect();
+    all.sort_unstable();
+    let mut shared: Vec<Option<usize>> = ids.iter().map(|ids| ids.as_ref().map(|_| 0)).collect();
+    for same in all.chunk_by(|a, b| a.0 == b.0).filter(|same| same[0].1 != same[same.len() - 1].1) {
+        same.iter().for_each(|(_, p)| *shared[*p].get_or_insert(0) += 1);
+    }
+    shared
 }
 
 /// Figures of every curve, joined over parts of a prim.
@@ -290,6 +318,7 @@ fn of_prim(
         spacing_ratio: shapes.spacing,
         reading_difference_cm: (read.form.basis == Basis::CatmullRom).then_some(shapes.difference),
         repeated_ids,
+        ids_elsewhere: None,
         braids: braids::measure(prim, scalp),
         sections: parted::by_section(prim),
         partings: None,
@@ -325,7 +354,7 @@ impl Measured {
             laws.insert("both readings of every curve agree to 0.001 cm", difference <= AGREE);
         }
         if let Some(repeated) = self.repeated_ids {
-            laws.insert("ids do not repeat", repeated == 0);
+            laws.insert(UNIQUE, repeated == 0);
         }
         if let Some(braids) = &self.braids {
             laws.insert("braids are woven all along as they begin", braids.broken_words == 0);

@@ -24,6 +24,14 @@ pub(super) fn in_words(m: &Measured) -> String {
     if let Some([lo, hi]) = m.width_cm {
         text += &format!("  width {lo} to {hi} cm\n");
     }
+    for (count, text_of) in [
+        (m.repeated_ids, "have the id of another"),
+        (m.ids_elsewhere, "have an id that a curve of another prim has"),
+    ] {
+        if let Some(count) = count.filter(|count| *count > 0) {
+            text += &format!("  {count} curves {text_of}\n");
+        }
+    }
     text += &format!("  neighbouring segments at most {} : 1", f(m.spacing_ratio));
     text += &match m.reading_difference_cm {
         Some(difference) => format!(", readings differ by {difference} cm\n"),

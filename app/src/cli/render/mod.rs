@@ -30,7 +30,7 @@ use coif_shaders::light::Rig;
 use coif_shaders::picture::Samples;
 use coif_shaders::surface::{RootGrid, Solid};
 use coif_shaders::view::{Paint, Shading, View};
-use coif_shaders::{Gpu, Look, Model, Precision, Renderer, chart};
+use coif_shaders::{Gpu, Look, Material, Model, Precision, Renderer, chart};
 use options::{Format, Series, within};
 use place::Place;
 use std::cell::Cell;
@@ -108,6 +108,9 @@ pub(crate) struct RenderArgs {
     /// Only hair
     #[arg(long)]
     no_head: bool,
+    /// No ground under the head; from below none is drawn anyway
+    #[arg(long)]
+    no_floor: bool,
     /// Write what was made, and what happened, as JSON to a file (- for stdout)
     #[arg(long, value_name = "FILE|-")]
     report: Option<PathBuf>,
@@ -278,6 +281,7 @@ pub(crate) fn run(args: &RenderArgs) -> Exit {
         &args.groom.graph,
         args.report.as_deref(),
         "picture",
+        args.groom.strict,
         |cancel, report, files| draw(args, cancel, report, files),
         summary,
     )
@@ -518,6 +522,9 @@ impl Scene {
             false => scene::heads(&scalps, asked.skin, looks),
         };
         warnings.extend(remarks);
+        if args.no_floor {
+            solids.retain(|solid| solid.material != Material::Ground);
+        }
         let Dressed { drawn, paint, tubes, roots } =
             Dressed::of(&asked.show, &hair, &followed, scalp.as_deref())
                 .map_err(|reason| Stop::failed(format!("--view {}: {reason}", args.view)))?;

@@ -125,7 +125,7 @@ fn curves<'a>(set: &'a CurveSet<'a>) -> Result<Vec<Property<'a>>, FormatError> {
     let mut params: Vec<Property> = vec![];
     for primvar in &set.primvars {
         shape.check_primvar(set, primvar)?;
-        if let PrimvarValues::Text(texts) = &primvar.values
+        if let PrimvarValues::Text(texts) | PrimvarValues::Named(texts, _) = &primvar.values
             && texts.iter().any(|text| text.contains('\0'))
         {
             let place = format!("{}, primvar {}", set.name, primvar.name);
@@ -176,7 +176,10 @@ fn geom_param<'a>(name: String, primvar: &'a Primvar<'a>) -> Property<'a> {
         PrimvarValues::TexCoord(values) => (Pod::F32, 2, "vector", Values::chunks(values)),
         PrimvarValues::Vector(values) => (Pod::F32, 3, "vector", Values::chunks(values)),
         PrimvarValues::Color(values) => (Pod::F32, 3, "rgb", Values::chunks(values)),
+        PrimvarValues::Point(values) => (Pod::F32, 3, "point", Values::chunks(values)),
         PrimvarValues::Text(values) => (Pod::Text, 1, "", Values::texts(values)),
+        // Alembic's readers of grooms know no indices.
+        PrimvarValues::Named(names, indices) => (Pod::Text, 1, "", Values::named(names, indices)),
     };
     Property { name, ..param("", pod, extent, meaning, scope, values) }
 }

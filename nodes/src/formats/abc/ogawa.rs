@@ -86,6 +86,17 @@ impl<'a> Values<'a> {
             texts.iter().flat_map(|text| [text.as_bytes(), &[0]].concat()).collect();
         Self { items: texts.len() as u64, give: Box::new(move |sink| sink(&bytes)) }
     }
+    /// For each index its text.
+    pub(super) fn named(texts: &'a [String], indices: &'a Chunks<'a, i32>) -> Self {
+        let of = |index: &i32| texts.get(*index as usize).map_or("", String::as_str);
+        let give = Box::new(move |sink: &mut Sink| {
+            indices.values().try_for_each(|index| {
+                sink(of(index).as_bytes())?;
+                sink(&[0])
+            })
+        });
+        Self { items: indices.len() as u64, give }
+    }
     /// A long array.
     pub(super) fn chunks<T: bytemuck::NoUninit>(values: &'a Chunks<'a, T>) -> Self {
         Self {

@@ -4,13 +4,14 @@
 //! /Groom                 Xform, kind = component, the default prim
 //!   Strands/<set>        BasisCurves: cubic, catmullRom, pinned
 //!   Guides/<set>         the same with purpose = "guide"
+//!   Skin/<name>          Mesh: the skin that roots are bound to, where it was asked for
 //!   Looks/<set>          Material with a UsdPreviewSurface, bound by the curves
 //! ```
 //!
 //! Guaranteed: the extent is what OpenUSD computes, `interpolation` is only `constant`, `uniform` or
 //! `vertex` (counts of `varying` differ between readers), names are valid and unique, and the same
 //! stage gives the same bytes. Positions and widths are written as they are given: converting units
-//! and axes is the caller's. Nothing is animated.
+//! and axes is the caller's. Nothing is animated. Names that no identifier can hold are kept as `displayName`.
 
 use super::super::{Chunks, FormatError};
 use super::spec::{Attribute, Field, Layer, Prim, Property, Value, Variability};
@@ -38,6 +39,21 @@ pub struct Stage<'a> {
     pub up_axis: UpAxis,
     /// The curves, in file order.
     pub groups: Vec<CurveSet<'a>>,
+    /// Meshes beside them.
+    pub skins: Vec<Skin<'a>>,
+}
+
+/// A mesh of triangles.
+#[derive(Clone, Debug)]
+pub struct Skin<'a> {
+    /// Name of the prim; made valid and unique.
+    pub name: String,
+    /// Corners, in stage units and axes.
+    pub points: &'a [Vec3],
+    /// Counter-clockwise seen from outside, as `skinprim` counts them.
+    pub triangles: &'a [[u32; 3]],
+    /// Texture coordinates of each triangle's corners.
+    pub uvs: Option<&'a [[Vec2; 3]]>,
 }
 
 /// The axis that points up.
@@ -142,8 +158,12 @@ pub enum PrimvarValues<'a> {
     Vector(Chunks<'a, Vec3>),
     /// `color3f[]`, linear
     Color(Chunks<'a, Vec3>),
+    /// `point3f[]`
+    Point(Chunks<'a, Vec3>),
     /// `string[]`
     Text(Vec<String>),
+    /// `string[]` by `indices`: each text once, and the number of its text for each value.
+    Named(Vec<String>, Chunks<'a, i32>),
 }
 
 impl PrimvarValues<'_> {
@@ -153,7 +173,8 @@ impl PrimvarValues<'_> {
             Self::Int64(values) => values.len(),
             Self::Float(values) => values.len(),
             Self::TexCoord(values) => values.len(),
-            Self::Vector(values) | Self::Color(values) => values.len(),
+            Self::Vector(values) | Self::Color(values) | Self::Point(values) => values.len(),
+            Self::Named(_, indices) => indices.len(),
             Self::Text(values) => values.len(),
         }
     }
@@ -187,10 +208,18 @@ pub fn layer<'a>(stage: &'a Stage<'a>) -> Result<Layer<'a>, FormatError> {
     for set in &stage.groups {
         scopes.add(set)?;
     }
+    for skin in &stage.skins {
+        let is_taken = |name: &str| scopes.skins.iter().any(|prim| prim.name == name);
+        let name = unique(identifier(&skin.name), is_taken);
+        scopes.skins.push(mesh(skin, name));
+    }
     let root = Prim {
         name: name.clone(),
         type_name: "Xform",
-        fields: vec![("kind", Value::Token("component".into()))],
+        fields: [("kind", Value::Token("component".into()))]
+            .into_iter()
+            .chain(display_name(&stage.name, &name))
+            .collect(),
         children: scopes.prims(),
         ..Prim::default()
     };
@@ -222,13 +251,14 @@ struct Scopes<'a> {
     root: String,
     strands: Vec<Prim<'a>>,
     guides: Vec<Prim<'a>>,
+    skins: Vec<Prim<'a>>,
     looks: Vec<Prim<'a>>,
 }
 
 impl<'a> Scopes<'a> {
     fn of(root_name: &str) -> Self {
         let root = format!("/{root_name}");
-        Self { root, strands: Vec::new(), guides: Vec::new(), looks: Vec::new() }
+        Self { root, strands: vec![], guides: vec![], skins: vec![], looks: vec![] }
     }
 
     fn add(&mut self, set: &'a CurveSet<'a>) -> Result<(), FormatError> {
@@ -241,12 +271,18 @@ impl<'a> Scopes<'a> {
         let look_name = unique(wanted, |name| self.looks.iter().any(|prim| prim.name == name));
         let look = format!("{}/Looks/{look_name}", self.root);
         scope.push(curves(set, name, &look)?);
-        self.looks.push(material(look_name, &look, set.color));
+        self.looks.push(material(look_name, &look, set));
         Ok(())
     }
 
     fn prims(self) -> Vec<Prim<'a>> {
-        [("Strands", self.strands), ("Guides", self.guides), ("Looks", self.looks)]
+        let scopes = [
+            ("Strands", self.strands),
+            ("Guides", self.guides),
+            ("Skin", self.skins),
+            ("Looks", self.looks),
+        ];
+        scopes
             .into_iter()
             .filter(|(_, children)| !children.is_empty())
             .map(|(name, children)| Prim {
@@ -285,17 +321,49 @@ fn curves<'a>(
         shape.check_primvar(set, primvar)?;
         let name = unique(primvar_name(&primvar.name), |name| names.contains(name));
         names.insert(name.clone());
+        if let PrimvarValues::Named(_, indices) = &primvar.values {
+            let indices = Value::Ints(indices.clone());
+            properties.push(attribute(&format!("primvars:{name}:indices"), "int[]", indices));
+        }
         properties.push(primvar_attribute(primvar, name));
     }
     let targets = vec![material.to_owned()];
     properties.push(Property::Relationship { name: "material:binding", targets });
-    Ok(Prim {
-        name,
-        type_name: "BasisCurves",
-        fields: vec![("apiSchemas", Value::TokensPrepended(vec!["MaterialBindingAPI".into()]))],
-        properties,
-        children: Vec::new(),
-    })
+    let mut fields =
+        vec![("apiSchemas", Value::TokensPrepended(vec!["MaterialBindingAPI".into()]))];
+    fields.extend(display_name(&set.name, &name));
+    Ok(Prim { name, type_name: "BasisCurves", fields, properties, children: Vec::new() })
+}
+
+/// The name as it was given, where an identifier cannot hold it.
+fn display_name<'a>(given: &str, name: &str) -> Option<Field<'a>> {
+    (given != name && !given.is_empty())
+        .then(|| ("displayName", Value::String(given.replace(char::is_control, "_"))))
+}
+
+fn mesh<'a>(skin: &Skin<'a>, name: String) -> Prim<'a> {
+    let corners: &[i32] = bytemuck::cast_slice(skin.triangles.as_flattened());
+    let three = vec![3i32; skin.triangles.len()];
+    let mut properties = vec![
+        uniform_token("subdivisionScheme", "none"),
+        attribute("faceVertexCounts", "int[]", Value::Ints(three.into())),
+        attribute("faceVertexIndices", "int[]", Value::Ints(corners.into())),
+        attribute("points", "point3f[]", Value::Vec3fs(skin.points.into())),
+    ];
+    if !skin.points.is_empty() {
+        let [low, high] = extent(&skin.points.into(), 0.0);
+        properties.push(attribute("extent", "float3[]", Value::Vec3fs(vec![low, high].into())));
+    }
+    if let Some(uvs) = skin.uvs {
+        properties.push(Property::Attribute(Attribute {
+            name: "primvars:st".into(),
+            type_name: "texCoord2f[]",
+            default: Some(Value::Vec2fs(uvs.as_flattened().into())),
+            interpolation: Some("faceVarying"),
+            ..Attribute::default()
+        }));
+    }
+    Prim { name, type_name: "Mesh", properties, ..Prim::default() }
 }
 
 fn widths<'a>(set: &'a CurveSet<'a>) -> Property<'a> {
@@ -320,7 +388,10 @@ fn primvar_attribute<'a>(primvar: &'a Primvar<'a>, name: String) -> Property<'a>
         PrimvarValues::TexCoord(values) => ("texCoord2f[]", Value::Vec2fs(values.clone())),
         PrimvarValues::Vector(values) => ("float3[]", Value::Vec3fs(values.clone())),
         PrimvarValues::Color(values) => ("color3f[]", Value::Vec3fs(values.clone())),
-        PrimvarValues::Text(values) => ("string[]", Value::Strings(values.clone())),
+        PrimvarValues::Point(values) => ("point3f[]", Value::Vec3fs(values.clone())),
+        PrimvarValues::Text(values) | PrimvarValues::Named(values, _) => {
+            ("string[]", Value::Strings(values.clone()))
+        }
     };
     Property::Attribute(Attribute {
         name: format!("primvars:{name}"),
@@ -331,8 +402,8 @@ fn primvar_attribute<'a>(primvar: &'a Primvar<'a>, name: String) -> Property<'a>
     })
 }
 
-/// A material that every renderer knows: UsdPreviewSurface with a colour.
-fn material<'a>(name: String, path: &str, color: Vec3) -> Prim<'a> {
+/// A material that every renderer knows: UsdPreviewSurface with the colour of each point, where the curves have colours.
+fn material<'a>(name: String, path: &str, set: &CurveSet) -> Prim<'a> {
     /// Hair is glossy; a preview surface has no better model for it than a medium roughness.
     const ROUGHNESS: f32 = 0.4;
     let output = |connections| {
@@ -343,12 +414,40 @@ fn material<'a>(name: String, path: &str, color: Vec3) -> Prim<'a> {
             ..Attribute::default()
         })
     };
+    let has_colours = set.primvars.iter().any(|primvar| primvar.name == COLOURS);
+    let diffuse = Attribute {
+        name: "inputs:diffuseColor".into(),
+        type_name: "color3f",
+        // What reads no primvars shows the mean.
+        default: Some(Value::Vec3f(set.color)),
+        connections: match has_colours {
+            true => vec![format!("{path}/Colour.outputs:result")],
+            false => vec![],
+        },
+        ..Attribute::default()
+    };
+    let reader = Prim {
+        name: "Colour".into(),
+        type_name: "Shader",
+        properties: vec![
+            uniform_token("info:id", "UsdPrimvarReader_float3"),
+            attribute("inputs:varname", "string", Value::String(COLOURS.into())),
+            attribute("inputs:fallback", "float3", Value::Vec3f(set.color)),
+            Property::Attribute(Attribute {
+                name: "outputs:result".into(),
+                type_name: "float3",
+                ..Attribute::default()
+            }),
+        ],
+        ..Prim::default()
+    };
+    let fields = display_name(&set.name, &name).into_iter().collect();
     let shader = Prim {
         name: "Surface".into(),
         type_name: "Shader",
         properties: vec![
             uniform_token("info:id", "UsdPreviewSurface"),
-            attribute("inputs:diffuseColor", "color3f", Value::Vec3f(color)),
+            Property::Attribute(diffuse),
             attribute("inputs:roughness", "float", Value::Float(ROUGHNESS)),
             output(vec![]),
         ],
@@ -358,10 +457,13 @@ fn material<'a>(name: String, path: &str, color: Vec3) -> Prim<'a> {
         name,
         type_name: "Material",
         properties: vec![output(vec![format!("{path}/Surface.outputs:surface")])],
-        children: vec![shader],
-        ..Prim::default()
+        fields,
+        children: if has_colours { vec![reader, shader] } else { vec![shader] },
     }
 }
+
+/// The primvar that materials show.
+const COLOURS: &str = "displayColor";
 
 fn attribute<'a>(name: &str, type_name: &'static str, value: Value<'a>) -> Property<'a> {
     Property::Attribute(Attribute {

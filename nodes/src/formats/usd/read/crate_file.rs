@@ -833,6 +833,7 @@ mod tests {
             meters_per_unit: 0.01,
             up_axis: UpAxis::Y,
             groups: vec![hair],
+            skins: vec![],
         };
         let mut out = std::io::Cursor::new(Vec::new());
         write_usdc(&stage, &mut out).unwrap();
