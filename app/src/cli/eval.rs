@@ -106,7 +106,8 @@ fn save(
     let wanted: Vec<(&Path, Format)> =
         args.out.iter().map(PathBuf::as_path).zip(formats.iter().copied()).collect();
     let groups = &evaluated.groups;
-    let saved = write_files(document, groups, heads, &wanted, cancel, files, &|i, path| {
+    let made = (groups.as_slice(), &evaluated.sections);
+    let saved = write_files(document, made, heads, &wanted, cancel, files, &|i, path| {
         bar.count(i, wanted.len());
         bar.say(format!("writing {}", path.display()));
     });
@@ -114,11 +115,11 @@ fn save(
     saved
 }
 
-/// Writes what outputs gave, with the `heads` where a format holds meshes, to files that `files` puts in place. `begins` is told
+/// Writes what outputs gave, with the names of sections by id, and with the `heads` where a format holds meshes, to files that `files` puts in place. `begins` is told
 /// each file's number and path.
 pub(crate) fn write_files(
     document: &Document,
-    groups: &[Group],
+    (groups, sections): (&[Group], &BTreeMap<u64, String>),
     heads: &[Arc<Scalp>],
     wanted: &[(&Path, Format)],
     cancel: &CancelToken,
@@ -131,7 +132,7 @@ pub(crate) fn write_files(
         generator: format!("coif {}", env!("CARGO_PKG_VERSION")),
         graph_hash: document_hash(document),
         seed: document.seed,
-        sections: BTreeMap::new(),
+        sections: sections.clone(),
     };
     for (i, (path, format)) in wanted.iter().enumerate() {
         begins(i, path);

@@ -26,6 +26,7 @@ use coif_nodes::define::{NodeError, Type, Value, short};
 use coif_nodes::eval::{Host, Quality};
 use coif_nodes::formats::conform::{Conformed, FEW, conform, over_partings};
 use coif_nodes::formats::export;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -85,6 +86,8 @@ pub(crate) struct Evaluated {
     pub(crate) groups: Vec<export::Group>,
     /// The heads that the outputs stand on.
     pub(crate) scalps: Vec<Arc<Scalp>>,
+    /// Names of the sections that hair may be rooted in, by their ids.
+    pub(crate) sections: BTreeMap<u64, String>,
     /// What was asked for besides, in that order.
     #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "pictures show it"))]
     pub(crate) more: Vec<Value>,
@@ -263,7 +266,8 @@ impl Opened {
         if *strict && !report.warnings.is_empty() {
             return Err(Stop(Exit::Failed, vec![not_strict(graph)]));
         }
-        Ok(Evaluated { groups, scalps, more })
+        let sections = section_names(&parted);
+        Ok(Evaluated { groups, scalps, sections, more })
     }
 }
 
@@ -563,6 +567,14 @@ impl Opened {
         }
         if errors.is_empty() { Ok(()) } else { Err(Stop(Exit::Refused, errors)) }
     }
+}
+
+/// Names of sections by id. Where a section goes on through several cuts, it is called as the last calls it.
+fn section_names(parted: &[Arc<Scalp>]) -> BTreeMap<u64, String> {
+    let mut all: Vec<_> = parted.iter().filter_map(|scalp| scalp.sections()).collect();
+    all.sort_by_key(|sections| sections.partings().len());
+    let sections = all.iter().flat_map(|sections| sections.list());
+    sections.map(|section| (section.id, section.name.clone())).collect()
 }
 
 /// The scalps that nodes of a kind give the targets: `head` those that they stand on, `partings` those that are parted.

@@ -127,10 +127,13 @@ pub(crate) fn values_of(values: &PrimvarValues) -> ReadValues {
         PrimvarValues::Int64(values) => ReadValues::Int64(values.values().copied().collect()),
         PrimvarValues::Float(values) => ReadValues::Float(values.values().copied().collect()),
         PrimvarValues::TexCoord(values) => ReadValues::Float2(values.values().copied().collect()),
-        PrimvarValues::Vector(values) | PrimvarValues::Color(values) => {
-            ReadValues::Float3(values.values().copied().collect())
-        }
+        PrimvarValues::Vector(values)
+        | PrimvarValues::Color(values)
+        | PrimvarValues::Point(values) => ReadValues::Float3(values.values().copied().collect()),
         PrimvarValues::Text(values) => ReadValues::Text(values.clone()),
+        PrimvarValues::Named(names, indices) => {
+            ReadValues::Text(indices.values().map(|i| names[*i as usize].clone()).collect())
+        }
     }
 }
 
@@ -232,6 +235,7 @@ pub(crate) fn one_set(set: CurveSet) -> Stage {
         meters_per_unit: 0.01,
         up_axis: UpAxis::Y,
         groups: vec![set],
+        skins: vec![],
     }
 }
 

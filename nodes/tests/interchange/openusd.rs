@@ -101,7 +101,8 @@ fn check_primvar(report: &Value, values: &PrimvarValues) {
         PrimvarValues::TexCoord(values) => ("texCoord2f[]", values.len(), bytes_of(values)),
         PrimvarValues::Vector(values) => ("float3[]", values.len(), bytes_of(values)),
         PrimvarValues::Color(values) => ("color3f[]", values.len(), bytes_of(values)),
-        PrimvarValues::Text(values) => {
+        PrimvarValues::Point(values) => ("point3f[]", values.len(), bytes_of(values)),
+        PrimvarValues::Text(values) | PrimvarValues::Named(values, _) => {
             let bytes = values.iter().flat_map(|text| [text.as_bytes(), &[0]].concat());
             ("string[]", values.len(), bytes.collect())
         }

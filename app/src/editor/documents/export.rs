@@ -161,7 +161,7 @@ fn hair(
     }
     write_files(
         &opened.document,
-        &evaluated.groups,
+        (&evaluated.groups, &evaluated.sections),
         &[],
         &[(path, format)],
         cancel,
