@@ -506,7 +506,7 @@ impl Scene {
         looks: &[Option<Arc<FileLooks>>],
         warnings: &mut Vec<String>,
     ) -> Result<Self, Stop> {
-        let Evaluated { groups, scalps, more } = evaluated;
+        let Evaluated { groups, scalps, more, sections: _ } = evaluated;
         // Guides that are handed out besides hair are no hair.
         let only_guides = groups.iter().all(|group| group.guides);
         let hair = together(
