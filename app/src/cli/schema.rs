@@ -206,7 +206,7 @@ fn shared() -> Map<String, Json> {
         "orthographic": number(0.0, 1e4),
     });
     let word = json!({"type": "string", "pattern": "^[A-Za-z0-9-]{1,64}$"});
-    let look = json!({"light": word, "exposure": number(-10.0, 10.0), "skin": word});
+    let look = json!({"light": word, "exposure": number(-20.0, 20.0), "skin": word});
     let wires = json!({"oneOf": [reference("socket"), list(reference("socket"), 1)]});
     let into = json!({
         "type": "string",

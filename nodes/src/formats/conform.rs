@@ -67,7 +67,7 @@ pub fn conform(
     all_stay: bool,
     host: &dyn Host,
 ) -> Option<Conformed> {
-    let sections: Vec<&Sections> = parted.iter().filter_map(|scalp| scalp.sections()).collect();
+    let sections = leading(parted);
     let land = Land { skin: skin.as_ref(), sections: &sections };
     let tufts = curves.tufts();
     let is_cancelled = || host.cancelled();
@@ -176,6 +176,12 @@ fn try_again(
     Some(())
 }
 
+/// The sections that hair keeps to. (On a mesh without a map it is not led: fur lies over its lines.)
+fn leading(parted: &[Arc<Scalp>]) -> Vec<&Sections> {
+    let sections = parted.iter().filter_map(|scalp| scalp.sections());
+    sections.filter(|sections| !sections.are_of_a_mesh()).collect()
+}
+
 /// Of every so many curves one, how many lead over a parting of the scalps `parted`, and how many were looked at. Hair of a braid
 /// counts up to where it joins that, hair that is held by a tie up to that. None where somebody asked to stop.
 pub fn over_partings(
@@ -184,7 +190,7 @@ pub fn over_partings(
     every: usize,
     host: &dyn Host,
 ) -> Option<[usize; 2]> {
-    let sections: Vec<&Sections> = parted.iter().filter_map(|scalp| scalp.sections()).collect();
+    let sections = leading(parted);
     if sections.is_empty() {
         return Some([0; 2]);
     }
