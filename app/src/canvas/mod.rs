@@ -31,6 +31,7 @@ mod view;
 mod wires;
 
 pub(crate) use actions::ACTIONS;
+pub(crate) use arrange::free_in as free_place;
 
 use crate::editor::event::Event;
 use crate::editor::notes::Note;
@@ -238,7 +239,11 @@ impl Canvas {
         if self.known != now {
             // What was just added, here or by the pen, is seen.
             let active = state.active().filter(|id| !self.known.contains(*id));
-            if let Some(added) = active.filter(|_| !stranger && !unseen) {
+            let added = active.filter(|_| !stranger && !unseen).and_then(|id| {
+                let title = faces.rect(id)?.split_top_bottom_at_fraction(0.3).0;
+                (!self.seen().contains_rect(title)).then_some(id)
+            });
+            if let Some(added) = added {
                 self.reveal(faces, added);
             }
             self.memory.wires.retain(|wire| wire.from(&state.document).is_some());

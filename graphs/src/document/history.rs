@@ -285,7 +285,8 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
         },
         E::SetInput { node, input, setting } => {
             let (before, after) = (said(Some(setting)), now(document, node, input));
-            format!("{}: {} {before} to {after}", name(node), spoken(input))
+            let unit = unit(document, node, input);
+            format!("{}: {} {before} to {after}{unit}", name(node), spoken(input))
         }
         E::UnsetInput { node, input } => {
             let new = document.node(node.as_str()).and_then(|n| n.inputs.get(input));
@@ -296,7 +297,8 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
             match new {
                 Some(new) => {
                     let (before, after) = (said(default.as_ref()), said(Some(new)));
-                    format!("{}: {} {before} to {after}", name(node), spoken(input))
+                    let unit = unit(document, node, input);
+                    format!("{}: {} {before} to {after}{unit}", name(node), spoken(input))
                 }
                 None => format!("{}: {}", name(node), spoken(input)),
             }
@@ -359,6 +361,18 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
             _ => words(document, edits),
         },
     }
+}
+
+/// The unit of a number that an input is set to; nothing for what is no number.
+fn unit(document: &Document, id: &NodeId, input: &str) -> &'static str {
+    let node = document.node(id.as_str());
+    let is_number = node.and_then(|node| node.inputs.get(input)).is_some_and(|now| match now {
+        Setting::Known(Value::Float(_) | Value::Int(_)) => true,
+        Setting::Known(Value::Field(field)) => field.constant().is_some(),
+        _ => false,
+    });
+    let def = node.filter(|_| is_number).and_then(|node| coif_nodes::by_id(&node.kind));
+    def.and_then(|def| def.input(input)).map_or("", |(_, input)| input.unit.suffix())
 }
 
 /// What became of a frame.
