@@ -21,7 +21,11 @@ pub(crate) fn rounded(number: f64) -> String {
         Ok(places) => {
             let text = format!("{number:.places$}");
             let short = text.trim_end_matches('0').trim_end_matches('.');
-            if text.contains('.') && number != 0.0 { short.to_owned() } else { format!("{number:.0}") }
+            if text.contains('.') && number != 0.0 {
+                short.to_owned()
+            } else {
+                format!("{number:.0}")
+            }
         }
         Err(_) => {
             let step = 10f64.powi(-places);

@@ -216,9 +216,7 @@ pub(crate) fn why(typed: &str, def: &'static NodeDef) -> Option<Why> {
         return None;
     }
     let mut choices = def.inputs.iter().flat_map(|input| match input.ty {
-        Type::Choice(words) => {
-            words.iter().map(|(word, doc)| (input.name, *word, *doc)).collect()
-        }
+        Type::Choice(words) => words.iter().map(|(word, doc)| (input.name, *word, *doc)).collect(),
         _ => vec![],
     });
     let named = |input: &str, word: &str| fold(input).split(' ').any(|part| part == word);

@@ -164,8 +164,8 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) {
                 ui.label(step.text);
                 ui.horizontal(|ui| {
                     let last = number + 1 == STEPS.len();
-                    next |= !last
-                        && ui.button("Skip").on_hover_text("Goes to the next step").clicked();
+                    next |=
+                        !last && ui.button("Skip").on_hover_text("Goes to the next step").clicked();
                     stop = ui.button("End the tour").on_hover_text("Help has it again").clicked();
                 });
             })

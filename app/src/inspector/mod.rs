@@ -455,7 +455,9 @@ fn header(
                 format!("Only this one of the {selected} selected nodes is of its kind and edited.")
             }
             false => {
-                format!("{same} of {selected} selected nodes are of this kind: they are edited at once.")
+                format!(
+                    "{same} of {selected} selected nodes are of this kind: they are edited at once."
+                )
             }
         });
     }

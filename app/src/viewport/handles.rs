@@ -626,7 +626,12 @@ mod tests {
                 assert!(hands[i].distance(placed[i].1) <= 3.0 * APART + 0.1);
                 for j in 0..i {
                     let far = hands[i].distance(hands[j]);
-                    assert!(far >= 2.0 * TARGET, "{seed}: {} and {}: {far}", names[i].1, names[j].1);
+                    assert!(
+                        far >= 2.0 * TARGET,
+                        "{seed}: {} and {}: {far}",
+                        names[i].1,
+                        names[j].1
+                    );
                 }
             }
         }

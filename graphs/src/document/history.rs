@@ -268,11 +268,11 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
     let name = |id: &NodeId| document.name_of(id).into_owned();
     let kind =
         |id: &str| coif_nodes::by_id(id).map_or_else(|| spoken(id), |def| def.label.to_owned());
-    let label = |node: &super::Node, id: &NodeId| match &node.label {
-        Some(label) => label.clone(),
-        // As `name_of` had it while the node was there.
-        None if document.nodes.values().any(|other| other.kind == node.kind) => spoken(id.as_str()),
-        None => kind(&node.kind),
+    // As it was called while it was there.
+    let label = |node: &Arc<super::Node>, id: &NodeId| {
+        let mut then = document.clone();
+        then.nodes.insert(id.clone(), node.clone());
+        then.name_of(id).into_owned()
     };
     match inverse {
         E::RemoveNode { id } => format!("{}: added", name(id)),
@@ -472,6 +472,21 @@ mod tests {
         assert_eq!(document, before);
         history.redo(&mut document).unwrap();
         assert_eq!(document, after);
+    }
+
+    #[test]
+    fn a_changed_length_is_told_with_its_unit() {
+        let (mut document, mut history) = (Document::default(), History::new());
+        let node = Node { kind: "edge_partition".into(), ..Node::default() };
+        let add = Edit::AddNode { id: id("a"), node: node.into(), at: None };
+        history.edit(&mut document, &add).unwrap();
+        for width in [0.15, 0.284] {
+            let setting = Setting::Known(Value::Float(width));
+            let input = "parting_width".into();
+            history.edit(&mut document, &Edit::SetInput { node: id("a"), input, setting }).unwrap();
+        }
+        let last = steps(&history).pop().unwrap();
+        assert_eq!(last, "Edge partition: parting width 0.15 to 0.284 cm");
     }
 
     #[test]

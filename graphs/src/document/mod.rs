@@ -284,12 +284,15 @@ impl Document {
             (Some(label), _) => label.into(),
             (None, Some(def)) => {
                 let (stem, number) = numbered(id.as_str());
-                let mut others = self.nodes.iter().filter(|(other, n)| {
-                    *other != id && n.kind == node.kind && n.label.is_none()
-                });
+                let mut others = self
+                    .nodes
+                    .iter()
+                    .filter(|(other, n)| *other != id && n.kind == node.kind && n.label.is_none());
                 match others.any(|(other, _)| numbered(other.as_str()).0 != stem) {
                     true => spoken(),
-                    false => number.map_or(def.label.into(), |n| format!("{} {n}", def.label).into()),
+                    false => {
+                        number.map_or(def.label.into(), |n| format!("{} {n}", def.label).into())
+                    }
                 }
             }
             _ => spoken(),
