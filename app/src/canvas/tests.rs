@@ -114,7 +114,7 @@ fn all_wires_of_an_output_move_together() {
     document.nodes.insert(id("more"), more.into());
     document.layout.insert(id("more"), coif_graphs::document::Point(220.0, 300.0));
     let mut w = window(document);
-    let (from, to) = (place(&w, "rows: curves output"), place(&w, "Stroke input: curves output"));
+    let (from, to) = (place(&w, "rows: curves output"), place(&w, "more: curves output"));
     drag(&mut w, &[from, to], SHIFT);
     assert_eq!(wired(&w, "braid.source"), ["more.curves"]);
     assert_eq!(wired(&w, "partings.source"), ["more.curves"]);

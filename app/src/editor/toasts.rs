@@ -73,6 +73,7 @@ pub(super) fn ui(editor: &mut Editor, ctx: &Context) {
                 ui.set_width(WIDTH.min(room.width() - 16.0));
                 // More than a small window has room for scrolls.
                 let most = (room.height() - 20.0).max(16.0);
+                ui.set_max_height(most);
                 let area = ScrollArea::vertical().max_height(most).min_scrolled_height(16.0);
                 area.show(ui, |ui| {
                     // The newest on top: what is pressed below it stays where it is.

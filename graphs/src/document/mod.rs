@@ -284,10 +284,8 @@ impl Document {
             (Some(label), _) => label.into(),
             (None, Some(def)) => {
                 let (stem, number) = numbered(id.as_str());
-                let mut others = self
-                    .nodes
-                    .iter()
-                    .filter(|(other, n)| *other != id && n.kind == node.kind && n.label.is_none());
+                let mut others =
+                    self.nodes.iter().filter(|(other, n)| *other != id && n.kind == node.kind);
                 match others.any(|(other, _)| numbered(other.as_str()).0 != stem) {
                     true => spoken(),
                     false => {
