@@ -3,6 +3,7 @@
 //! Nodes that the document places are never moved by themselves; only what it does not place is.
 
 use super::faces::{Face, Faces};
+use crate::editor::evaluation::Reports;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Point, graph};
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
@@ -75,6 +76,14 @@ pub(super) fn free_place(taken: &[Rect], at: Pos2, size: Vec2) -> Pos2 {
         at.y = hit.bottom() + GAP.y;
     }
     at
+}
+
+/// A free place of a document's canvas for a node of a size, at a place or as far below it as it must be.
+pub(crate) fn free_in(document: &Document, at: Point, size: Point) -> Point {
+    let faces = Faces::new(document, &Reports::default(), &BTreeSet::new(), None);
+    let taken: Vec<Rect> = faces.all.keys().filter_map(|id| faces.rect(id)).collect();
+    let size = vec2(super::faces::WIDTH.min(size.0), size.1);
+    point(free_place(&taken, sound(pos(at)), size))
 }
 
 /// Places for nodes in layers along their wires, with few crossings and straight wires. The upper

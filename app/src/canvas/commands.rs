@@ -98,14 +98,8 @@ impl Canvas {
             (None, Some(id)) => first_output(&state.document, id).map(Link::From),
             _ => None,
         };
-        let area = self.area.unwrap_or(Rect::ZERO);
-        let beside = state.active().filter(|_| link.is_some()).and_then(|id| faces.rect(id));
-        let pointer = self.memory.pointer.map(|at| self.to_screen(at));
-        let pointer = pointer.filter(|at| area.contains(*at));
-        let on_screen = clicked
-            .or_else(|| beside.map(|rect| self.to_screen(rect.right_top() + vec2(12.0, 0.0))))
-            .or(pointer)
-            .unwrap_or_else(|| area.center() - vec2(150.0, 80.0));
+        let beside = state.active().filter(|_| link.is_some());
+        let on_screen = clicked.unwrap_or_else(|| self.opens_at(faces, beside));
         let at = self.to_canvas(on_screen);
         let task = Task::Add { at, link, dropped: false };
         self.memory.finder = Some(Finder::new(task, on_screen));
@@ -135,7 +129,18 @@ impl Canvas {
 
     fn beside(&mut self, state: &State, id: &NodeId) -> Pos2 {
         let faces = self.cache.of(state);
-        faces.rect(id).map_or(Pos2::ZERO, |r| self.to_screen(r.right_top() + vec2(12.0, 0.0)))
+        self.opens_at(&faces, Some(id))
+    }
+
+    /// Where a search opens: at the pointer, else beside a node where it is in sight, else in the middle.
+    fn opens_at(&self, faces: &Faces, beside: Option<&NodeId>) -> Pos2 {
+        let area = self.area.unwrap_or(Rect::ZERO);
+        let beside = beside.and_then(|id| faces.rect(id));
+        let beside = beside.map(|rect| rect.right_top() + vec2(12.0, 0.0));
+        let places = [self.memory.pointer, beside].into_iter().flatten();
+        let mut places = places.map(|at| self.to_screen(at));
+        let middle = || area.center() - vec2(150.0, 80.0);
+        places.find(|at| area.contains(*at)).unwrap_or_else(middle)
     }
 
     /// Removes what is selected: a bend, wires, a frame, or nodes, whose wires heal.

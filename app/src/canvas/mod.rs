@@ -31,6 +31,7 @@ mod view;
 mod wires;
 
 pub(crate) use actions::ACTIONS;
+pub(crate) use arrange::free_in as free_place;
 
 use crate::editor::event::Event;
 use crate::editor::notes::Note;
@@ -236,6 +237,15 @@ impl Canvas {
             self.look_at(faces, &now);
         }
         if self.known != now {
+            // What was just added, here or by the pen, is seen.
+            let active = state.active().filter(|id| !self.known.contains(*id));
+            let added = active.filter(|_| !stranger && !unseen).and_then(|id| {
+                let title = faces.rect(id)?.split_top_bottom_at_fraction(0.3).0;
+                (!self.seen().contains_rect(title)).then_some(id)
+            });
+            if let Some(added) = added {
+                self.reveal(faces, added);
+            }
             self.memory.wires.retain(|wire| wire.from(&state.document).is_some());
             self.known = now;
         }
@@ -335,6 +345,11 @@ impl Canvas {
         if response.clicked() && !ui.input(|i| i.modifiers.command) {
             self.memory.wires.clear();
             self.memory.select_frame(None);
+            // A press and its release within one frame are none to the crate.
+            let quick = ui.input(|i| i.pointer.primary_pressed() && !i.modifiers.shift);
+            if quick && !state.selection.nodes.is_empty() {
+                out.push(Event::Select(Select::Nodes(vec![])));
+            }
         }
         if response.drag_started_by(egui::PointerButton::Primary) {
             let from = ui.input(|i| i.pointer.press_origin());

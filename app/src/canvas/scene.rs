@@ -266,10 +266,23 @@ impl Scene<'_> {
         {
             self.out.push(only());
         }
-        if response.is_pointer_button_down_on() && ui.input(|i| i.pointer.primary_pressed()) {
+        let pressed = ui.input(|i| i.pointer.primary_pressed());
+        let shift = ui.input(|i| i.modifiers.shift);
+        if response.clicked() && pressed && !response.is_pointer_button_down_on() {
+            // Press and release came within one frame, of a touchpad or while frames are slow: the crate saw no press.
             self.memory.select_frame(None);
             self.memory.wires.clear();
-            let shift = ui.input(|i| i.modifiers.shift);
+            self.out.push(match () {
+                () if ctrl => Event::Select(Select::Toggle(face.id.clone())),
+                () if shift => {
+                    let others = selection.nodes.iter().filter(|id| **id != face.id).cloned();
+                    Event::Select(Select::Nodes(others.chain([face.id.clone()]).collect()))
+                }
+                () => only(),
+            });
+        } else if response.is_pointer_button_down_on() && pressed {
+            self.memory.select_frame(None);
+            self.memory.wires.clear();
             if !ctrl
                 && !shift
                 && selection.nodes.contains(&face.id)

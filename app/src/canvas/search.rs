@@ -215,16 +215,16 @@ pub(crate) fn why(typed: &str, def: &'static NodeDef) -> Option<Why> {
     if odd.is_empty() {
         return None;
     }
-    let choices = def.inputs.iter().flat_map(|input| match input.ty {
-        Type::Choice(words) => words.iter().map(|(word, _)| (input.name, *word)).collect(),
+    let mut choices = def.inputs.iter().flat_map(|input| match input.ty {
+        Type::Choice(words) => words.iter().map(|(word, doc)| (input.name, *word, *doc)).collect(),
         _ => vec![],
     });
     let named = |input: &str, word: &str| fold(input).split(' ').any(|part| part == word);
-    let says = |(input, choice): &(&str, &str)| {
+    let says = |(input, choice, _): &(&str, &str, &str)| {
         let choice = fold(choice);
         odd.contains(&&*choice) && odd.iter().all(|word| choice == *word || named(input, word))
     };
-    if let Some((input, word)) = choices.clone().find(says) {
+    if let Some((input, word, _)) = choices.clone().find(says) {
         return Some(Why::Choice(input, word));
     }
     let all_in = |text: &str| {
@@ -232,6 +232,15 @@ pub(crate) fn why(typed: &str, def: &'static NodeDef) -> Option<Why> {
         odd.iter().all(|word| text.split(' ').any(|part| part.starts_with(word)))
     };
     let input = def.inputs.iter().find(|input| all_in(input.name));
+    // A choice that is described as what was typed: waves are a preset of curls.
+    let described = |(_, _, doc): &(&str, &str, &str)| {
+        let doc = fold(doc);
+        let first = doc.split(' ').next().unwrap_or_default();
+        odd.iter().all(|word| word.chars().count() > 3 && stem(word) == stem(first))
+    };
+    if let (None, Some((input, word, _))) = (input, choices.find(described)) {
+        return Some(Why::Choice(input, word));
+    }
     // Of several, the one that is called so before all else.
     let place = |input: &&InputDef| {
         let words = fold(input.words);
@@ -253,6 +262,12 @@ pub(crate) fn why(typed: &str, def: &'static NodeDef) -> Option<Why> {
     odd.iter()
         .all(|word| manual.split(' ').any(|part| part.starts_with(word)))
         .then_some(Why::Manual)
+}
+
+/// A word without what makes it one or many, or a quality: wave, waves and wavy are the same.
+fn stem(word: &str) -> &str {
+    let word = word.strip_suffix('s').unwrap_or(word);
+    word.strip_suffix(['e', 'y']).unwrap_or(word)
 }
 
 fn score_node(typed: &str, def: &'static NodeDef) -> Option<Score> {
@@ -319,6 +334,7 @@ mod tests {
         ("ringlets", "shape_list_curl"),
         ("wavy", "shape_list_curl"),
         ("4c", "shape_list_curl"),
+        ("waves", "shape_list_curl"),
         ("perm", "shape_list_curl"),
         ("wisp", "cluster_to_strands"),
         ("fill", "cluster_to_strands"),
@@ -396,6 +412,11 @@ mod tests {
         check("curl 4c", "shape_list_curl", Some(Why::Choice("preset", "4c")));
         check("preset 2b", "shape_list_curl", Some(Why::Choice("preset", "2b")));
         check("plait", "lissajous_braid", Some(Why::Word("plait")));
+        // The first words of its choices: "Waves 12 mm high every 80 mm (2a)", "Zigzags 4 mm wide (4b)".
+        check("waves", "shape_list_curl", Some(Why::Choice("preset", "2a")));
+        check("wavy", "shape_list_curl", Some(Why::Choice("preset", "2a")));
+        check("zigzags", "shape_list_curl", Some(Why::Choice("preset", "4b")));
+        check("kinky", "shape_list_curl", Some(Why::Choice("preset", "4c")));
         check("curl", "shape_list_curl", None);
         check("shape list", "shape_list_curl", None);
         // Whatever finds a node says why, but for its own name and a slip of the finger.

@@ -657,3 +657,65 @@ fn text_on_nodes_is_large_enough_to_be_read_at_full_size() {
     // Letters are laid out in half points.
     assert!(least >= 11.0 * zoom - 0.26, "{least} at {zoom}");
 }
+
+#[test]
+fn a_click_whose_press_and_release_come_within_one_frame_selects_as_any_does() {
+    let mut w = window(document("cornrows"));
+    let selected = |w: &Window| {
+        let nodes = w.state().state.selection.nodes.iter();
+        nodes.map(ToString::to_string).collect::<Vec<_>>()
+    };
+    for (name, node) in [("rows", "rows"), ("cornrows", "braid"), ("Head", "head")] {
+        let at = place(&w, &format!("{name}: node")) - vec2(0.0, 22.0);
+        click(&mut w, at, 1);
+        assert_eq!(selected(&w), [node]);
+        assert_eq!(w.state().state.active(), Some(&id(node)));
+    }
+    // With Ctrl one more, and off again; beside all nodes none.
+    let (at, away) = (place(&w, "rows: node") - vec2(0.0, 22.0), nowhere(&w));
+    for expected in [vec!["head", "rows"], vec!["head"]] {
+        w.event(egui::Event::ModifiersChanged(CTRL));
+        for pressed in [true, false] {
+            let button = egui::PointerButton::Primary;
+            w.event(egui::Event::PointerMoved(at));
+            w.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers: CTRL });
+        }
+        w.run_steps(3);
+        assert_eq!(selected(&w), expected);
+    }
+    w.event(egui::Event::ModifiersChanged(Modifiers::NONE));
+    w.run_steps(1);
+    click(&mut w, away, 1);
+    assert_eq!(selected(&w), Vec::<String>::new());
+    steps(&w, 0);
+}
+
+#[test]
+fn the_search_opens_at_the_pointer_and_what_it_adds_is_in_sight() {
+    let mut w = window(document("cornrows"));
+    w.state_mut().apply(crate::editor::event::Event::Select(Select::Nodes(vec![id("braids_out")])));
+    // So near that what comes behind the last node is out of sight.
+    w.state_mut().canvas.see(pos2(700.0, 100.0), 1.0);
+    let at = nowhere(&w);
+    w.event(egui::Event::PointerMoved(at));
+    w.run_steps(2);
+    let Desk { state, canvas, .. } = w.state_mut();
+    canvas.add(state);
+    w.run_steps(2);
+    let field = w.get_by_label("Search nodes").rect();
+    assert!(field.left_top().distance(at) < 60.0 || field.bottom() < at.y, "{field:?} {at:?}");
+    assert!((field.left() - at.x).abs() < 60.0, "{field:?} {at:?}");
+    w.event(egui::Event::Text("waves".into()));
+    w.run_steps(2);
+    w.key_press(Key::Enter);
+    w.run_steps(4);
+    let desk = w.state();
+    let added = desk.state.active().expect("a node").clone();
+    let node = desk.state.document.node(added.as_str()).expect("it is there");
+    let preset = coif_nodes::define::Value::Text("2a".into());
+    let preset = coif_graphs::document::Setting::Known(preset);
+    assert_eq!((node.kind.as_str(), node.inputs.get("preset")), ("shape_list_curl", Some(&preset)));
+    let rect = faces(&desk.state.document).rect(&added).expect("a place");
+    let seen = desk.canvas.seen();
+    assert!(seen.contains_rect(rect), "{rect:?} is beyond {seen:?}");
+}

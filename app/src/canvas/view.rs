@@ -55,7 +55,7 @@ impl Canvas {
         Rect::from_min_max(self.to_canvas(area.min), self.to_canvas(area.max))
     }
 
-    fn see(&mut self, center: Pos2, scale: f32) {
+    pub(super) fn see(&mut self, center: Pos2, scale: f32) {
         let size = self.area.map_or(vec2(1.0, 1.0), |area| area.size());
         self.view.scene_rect = Rect::from_center_size(center, size / ZOOM.clamp(scale));
     }

@@ -16,7 +16,7 @@ use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{Type, Value};
 use coif_nodes::eval::Quality;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -82,7 +82,7 @@ impl Shown {
 pub struct Reports {
     /// The state of the document that was evaluated last, with or without a result.
     pub revision: u64,
-    /// Each node's last report. Nodes off the way keep theirs.
+    /// Each node's last report. Nodes off the way keep theirs while nothing before them changes.
     pub nodes: BTreeMap<NodeId, NodeReport>,
     /// Why the document, or a part of it, could not be evaluated at all.
     pub refused: Vec<BadRequest>,
@@ -262,6 +262,7 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
     let mut reports = Reports::default();
     let mut finals: BTreeMap<Vec<Socket>, usize> = BTreeMap::new();
     let mut files = (PathBuf::new(), DiskFiles::default());
+    let mut before = Document::default();
     loop {
         let mut desk = shared.desk();
         while desk.next.is_none() && desk.trace.is_none() && !desk.closed {
@@ -293,7 +294,10 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
         if files.0 != request.folder {
             files = (request.folder.clone(), DiskFiles::new(&request.folder));
         }
+        let changed = changed(&before, &request.document);
+        reports.nodes.retain(|id, _| !changed.contains(id));
         let shown = evaluate(shared, evaluator, &request, &files.1, &cancel, &mut reports);
+        before = request.document.clone();
         let mut desk = shared.desk();
         desk.running = None;
         desk.status.since = None;
@@ -345,6 +349,19 @@ fn follow(
         })
         .collect();
     lineage(&outputs, trace.id)
+}
+
+/// The nodes of a document whose hair may be another than in the one before: those that changed, and what follows them.
+fn changed(before: &Document, now: &Document) -> BTreeSet<NodeId> {
+    let same = |a: &Arc<Node>, b: &Arc<Node>| Arc::ptr_eq(a, b) || a == b;
+    let nodes = now.nodes.iter().filter(|(id, node)| {
+        now.seed != before.seed || before.nodes.get(*id).is_none_or(|old| !same(old, node))
+    });
+    let links = now.links.iter().filter(|(to, from)| before.links.get(*to) != Some(*from));
+    let cut = before.links.keys().filter(|to| !now.links.contains_key(*to));
+    let ids = nodes.map(|(id, _)| id).chain(links.map(|(to, _)| &to.node));
+    let ids: Vec<&NodeId> = ids.chain(cut.map(|to| &to.node)).collect();
+    downstream(now, ids)
 }
 
 fn evaluate(

@@ -131,7 +131,9 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
                             let text = if action.menu.is_empty() {
                                 action.label.to_owned()
                             } else {
-                                format!("{}: {}", action.menu, action.label)
+                                let recipe = action.id.starts_with("recipe.");
+                                let menu = if recipe { "Recipe" } else { action.menu };
+                                format!("{menu}: {}", action.label)
                             };
                             let text = match why(action, &typed) {
                                 Some(word) => format!("{text} \u{201C}{word}\u{201D}"),

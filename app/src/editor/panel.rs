@@ -95,6 +95,22 @@ pub(crate) fn menu_button(ui: &mut Ui, label: String, add: impl FnOnce(&mut Ui))
     response
 }
 
+/// A menu within a menu. Where a window has no room for one beside the other, it opens within: turned up it would cover the menu bar.
+pub(crate) fn submenu(
+    ui: &mut Ui,
+    label: impl Into<String>,
+    add: impl FnOnce(&mut Ui),
+) -> Response {
+    let label = label.into();
+    match room(ui.ctx()).height() < ROOM_FOR_TWO {
+        true => egui::CollapsingHeader::new(label).show(ui, add).header_response,
+        false => ui.menu_button(label, |ui| list(ui, add)).response,
+    }
+}
+
+/// Windows with less height than this under the menu bar have no room for a menu beside another, points.
+const ROOM_FOR_TWO: f32 = 260.0;
+
 /// The menu of a widget that opens at a place, and stays there until something is picked or pressed beside it.
 pub(crate) fn menu_at(response: &Response, opens: Option<Pos2>, add: impl FnOnce(&mut Ui)) {
     let kept = response.id.with("menu at");

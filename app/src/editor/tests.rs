@@ -718,3 +718,62 @@ fn a_frame_is_pasted_into_another_document() {
     other.steps(2);
     assert_eq!(other.editor().state.document.frames.len(), before + 1);
 }
+
+#[test]
+fn a_bar_of_any_width_keeps_its_words_whole_and_leaves_room_for_the_picture() {
+    for size in [[1600.0, 1000.0], [1280.0, 720.0], [640.0, 480.0], [320.0, 240.0]] {
+        for scale in [0.75, 1.0, 2.0] {
+            let [width, height] = size;
+            let mut hands = Hands::on(rows(), [width / scale, height / scale], scale);
+            let what = format!("{size:?} at {scale}");
+            for words in ["Pen settings", "Hairline", "Recipes", "Silhouette", "Puff", "Re-draw"] {
+                let Some(rect) = hands.place(words) else { panic!("{what}: no {words}") };
+                assert!(rect.height() < 40.0, "{what}: {words} is {rect:?}");
+            }
+            let room = hands.room(Room::Viewport);
+            let picture = hands.editor().viewport.projection().rect;
+            let least = (0.6 * room.height()).min(room.height() - 28.0) - 8.0;
+            assert!(picture.height() >= least, "{what}: {picture:?} of {room:?}");
+        }
+    }
+}
+
+#[test]
+fn numbers_beside_names_are_those_of_this_groom() {
+    let mut hands = Hands::on(rows(), SIZE, 1.0);
+    let rest = |hands: &mut Hands| {
+        for _ in 0..3000 {
+            hands.steps(1);
+            if hands.0.state().is_idle() && !hands.0.state().state.stale() {
+                return;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(2));
+        }
+        panic!("it never ends");
+    };
+    rest(&mut hands);
+    let id = |text: &str| NodeId::new(text).unwrap();
+    let count = |hands: &Hands, node: &str| {
+        let reports = &hands.0.state().state.run.reports;
+        reports.nodes.get(&id(node)).map(|report| report.curves)
+    };
+    let strokes = count(&hands, "rows").expect("rows ran");
+    assert!(strokes > 2);
+    // What is displayed is the head alone: the rows are as they were, so what they said holds.
+    hands.editor().apply(Event::Display(Some(id("head"))));
+    rest(&mut hands);
+    assert_eq!(count(&hands, "rows"), Some(strokes));
+    // With other strokes it does not, though they have not run.
+    let node = hands.editor().state.document.fresh_node("stroke_input", &id("rows"));
+    let edit = coif_graphs::document::edit::Edit::SetInput {
+        node: id("rows"),
+        input: "strokes".to_owned(),
+        setting: node.inputs.get("strokes").cloned().unwrap_or_else(|| {
+            let none = coif_nodes::data::strokes::Strokes::default();
+            coif_graphs::document::Setting::Known(coif_nodes::define::Value::Strokes(none.into()))
+        }),
+    };
+    hands.editor().apply(Event::Edit(edit));
+    rest(&mut hands);
+    assert_eq!(count(&hands, "rows"), None);
+}

@@ -62,13 +62,15 @@ pub fn apply(ctx: &egui::Context, pen: bool) {
 
 /// Something to choose among others, as large when it is chosen as when it is not: what stands beside it keeps its place.
 pub fn choice(ui: &mut egui::Ui, chosen: bool, label: &str) -> egui::Response {
-    ui.scope(|ui| {
-        let inactive = &mut ui.visuals_mut().widgets.inactive;
-        inactive.weak_bg_fill = Color32::TRANSPARENT;
-        inactive.bg_stroke.color = Color32::TRANSPARENT;
-        ui.add(egui::Button::selectable(chosen, label).frame_when_inactive(true))
-    })
-    .inner
+    // Without a scope of its own: within one it would not go to the next line, but break letter by letter.
+    let before = ui.visuals().widgets.inactive;
+    let inactive = &mut ui.visuals_mut().widgets.inactive;
+    inactive.weak_bg_fill = Color32::TRANSPARENT;
+    inactive.bg_stroke.color = Color32::TRANSPARENT;
+    let button = egui::Button::selectable(chosen, label).frame_when_inactive(true);
+    let response = ui.add(button.wrap_mode(egui::TextWrapMode::Extend));
+    ui.visuals_mut().widgets.inactive = before;
+    response
 }
 
 /// Makes text and lines stand out more than [`apply`] does.

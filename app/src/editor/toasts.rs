@@ -8,7 +8,7 @@ use super::event::Event;
 use super::notes::{Gravity, Note};
 use super::rooms::Room;
 use super::{Editor, panel};
-use egui::{Align2, Area, Context, Frame, Id, Label, Order};
+use egui::{Align2, Area, Context, Frame, Id, Label, Order, ScrollArea};
 use std::time::Duration;
 
 /// How long a warning, a failure and what was done stay, seconds.
@@ -71,18 +71,24 @@ pub(super) fn ui(editor: &mut Editor, ctx: &Context) {
             .constrain_to(room)
             .show(ctx, |ui| {
                 ui.set_width(WIDTH.min(room.width() - 16.0));
-                // The newest on top: what is pressed below it stays where it is.
-                let mut away = None;
-                for (at, (note, _)) in toasts.seen.iter().enumerate().rev() {
-                    if toast(note, ui, &mut out) {
-                        away = Some(at);
+                // More than a small window has room for scrolls.
+                let most = (room.height() - 20.0).max(16.0);
+                ui.set_max_height(most);
+                let area = ScrollArea::vertical().max_height(most).min_scrolled_height(16.0);
+                area.show(ui, |ui| {
+                    // The newest on top: what is pressed below it stays where it is.
+                    let mut away = None;
+                    for (at, (note, _)) in toasts.seen.iter().enumerate().rev() {
+                        if toast(note, ui, &mut out) {
+                            away = Some(at);
+                        }
                     }
-                }
-                away.map(|at| toasts.seen.remove(at));
-                if asks {
-                    Frame::popup(ui.style())
-                        .show(ui, |ui| documents::changed(editor, ui, &mut out));
-                }
+                    away.map(|at| toasts.seen.remove(at));
+                    if asks {
+                        Frame::popup(ui.style())
+                            .show(ui, |ui| documents::changed(editor, ui, &mut out));
+                    }
+                });
             });
     }
     if !toasts.seen.is_empty() || toasts.is_news(editor.now) {

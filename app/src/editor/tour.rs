@@ -29,12 +29,12 @@ const STEPS: &[Step] = &[
     },
     Step {
         title: "Draw a row",
-        text: "Take the stroke tool (P) and draw on the scalp from the hairline to the nape. Hair follows while you draw; Ctrl+Z takes the stroke back.",
+        text: "Take Draw in the bar over the picture (P) and draw on the scalp from the hairline to the nape. Hair follows while you draw; Ctrl+Z takes the stroke back.",
         done: |before, editor| strokes(&editor.state.document) > before.strokes,
     },
     Step {
         title: "Braid with four strands",
-        text: "Click the node of the braids and set strands from 3 to 4 in the inspector. Only what hangs from it runs.",
+        text: "Click the node \u{201C}cornrows\u{201D} and set Strands from 3 to 4 in the inspector. Only what hangs from it runs.",
         done: |before, editor| {
             let now = numbers(&editor.state.document, "lissajous_braid", "strands");
             now != before.strands && now.iter().any(|n| !before.strands.contains(n))
@@ -42,7 +42,7 @@ const STEPS: &[Step] = &[
     },
     Step {
         title: "Widen the partings",
-        text: "Click the node of the parting hairs and drag its parting width. The scalp shows more.",
+        text: "Click the node \u{201C}parting hairs\u{201D}, open Placement in the inspector and drag Parting width. The scalp shows more.",
         done: |before, editor| {
             let now = numbers(&editor.state.document, "edge_partition", "parting_width");
             now != before.partings
@@ -57,6 +57,11 @@ const STEPS: &[Step] = &[
         title: "Keep it",
         text: "Ctrl+S saves the groom: plain text, the same hair on every machine.",
         done: |_, editor| editor.state.file.path.is_some() && !editor.state.history.is_changed(),
+    },
+    Step {
+        title: "That was it",
+        text: "The groom is yours to go on with. Ctrl+K finds everything that can be done, F1 shows the keys, Recipes begin other hair.",
+        done: |_, _| false,
     },
 ];
 
@@ -158,7 +163,9 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) {
                 ui.set_max_width(320.0);
                 ui.label(step.text);
                 ui.horizontal(|ui| {
-                    next |= ui.button("Skip").on_hover_text("Goes to the next step").clicked();
+                    let last = number + 1 == STEPS.len();
+                    next |=
+                        !last && ui.button("Skip").on_hover_text("Goes to the next step").clicked();
                     stop = ui.button("End the tour").on_hover_text("Help has it again").clicked();
                 });
             })

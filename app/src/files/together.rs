@@ -234,6 +234,10 @@ impl Together {
             Target::Name(at, old) => {
                 let made = Temporary::new(at, old.is_some()).map_err(|err| match err.kind() {
                     io::ErrorKind::PermissionDenied => "its folder may not be written".to_owned(),
+                    // A folder of the system's own, such as /proc, says so of every name.
+                    io::ErrorKind::NotFound if at.parent().is_some_and(Path::is_dir) => {
+                        "its folder takes no files".to_owned()
+                    }
                     _ => said(&err),
                 })?;
                 (Sink::File(made.1), Some(made.0))

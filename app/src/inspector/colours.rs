@@ -85,7 +85,8 @@ fn told(wanted: [u8; 3], red: f32) -> Option<String> {
 /// Reads "#7a3b1e" or "7a3b1e".
 fn read_hex(text: &str) -> Option<[u8; 3]> {
     let digits = text.trim().trim_start_matches('#');
-    if digits.len() != 6 || !digits.is_ascii() {
+    // (Parsing numbers takes signs, too.)
+    if digits.len() != 6 || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
         return None;
     }
     let part = |at: usize| u8::from_str_radix(&digits[at..at + 2], 16).ok();
@@ -138,26 +139,47 @@ pub(super) fn show(ui: &mut Ui, target: &mut Target, def: &'static NodeDef, widt
                 let rest = ui.available_width().min(90.0);
                 let typed =
                     text_field(ui, &format!("{name} as hex"), &hex(colour), "hex", (rest, 1));
-                if let Some(typed) = typed.and_then(|text| read_hex(&text)) {
-                    picked = Some((typed, How::Once));
+                let mut words = None;
+                if let Some(text) = typed {
+                    match read_hex(&text) {
+                        Some(typed) => {
+                            picked = Some((typed, How::Once));
+                            // Who types a colour sees another in the field then, and hears why.
+                            let other = Some(becomes(typed)).filter(|other| *other != typed);
+                            words = other.map(|other| {
+                                let [typed, other] = [typed, other].map(hex);
+                                format!("{typed} became {other}, the nearest colour that pigment gives")
+                            });
+                        }
+                        None => {
+                            said[end] = Some(Some(format!(
+                                "\u{201C}{text}\u{201D} is no colour: write six digits from 0 to 9 and a to f, such as #7a3b1e"
+                            )));
+                        }
+                    }
                 }
                 if let Some((wanted, how)) = picked {
                     let (melanin, redness) = pigment(wanted, now[2]);
                     let mut to = now;
                     (to[end], to[2]) = (melanin, redness);
                     new = Some((to, how));
-                    said[end] = Some(told(wanted, now[2]));
+                    said[end] = Some(told(wanted, now[2]).or(words));
                 }
             });
         }
     });
-    let Some((to, how)) = new else { return };
     for (input, said) in [root, tip].into_iter().zip(said) {
-        match said.flatten() {
-            Some(text) => target.said.insert(input.name, text),
-            None => target.said.remove(input.name),
-        };
+        match said {
+            Some(Some(text)) => {
+                target.said.insert(input.name, text);
+            }
+            None if new.is_none() => {}
+            _ => {
+                target.said.remove(input.name);
+            }
+        }
     }
+    let Some((to, how)) = new else { return };
     let mut edits = vec![];
     for node in target.nodes {
         for (input, x) in [root, tip, red].into_iter().zip(to) {
@@ -210,7 +232,7 @@ mod tests {
             assert!(off <= Some(7), "{name}: {colour:?} became {back:?}");
         }
         assert_eq!(read_hex(" #7a3B1e"), Some([0x7a, 0x3b, 0x1e]));
-        for bad in ["", "#7a3b1", "7a3b1ef", "zzzzzz", "ééé"] {
+        for bad in ["", "#7a3b1", "7a3b1ef", "zzzzzz", "ééé", "#+1+2+3", "-1-2-3", "##", "#"] {
             assert_eq!(read_hex(bad), None, "{bad}");
         }
         assert_eq!(hex([0x7a, 0x3b, 0x1e]), "#7a3b1e");

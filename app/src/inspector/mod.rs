@@ -16,7 +16,7 @@ pub(crate) mod target;
 #[cfg(test)]
 mod tests;
 pub(crate) mod text;
-mod value;
+pub(crate) mod value;
 mod wheel;
 
 use crate::editor::evaluation::Shown;
@@ -451,8 +451,13 @@ fn header(
         let same = nodes.len();
         ui.weak(match same == selected {
             true => format!("{same} nodes of this kind are edited at once."),
+            false if same == 1 => {
+                format!("Only this one of the {selected} selected nodes is of its kind and edited.")
+            }
             false => {
-                format!("{same} of {selected} selected nodes are of this kind and edited at once.")
+                format!(
+                    "{same} of {selected} selected nodes are of this kind: they are edited at once."
+                )
             }
         });
     }

@@ -263,7 +263,7 @@ fn several_nodes_are_edited_in_one_step() {
     drag(&mut hands, field.center(), vec2(30.0, 0.0), Modifiers::NONE);
     assert_eq!(done(&hands), 3);
     assert_eq!(number(&hands, "a", "length"), number(&hands, "b", "length"));
-    hands.get_by_label("2 of 3 selected nodes are of this kind and edited at once.");
+    hands.get_by_label("2 of 3 selected nodes are of this kind: they are edited at once.");
 }
 
 #[test]
@@ -698,4 +698,31 @@ fn a_wheel_picks_colours_and_says_which_no_hair_has() {
     press(&mut hands, rect.center() + vec2(73.5, 0.0));
     let dye = value(&hands, "a", "dye");
     assert!(matches!(dye, Some(Value::Vec3(glam::Vec3::X))), "{dye:?}");
+}
+
+#[test]
+fn a_typed_colour_that_is_none_or_becomes_another_is_told() {
+    let mut hands = hands(nodes(&[("colour", "hair_colour")]), &["colour"], (420.0, 1400.0));
+    let says = |hands: &Hands, words: &str| {
+        let text = |node: &egui_kittest::Node<'_>| {
+            let node = node.accesskit_node();
+            let all = [node.label(), node.value()];
+            all.into_iter().flatten().collect::<String>()
+        };
+        hands.query_all(egui_kittest::kittest::By::new()).any(|node| text(&node).contains(words))
+    };
+    let before = number(&hands, "colour", "melanin_root");
+    for bad in ["#+1+2+3", "brown", "#12345"] {
+        typed(&mut hands, "Root colour as hex", bad);
+        assert_eq!(number(&hands, "colour", "melanin_root"), before, "{bad}");
+        assert!(says(&hands, "is no colour: write six digits"), "{bad}");
+    }
+    assert_eq!(done(&hands), 0);
+    // Blue is no hair's, and nearly black is a black that pigment has.
+    typed(&mut hands, "Root colour as hex", "#0000ff");
+    assert!(says(&hands, "no natural hair is #0000ff"));
+    typed(&mut hands, "Root colour as hex", "#160802");
+    assert!(says(&hands, "#160802 became #"));
+    assert!(!says(&hands, "no natural hair"));
+    assert_eq!(done(&hands), 2);
 }

@@ -4,6 +4,12 @@ use egui::{Response, TextEdit, Ui, Vec2};
 
 /// A name of a declaration as people read it: `stitch_spacing` is "Stitch spacing".
 pub(crate) fn spoken(name: &str) -> String {
+    // Files keep the letters of the method; people read what they do.
+    let name = match name {
+        "rho" => "touch_radius",
+        "tau" => "neighbour_reach",
+        name => name,
+    };
     let words = name.replace('_', " ");
     let mut letters = words.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())

@@ -195,7 +195,7 @@ fn unset_words(doc: &str) -> Option<&str> {
 }
 
 /// What a declaration says that 0 means, where that is no amount: "0: no limit", "0 takes half the width".
-fn zero_words(doc: &str) -> Option<&str> {
+pub(crate) fn zero_words(doc: &str) -> Option<&str> {
     if [" 0 takes ", " 0 finds "].iter().any(|words| doc.contains(words)) {
         return Some("auto");
     }

@@ -41,6 +41,8 @@ pub(super) fn picker(
     let before = hsva;
     let mut how = How::Once;
     let open = Popup::menu(&button).close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    // Where there is no room below it is moved up; turned up it would cover the menu bar.
+    let open = open.align_alternatives(&[]);
     open.show(|ui| {
         panel::list(ui, |ui| {
             ui.set_width(2.0 * RADIUS);

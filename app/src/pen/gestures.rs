@@ -10,9 +10,11 @@ use super::settings::Along;
 use super::shapes::{Place, Shapes};
 use super::target::{self, Fresh};
 use super::{Pen, PenTool, Picked, Scene};
+use crate::editor::evaluation::displayed;
 use crate::editor::event::Event;
 use crate::editor::state::Select;
 use coif_graphs::document::edit::Edit;
+use coif_graphs::document::graph::upstream;
 use coif_graphs::document::strokes::{cvs, whole};
 use coif_graphs::document::{NodeId, Setting};
 use coif_nodes::data::strokes::Stroke;
@@ -424,6 +426,20 @@ impl Gesture {
             scene.out.extend(self.grows_inside(scene).map(Event::Edit));
             scene.out.push(Event::End);
         }
+    }
+
+    /// Whether what it has drawn becomes no hair that is seen: nothing takes the strokes, and other hair is displayed.
+    pub(super) fn makes_no_hair(&self, scene: &Scene) -> bool {
+        let document = &scene.state.document;
+        let draws = matches!(self.work, Work::Draw(_))
+            && document.node(self.node.as_str()).is_none_or(|node| node.kind != target::HEAD);
+        let shown = displayed(document);
+        let way = upstream(document, shown.iter().map(|socket| &socket.node));
+        let hair = shown.iter().any(|socket| {
+            document.node(socket.node.as_str()).is_some_and(|node| node.kind != target::HEAD)
+        });
+        let seen = way.contains(&self.node) || shown.iter().any(|s| s.node == self.node);
+        draws && hair && !seen
     }
 
     /// A head takes its region from the hairline that is drawn on it.

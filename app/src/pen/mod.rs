@@ -499,6 +499,9 @@ impl Pen {
                             self.said = Some(Said::new(sample.pos, now, why));
                         }
                         false => {
+                            if gesture.makes_no_hair(scene) {
+                                self.said = Some(Said::new(sample.pos, now, NO_HAIR));
+                            }
                             gesture.end(scene, &self.shapes, &mut self.picked);
                             self.ended = Some(gesture.work);
                         }
@@ -541,6 +544,10 @@ impl Pen {
         Rect::from_min_size(Pos2::new(left, input.sample.pos.y), size)
     }
 }
+
+/// What is said of strokes that nothing grows hair from.
+const NO_HAIR: &str =
+    "Strokes are no hair yet: take a recipe, or wire them to a node that grows hair from them";
 
 /// Whether the evaluator has answered the last change, so that the next one may come.
 fn ready(state: &State) -> bool {

@@ -11,9 +11,23 @@ use coif_graphs::document::edit::Edit;
 use coif_nodes::data::gestures::{Layer, Tool};
 use egui::{Color32, ComboBox, Pos2, Sense, Shape, Slider, Stroke, Ui, Vec2};
 
+/// The bar takes no more than this of the room's height.
+const SHARE: f32 = 0.4;
+
 impl Pen {
-    /// The bar: tools on strokes, under them those on hair and on masks, and behind these what the tool in hand needs.
+    /// The bar: tools on strokes, under them those on hair and on masks, and behind these what the tool in hand needs. Where all
+    /// of it would take more than its share of the room it scrolls: the picture is what is worked on.
     pub fn bar(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
+        let line = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
+        let most = (ui.available_height() * SHARE).max(line);
+        let bar = egui::ScrollArea::vertical().id_salt("pen bar").max_height(most);
+        bar.min_scrolled_height(0.0).auto_shrink([false, true]).show(ui, |ui| {
+            ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
+            self.lines(state, ui, out);
+        });
+    }
+
+    fn lines(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         let mut settings = state.settings.pen.clone();
         let on_strokes =
             !matches!(self.tool, PenTool::Select | PenTool::Hair(_) | PenTool::Mask(_));

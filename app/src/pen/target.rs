@@ -4,6 +4,7 @@
 //! has none, drawing makes one: wired to the head, seeded, beside the head on the canvas, as part of the stroke's undo
 //! step.
 
+use crate::editor::evaluation::displayed;
 use crate::editor::state::State;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Node, NodeId, Point, Setting, Socket};
@@ -129,13 +130,7 @@ pub(crate) fn free_seed(document: &Document) -> i64 {
 /// A free place on the canvas, `right` columns beside a node.
 pub(crate) fn place_beside(document: &Document, id: &NodeId, right: f32) -> Point {
     let Point(x, y) = document.layout.get(id).copied().unwrap_or_default();
-    let x = x + STEP.0 * right;
-    let taken = |y: f32| {
-        let near = |p: &Point| (p.0 - x).abs() < STEP.0 * 0.8 && (p.1 - y).abs() < STEP.1 * 0.8;
-        document.layout.values().any(near)
-    };
-    let free = (0..200).map(|row| y + STEP.1 * row as f32).find(|y| !taken(*y));
-    Point(x, free.unwrap_or(y))
+    crate::canvas::free_place(document, Point(x + STEP.0 * right, y), STEP)
 }
 
 /// How a new node holds strokes.
@@ -177,7 +172,7 @@ pub(crate) fn make(document: &Document, fresh: Fresh) -> Option<(NodeId, Vec<Edi
             at: None,
         },
     ];
-    let shows_hair = document.display.as_ref().is_some_and(|id| *id != head);
+    let shows_hair = displayed(document).iter().any(|socket| socket.node != head);
     if !shows_hair {
         edits.push(Edit::SetDisplay(Some(id.clone())));
     }

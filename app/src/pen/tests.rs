@@ -4,7 +4,9 @@ use super::sample::{Device, PenSample, Phase, Tool};
 use super::*;
 use crate::editor::Editor;
 use crate::editor::state::OpenFile;
-use coif_graphs::document::{Document, Node};
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{Document, Node, Setting};
+use coif_nodes::define::Value;
 use coif_shaders::camera::Camera;
 use egui::Vec2;
 use egui_kittest::Harness;
@@ -606,4 +608,43 @@ fn the_line_is_painted_in_the_frame_of_its_samples() {
     table.pen(Phase::Up, Pos2::new(340.0, 320.0), 0.5);
     table.step();
     assert_eq!(table.strokes().0.len(), 2);
+}
+
+#[test]
+fn a_stroke_that_becomes_no_hair_lies_on_no_node_hides_no_hair_and_says_so() {
+    // Two recipes: all outputs are displayed, none by itself.
+    let mut document = head();
+    for at in [13, 13] {
+        let made = recipes::ALL[at].edits(&document, None, false).expect("a recipe");
+        Edit::Several(made.edits).apply(&mut document).expect("it is put in");
+    }
+    let outputs = document.nodes.values().filter(|node| node.kind == "groom_output").count();
+    assert_eq!((outputs, &document.display), (2, &None));
+    // Few hairs will do.
+    for node in document.nodes.values_mut().filter(|node| node.kind == "interpolate") {
+        let inputs = &mut Arc::make_mut(node).inputs;
+        inputs.insert("by".into(), Setting::Known(Value::Text("count".into())));
+        inputs.insert("count".into(), Setting::Known(Value::Int(300)));
+    }
+    let mut table = draw_on(document);
+    table.draw(&row(300.0));
+    table.rest();
+    let said = table.editor().pen.said.take().map_or_else(String::new, |said| said.text);
+    assert!(said.contains("Strokes are no hair yet"), "{said}");
+    let state = &table.editor().state;
+    assert_eq!(state.document.display, None, "the hair is seen as before");
+    let drawn = state.document.nodes.iter().find(|(_, node)| node.kind == target::KIND);
+    let id = drawn.expect("the strokes").0.clone();
+    // It lies beside all others, whatever their heights are: below where it would stand, a whole node of 140 is free.
+    let at = state.document.layout[&id];
+    let fresh = crate::canvas::free_place(
+        &{
+            let mut others = state.document.clone();
+            Edit::RemoveNode { id: id.clone() }.apply(&mut others).expect("it goes");
+            others
+        },
+        at,
+        target::STEP,
+    );
+    assert_eq!(fresh, at, "it is free");
 }

@@ -233,7 +233,13 @@ pub(crate) const ACTIONS: &[Action] = &[
         when: always,
         run: |editor| editor.viewport.options.expose(-STOP),
     },
-    toggle!("view.head", "Head", "Shows the head, or only hair.", "skin scalp bust", head),
+    toggle!(
+        "view.head",
+        "Show or hide the head",
+        "Shows the head, or only hair.",
+        "skin scalp bust",
+        head
+    ),
     toggle!(
         "view.guides",
         "Guides over the picture",

@@ -281,33 +281,28 @@ pub(super) fn shows(options: &mut Options, state: &State, ui: &mut egui::Ui) {
     let tuft = state.shown.as_ref().and_then(|shown| shown.curves.tufts().first().cloned());
     let names = tuft.iter().flat_map(|tuft| tuft.attributes()).map(|a| a.name.to_string());
     let names: Vec<String> = names.collect();
-    ui.menu_button("Attribute", |ui| {
-        panel::list(ui, |ui| {
-            for name in &names {
-                if ui.radio(options.show == *name, name).clicked() {
-                    options.show.clone_from(name);
-                    ui.close();
-                }
+    panel::submenu(ui, "Attribute", |ui| {
+        for name in &names {
+            if ui.radio(options.show == *name, name).clicked() {
+                options.show.clone_from(name);
+                ui.close();
             }
-            if names.is_empty() {
-                ui.label("nothing with attributes is displayed");
-            }
-        });
+        }
+        if names.is_empty() {
+            ui.label("nothing with attributes is displayed");
+        }
     });
 }
 
 pub(super) fn looks(options: &mut Options, ui: &mut egui::Ui) {
     let choice = |ui: &mut egui::Ui, label: &str, tip: &str, value: &mut String, all: &[&str]| {
-        ui.menu_button(format!("{label}: {value}"), |ui| {
-            panel::list(ui, |ui| {
-                for name in all {
-                    if ui.radio(value == name, *name).clicked() {
-                        (*name).clone_into(value);
-                    }
+        panel::submenu(ui, format!("{label}: {value}"), |ui| {
+            for name in all {
+                if ui.radio(value == name, *name).clicked() {
+                    (*name).clone_into(value);
                 }
-            });
+            }
         })
-        .response
         .on_hover_text(tip);
     };
     choice(ui, "Lights", "What lights hair and head.", &mut options.rig, &Rig::NAMES);
@@ -342,14 +337,13 @@ fn skins(options: &mut Options, ui: &mut egui::Ui) {
         0 => "Clay".to_owned(),
         tone => tone.min(10).to_string(),
     };
-    ui.menu_button(format!("Skin: {}", label(options.skin)), |ui| {
+    panel::submenu(ui, format!("Skin: {}", label(options.skin)), |ui| {
         for skin in [SKIN_AUTO, SKIN_FILE].into_iter().chain(1..=10).chain([0]) {
             if ui.radio(options.skin == skin, label(skin)).clicked() {
                 options.skin = skin;
             }
         }
     })
-    .response
     .on_hover_text(
         "Skin of the head: the colours and normal maps of its own file, 1 (lightest) to 10 on the Monk scale, or clay.",
     );

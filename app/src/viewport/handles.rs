@@ -29,6 +29,10 @@ const TARGET: f32 = 12.0;
 const GRIP: f32 = 5.0;
 /// The radius of the arc of an angle, points.
 const ARC: f32 = 44.0;
+/// Grips of a node lie at least so far apart: one that would lie nearer to another is held aside of its place, by a line.
+const APART: f32 = 26.0;
+/// While the pointer is within this of a grip they all say what they are, points.
+const NEAR: f32 = 60.0;
 /// An angle's grip is not turned by less than this distance from its middle, points.
 const DEAD: f32 = 4.0;
 
@@ -141,14 +145,23 @@ impl Handles {
         }
         let scalps: Vec<&Scalp> = shown.scalps.iter().map(|scalp| &**scalp).collect();
         let seen = Seen { view, scalps: if head { &scalps } else { &[] } };
-        for grip in grips(&state.document, shown, node, view) {
-            let held =
-                self.drag.as_ref().is_some_and(|drag| drag.grip.input.name == grip.input.name);
-            let Some((at, hidden)) = grip.place(&seen, &scalps) else { continue };
-            if hidden && !held {
-                continue;
-            }
+        let dragged = self.drag.as_ref().map(|drag| drag.grip.input.name);
+        let is_held = |grip: &Grip| dragged == Some(grip.input.name);
+        let placed = grips(&state.document, shown, node, view).into_iter().filter_map(|grip| {
+            let (at, hidden) = grip.place(&seen, &scalps)?;
+            (!hidden || is_held(&grip)).then_some((grip, at))
+        });
+        let placed: Vec<(Grip, Pos2)> = placed.collect();
+        let hands = apart(&placed);
+        let pointer = ui.input(|input| input.pointer.latest_pos());
+        let near = pointer.is_some_and(|p| hands.iter().any(|at| at.distance(p) < NEAR));
+        for ((grip, place), at) in placed.into_iter().zip(hands) {
+            let held = is_held(&grip);
             grip.draw(&seen, ui);
+            if at.distance(place) > GRIP {
+                let stroke = Stroke::new(1.0, theme::ACCENT.gamma_multiply(0.5));
+                ui.painter_at(view.rect).line_segment([place, at], stroke);
+            }
             let id = ui.id().with(("handle", node.as_str(), grip.input.name));
             let target = egui::Rect::from_center_size(at, Vec2::splat(2.0 * TARGET));
             let response = ui.interact(target, id, Sense::drag());
@@ -158,8 +171,10 @@ impl Handles {
             });
             let colour = if held || response.hovered() { Color32::WHITE } else { theme::ACCENT };
             ui.painter().circle(at, GRIP, theme::GROUND, Stroke::new(2.0, colour));
-            if held || response.hovered() {
-                let text = format!("{} {}", grip.input.name.replace('_', " "), grip.words());
+            let told = held || response.hovered();
+            if told || near {
+                let name = crate::inspector::text::spoken(grip.input.name);
+                let text = if told { format!("{name} {}", grip.words()) } else { name };
                 let font = egui::FontId::proportional(12.0);
                 let galley = ui.painter().layout_no_wrap(text, font, theme::TEXT);
                 let from = at + Vec2::new(12.0, -18.0);
@@ -171,7 +186,7 @@ impl Handles {
                 let pressed = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
                 out.push(Event::Begin(String::new()));
                 let last = grip.value;
-                self.drag = Some(Drag { node: node.clone(), grip, off: pressed - at, last });
+                self.drag = Some(Drag { node: node.clone(), grip, off: pressed - place, last });
             }
         }
         self.follow(view, &scalps, ui, out);
@@ -214,6 +229,34 @@ impl Handles {
             self.drag = None;
         }
     }
+}
+
+/// Where grips are taken: at their places, but for those that would lie on another. The place of the whole stays first, for it is
+/// what is dragged most.
+fn apart(placed: &[(Grip, Pos2)]) -> Vec<Pos2> {
+    let mut hands: Vec<Pos2> = placed.iter().map(|(_, at)| *at).collect();
+    let mut order: Vec<usize> = (0..placed.len()).collect();
+    order.sort_by_key(|i| placed[*i].0.handle != Handle::Point);
+    for (n, i) in order.iter().copied().enumerate() {
+        let free =
+            |at: Pos2| order[..n].iter().all(|other| hands[*other].distance(at) >= APART - 0.01);
+        let place = placed[i].1;
+        // Away from the nearest of the others, else upwards; then round the place, farther and farther.
+        let nearest = order[..n].iter().map(|other| place - hands[*other]);
+        let nearest = nearest.min_by(|a, b| a.length().total_cmp(&b.length()));
+        let first = nearest.filter(|by| by.length() > 1.0).map_or(-Vec2::Y, Vec2::normalized);
+        let around = (1..4).flat_map(|ring| (0..8).map(move |turn| (ring as f32, turn)));
+        let aside = around.map(|(ring, turn)| {
+            // To both sides in turn.
+            let side = if turn % 2 == 0 { 1.0 } else { -1.0 };
+            let angle = side * f32::from((turn + 1) / 2_u8) * std::f32::consts::FRAC_PI_4;
+            place + egui::emath::Rot2::from_angle(angle) * first * (APART * ring)
+        });
+        if let Some(at) = std::iter::once(place).chain(aside).find(|at| free(*at)) {
+            hands[i] = at;
+        }
+    }
+    hands
 }
 
 /// The value of an input as it is set, where it can be dragged.
@@ -297,7 +340,11 @@ fn grips(document: &Document, shown: &Shown, node: &NodeId, view: &Projection) -
         let fits = matches!(value, Number::Point(_)) == (handle == Handle::Point);
         let elsewhere = foot.is_some() && handle == Handle::Point;
         let by_tie = tied && TIED.contains(&input.name);
-        if !fits || elsewhere || by_tie || (handle == Handle::Along && line.len() < 2) {
+        // What is switched off, as by a 0 that sets no limit, has no place to be held at.
+        let off = value == Number::One(0.0)
+            && handle != Handle::Angle
+            && crate::inspector::value::zero_words(&input.doc()).is_some();
+        if !fits || elsewhere || by_tie || off || (handle == Handle::Along && line.len() < 2) {
             continue;
         }
         let anchor = match handle {
@@ -547,6 +594,44 @@ mod tests {
                         assert!(a.distance(b) < 0.01 * (1.0 + a.length()), "{seed}: {a} {b}");
                     }
                     other => panic!("{other:?}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn grips_that_would_lie_on_one_another_are_held_apart_and_the_place_stays() {
+        let names = [
+            (Handle::Radius, "radius"),
+            (Handle::Length, "height"),
+            (Handle::Angle, "lean"),
+            (Handle::Point, "position"),
+        ];
+        let one = Number::One(1.0);
+        for seed in 0..200 {
+            let dice = Dice::new(seed, 9, "apart");
+            let middle = Pos2::new(300.0, 200.0);
+            let placed: Vec<(Grip, Pos2)> = names
+                .iter()
+                .enumerate()
+                .map(|(k, (handle, input))| {
+                    let by = |n: u64| dice.range(k as u64, n, -20.0, 20.0);
+                    let at = if seed == 0 { middle } else { middle + Vec2::new(by(1), by(2)) };
+                    (grip(*handle, input, "gather", one, Vec3::ZERO), at)
+                })
+                .collect();
+            let hands = apart(&placed);
+            assert_eq!(hands[3], placed[3].1, "the position is where it is");
+            for i in 0..4 {
+                assert!(hands[i].distance(placed[i].1) <= 3.0 * APART + 0.1);
+                for j in 0..i {
+                    let far = hands[i].distance(hands[j]);
+                    assert!(
+                        far >= 2.0 * TARGET,
+                        "{seed}: {} and {}: {far}",
+                        names[i].1,
+                        names[j].1
+                    );
                 }
             }
         }

@@ -87,32 +87,22 @@ impl Viewport {
             On::Head => {
                 panel::actions(ui, HEAD, out);
                 ui.separator();
-                ui.menu_button("Light and skin", |ui| {
-                    panel::list(ui, |ui| chrome::looks(&mut self.options, ui));
-                });
+                panel::submenu(ui, "Light and skin", |ui| chrome::looks(&mut self.options, ui));
                 self.views_menu(state, ui, out);
             }
             On::Nothing => {
                 panel::actions(ui, NOTHING, out);
                 ui.separator();
                 self.views_menu(state, ui, out);
-                ui.menu_button("Show", |ui| {
-                    panel::list(ui, |ui| chrome::shows(&mut self.options, state, ui));
-                });
-                ui.menu_button("Over the picture", |ui| {
-                    panel::list(ui, |ui| chrome::over(&mut self.options, ui));
-                });
-                ui.menu_button("Light and look", |ui| {
-                    panel::list(ui, |ui| chrome::looks(&mut self.options, ui));
-                });
+                panel::submenu(ui, "Show", |ui| chrome::shows(&mut self.options, state, ui));
+                panel::submenu(ui, "Over the picture", |ui| chrome::over(&mut self.options, ui));
+                panel::submenu(ui, "Light and look", |ui| chrome::looks(&mut self.options, ui));
             }
         });
     }
 
     fn views_menu(&mut self, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
-        ui.menu_button("Look from", |ui| {
-            panel::list(ui, |ui| chrome::views(self, state, ui, out));
-        });
+        panel::submenu(ui, "Look from", |ui| chrome::views(self, state, ui, out));
     }
 
     /// Opens the menu on what was found there. Hair that is not selected is, with all of its braid or cluster.

@@ -268,11 +268,11 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
     let name = |id: &NodeId| document.name_of(id).into_owned();
     let kind =
         |id: &str| coif_nodes::by_id(id).map_or_else(|| spoken(id), |def| def.label.to_owned());
-    let label = |node: &super::Node, id: &NodeId| match &node.label {
-        Some(label) => label.clone(),
-        // As `name_of` had it while the node was there.
-        None if document.nodes.values().any(|other| other.kind == node.kind) => spoken(id.as_str()),
-        None => kind(&node.kind),
+    // As it was called while it was there.
+    let label = |node: &Arc<super::Node>, id: &NodeId| {
+        let mut then = document.clone();
+        then.nodes.insert(id.clone(), node.clone());
+        then.name_of(id).into_owned()
     };
     match inverse {
         E::RemoveNode { id } => format!("{}: added", name(id)),
@@ -285,7 +285,8 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
         },
         E::SetInput { node, input, setting } => {
             let (before, after) = (said(Some(setting)), now(document, node, input));
-            format!("{}: {} {before} to {after}", name(node), spoken(input))
+            let unit = unit(document, node, input);
+            format!("{}: {} {before} to {after}{unit}", name(node), spoken(input))
         }
         E::UnsetInput { node, input } => {
             let new = document.node(node.as_str()).and_then(|n| n.inputs.get(input));
@@ -296,7 +297,8 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
             match new {
                 Some(new) => {
                     let (before, after) = (said(default.as_ref()), said(Some(new)));
-                    format!("{}: {} {before} to {after}", name(node), spoken(input))
+                    let unit = unit(document, node, input);
+                    format!("{}: {} {before} to {after}{unit}", name(node), spoken(input))
                 }
                 None => format!("{}: {}", name(node), spoken(input)),
             }
@@ -359,6 +361,18 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
             _ => words(document, edits),
         },
     }
+}
+
+/// The unit of a number that an input is set to; nothing for what is no number.
+fn unit(document: &Document, id: &NodeId, input: &str) -> &'static str {
+    let node = document.node(id.as_str());
+    let is_number = node.and_then(|node| node.inputs.get(input)).is_some_and(|now| match now {
+        Setting::Known(Value::Float(_) | Value::Int(_)) => true,
+        Setting::Known(Value::Field(field)) => field.constant().is_some(),
+        _ => false,
+    });
+    let def = node.filter(|_| is_number).and_then(|node| coif_nodes::by_id(&node.kind));
+    def.and_then(|def| def.input(input)).map_or("", |(_, input)| input.unit.suffix())
 }
 
 /// What became of a frame.
@@ -458,6 +472,21 @@ mod tests {
         assert_eq!(document, before);
         history.redo(&mut document).unwrap();
         assert_eq!(document, after);
+    }
+
+    #[test]
+    fn a_changed_length_is_told_with_its_unit() {
+        let (mut document, mut history) = (Document::default(), History::new());
+        let node = Node { kind: "edge_partition".into(), ..Node::default() };
+        let add = Edit::AddNode { id: id("a"), node: node.into(), at: None };
+        history.edit(&mut document, &add).unwrap();
+        for width in [0.15, 0.284] {
+            let setting = Setting::Known(Value::Float(width));
+            let input = "parting_width".into();
+            history.edit(&mut document, &Edit::SetInput { node: id("a"), input, setting }).unwrap();
+        }
+        let last = steps(&history).pop().unwrap();
+        assert_eq!(last, "Edge partition: parting width 0.15 to 0.284 cm");
     }
 
     #[test]

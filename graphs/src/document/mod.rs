@@ -62,6 +62,12 @@ pub struct Document {
     pub comments: BTreeMap<Place, Vec<String>>,
 }
 
+/// An id as [`Document::free_id`] made it: its stem, and the number behind that.
+fn numbered(id: &str) -> (&str, Option<u32>) {
+    let parts = id.rsplit_once('_').and_then(|(stem, n)| Some((stem, n.parse().ok()?)));
+    parts.map_or((id, None), |(stem, n)| (stem, Some(n)))
+}
+
 /// A place on the canvas: right, down. Compared by its bits, so that equality holds for every
 /// value.
 #[derive(Clone, Copy, Debug, Default)]
@@ -295,16 +301,23 @@ impl Document {
             })
     }
 
-    /// What people call a node: its label, else the label of its kind, else its id with spaces: "head 2".
+    /// What people call a node: its label, else the label of its kind. Copies have their number behind it: "Head 2". Where nodes
+    /// of its kind have ids that somebody chose, so that the label tells none from the other, it is the id with spaces.
     pub fn name_of<'a>(&'a self, id: &'a NodeId) -> Cow<'a, str> {
         let spoken = || id.as_str().replace('_', " ").into();
         let Some(node) = self.node(id.as_str()) else { return spoken() };
         match (&node.label, coif_nodes::by_id(&node.kind)) {
             (Some(label), _) => label.into(),
-            (None, Some(def))
-                if !self.nodes.iter().any(|(other, n)| other != id && n.kind == node.kind) =>
-            {
-                def.label.into()
+            (None, Some(def)) => {
+                let (stem, number) = numbered(id.as_str());
+                let mut others =
+                    self.nodes.iter().filter(|(other, n)| *other != id && n.kind == node.kind);
+                match others.any(|(other, _)| numbered(other.as_str()).0 != stem) {
+                    true => spoken(),
+                    false => {
+                        number.map_or(def.label.into(), |n| format!("{} {n}", def.label).into())
+                    }
+                }
             }
             _ => spoken(),
         }
@@ -423,6 +436,25 @@ mod tests {
         for bad in ["", "2rows", "_a", "Rows", "a b", "a.b", "é", &long] {
             assert!(NodeId::new(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn copies_have_the_name_of_what_they_are_copies_of_with_their_number() {
+        let mut document = Document::default();
+        let mut add = |text: &str, kind: &str| {
+            let node = Node { kind: kind.to_owned(), ..Node::default() };
+            document.nodes.insert(NodeId::new(text).unwrap(), node.into());
+            let names = document.nodes.keys().map(|id| document.name_of(id).into_owned());
+            names.collect::<Vec<_>>()
+        };
+        assert_eq!(add("head", "head"), ["Head"]);
+        assert_eq!(add("out", "groom_output"), ["Head", "Groom output"]);
+        assert_eq!(add("head_2", "head"), ["Head", "Head 2", "Groom output"]);
+        let names = add("out_2", "groom_output");
+        assert_eq!(names, ["Head", "Head 2", "Groom output", "Groom output 2"]);
+        // Who chose ids knows them by these.
+        let names = add("braids_out", "groom_output");
+        assert_eq!(names, ["braids out", "Head", "Head 2", "out", "out 2"]);
     }
 
     #[test]

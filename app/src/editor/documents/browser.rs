@@ -45,7 +45,8 @@ impl Browser {
     /// A browser for a question.
     pub(crate) fn new(question: Question, wake: Arc<dyn Fn() + Send + Sync>) -> Self {
         let folder = match question.folder.as_os_str().is_empty() {
-            true => std::env::home_dir().unwrap_or_default(),
+            // Where it was started from, as a shell has it.
+            true => std::env::current_dir().ok().or_else(std::env::home_dir).unwrap_or_default(),
             false => std::path::absolute(&question.folder).unwrap_or_default(),
         };
         let typed = if question.purpose.saves() { question.name.clone() } else { String::new() };

@@ -183,12 +183,10 @@ fn said(path: &Path, report: &Report) -> String {
     }
     let curves: usize = report.outputs.iter().map(|output| output.curves).sum();
     let points: usize = report.outputs.iter().map(|output| output.points).sum();
-    let hashes: Vec<String> = report.outputs.iter().map(|output| output.hash.to_string()).collect();
     format!(
-        "exported {path}: {}, {}, hash {}",
+        "exported {path}: {}, {}",
         crate::words::counted(curves, "curve"),
-        crate::words::counted(points, "point"),
-        hashes.join(", ")
+        crate::words::counted(points, "point")
     )
 }
 

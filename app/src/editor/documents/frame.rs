@@ -9,6 +9,7 @@ use super::{Browser, Changed, Event, bars, browser, home, own_head, welcome};
 use crate::editor::Editor;
 use crate::editor::notes::Note;
 use crate::editor::rooms::Room;
+use crate::editor::state::State;
 use coif_graphs::schedule::files::named;
 use egui::ViewportCommand;
 use std::path::{Path, PathBuf};
@@ -50,7 +51,9 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
         match ended {
             Ended::Done(words, warnings) => {
                 for warning in warnings {
-                    editor.state.notes.say(Note::warning(warning));
+                    if let Some(note) = warned(&editor.state, &warning) {
+                        editor.state.notes.say(note);
+                    }
                 }
                 editor.state.notes.say(Note::done(words));
             }
@@ -67,6 +70,21 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
             editor.leave();
         }
     }
+}
+
+/// A warning of an export, by the name that its node has on screen. None where that node says the same beside its inputs.
+fn warned(state: &State, warning: &str) -> Option<Note> {
+    let named = warning.split_once(": ").and_then(|(id, text)| {
+        let (id, _) = state.document.nodes.get_key_value(id)?;
+        Some((id, text))
+    });
+    let Some((id, text)) = named else { return Some(Note::warning(warning)) };
+    let report = state.run.reports.nodes.get(id);
+    let known = report.is_some_and(|report| {
+        report.messages.iter().any(|message| message.to_string() == text || message.text == text)
+    });
+    let name = state.document.name_of(id);
+    (!known).then(|| Note::warning(format!("{name}: {text}")).of(id.clone()))
 }
 
 /// A file dropped on the window: a groom is opened, a mesh becomes the head.

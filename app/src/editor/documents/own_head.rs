@@ -247,6 +247,7 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
                             let field = DragValue::new(&mut placing.scale)
                                 .range(1e-6..=1e6)
                                 .speed(speed)
+                                .custom_formatter(|x, _| crate::words::rounded(x))
                                 .suffix(" cm a unit");
                             drags |= ui.add(field).dragged();
                         }
@@ -378,12 +379,12 @@ fn found(head: &OwnHead, state: &State, ui: &mut egui::Ui) {
         let (low, high) = scalp.surface().bounds();
         let size = high - low;
         ui.label(format!(
-            "{:.1} x {:.1} x {:.1} cm, {} triangles, {:.4} cm a unit",
+            "{:.1} x {:.1} x {:.1} cm, {} triangles, {} cm a unit",
             size.x,
             size.y,
             size.z,
             crate::words::grouped(scalp.surface().triangles.len()),
-            scalp.cm_per_unit()
+            crate::words::rounded(f64::from(scalp.cm_per_unit()))
         ));
     }
     for message in report.into_iter().flat_map(|report| &report.messages) {

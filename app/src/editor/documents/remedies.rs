@@ -6,6 +6,7 @@ const REMEDIES: &[(&str, &str)] = &[
     ("write to another file", ""),
     ("folder does not exist", "make the folder, or choose another"),
     ("folder is a file", "choose a folder"),
+    ("folder takes no files", "choose another folder"),
     ("folder may not be written", "choose another folder, or allow writing in this one"),
     ("may not be written", "choose another name or folder, or allow writing it"),
     ("is read-only", "choose another name, or allow writing it"),
@@ -41,12 +42,17 @@ mod tests {
             (written("none/x.ron"), "make the folder"),
             (written("file/x.ron"), "choose a folder"),
             (read(&folder.path("none.ron")), "look for it with Open"),
+            ("x: its folder takes no files".to_owned(), "choose another folder"),
             (read(folder.root()), "choose a file"),
             ("x: its folder may not be written".to_owned(), "choose another folder"),
             ("x: the disk is full".to_owned(), "make room"),
         ] {
             let said = with_remedy(&why, "");
             assert!(said.starts_with(&why) && said.contains(remedy), "{said}");
+        }
+        if cfg!(target_os = "linux") {
+            let why = write_text(std::path::Path::new("/proc/nope.ron"), "").unwrap_err();
+            assert!(why.contains("its folder takes no files"), "{why}");
         }
         assert_eq!(with_remedy("odd", "try again"), "odd; try again");
     }

@@ -162,8 +162,9 @@ pub(super) fn window(
                             let bytes = PICTURES.iter().find(|(known, _)| known == name);
                             let picture =
                                 bytes.and_then(|found| picture(&mut welcome.pictures, *found, ctx));
-                            let tip = format!("New from {name}");
-                            if card(ui, &tip, title_of(text), picture, size) {
+                            let title = title_of(text);
+                            let tip = format!("A new groom like {title}");
+                            if card(ui, &tip, title, picture, size) {
                                 say(FileEvent::New(Some(name)));
                             }
                         }

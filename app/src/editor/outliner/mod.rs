@@ -17,7 +17,7 @@ use super::rooms::Room;
 use super::state::{Select, State};
 use super::theme;
 use super::visibility::Visibility;
-use crate::inspector::text::{set_name, text_field};
+use crate::inspector::text::{set_name, spoken, text_field};
 use crate::words::grouped;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::graph;
@@ -300,7 +300,8 @@ impl Outliner {
             select(state, &row.item, add, out);
         }
         let tip = match &row.item {
-            Item::Node(node) => format!("{}: {node}. Double click renames.", row.kind),
+            Item::Node(_) if row.kind.is_empty() => "Double click renames.".to_owned(),
+            Item::Node(_) => format!("{}. Double click renames.", spoken(&row.kind)),
             _ => "Click selects its hair.".to_owned(),
         };
         response.on_hover_text(tip);

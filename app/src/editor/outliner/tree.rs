@@ -204,14 +204,20 @@ fn node_row(
     let kind = state.document.node(id.as_str()).map_or("", |node| node.kind.as_str());
     let label = coif_nodes::by_id(kind).map_or(kind, |def| def.label);
     let name = state.document.name_of(id).into_owned();
-    let report = state.run.reports.nodes.get(id);
+    let count = |id: &NodeId| state.run.reports.nodes.get(id).map(|report| report.curves);
+    // An output that is not displayed gives what comes in, which may be.
+    let comes_in = || {
+        let from = state.document.wires(id, "curves");
+        let from = Some(from).filter(|from| kind == "groom_output" && !from.is_empty())?;
+        from.iter().map(|from| count(&from.node)).sum::<Option<usize>>()
+    };
     Row {
         item: Item::Node(id.clone()),
         under,
         depth,
         kind: if name == label { String::new() } else { label.to_lowercase() },
         name,
-        curves: report.map(|report| report.curves).filter(|curves| *curves > 0),
+        curves: count(id).or_else(comes_in).filter(|curves| *curves > 0),
         open,
         names,
     }

@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::editor::documents::Purpose;
+use crate::editor::notes::Note;
 use egui::{Id, LayerId, Order};
 
 /// Pixels of windows, and scales of what they show.
@@ -232,4 +233,75 @@ fn menus_fit_every_window() {
 #[test]
 fn menus_fit_small_windows() {
     menus(&[([320.0, 240.0], 1.0), ([1280.0, 720.0], 2.0)]);
+}
+
+/// What comes up by itself, or from within a room: the panel of one's own head, toasts, the popup of a colour.
+#[test]
+fn panels_of_heads_toasts_and_colours_fit_every_window() {
+    let folder = Folder::new("sizes-head");
+    let cube = "v -9 -9 -9\nv 9 -9 -9\nv 9 9 -9\nv -9 9 -9\nv -9 -9 9\nv 9 -9 9\nv 9 9 9\nv -9 9 9\n\
+        o a_part_with_a_name_that_is_longer_than_any_panel_is_wide\nf 1 2 3 4\nf 5 8 7 6\n\
+        o hair\nf 1 5 6 2\nf 2 6 7 3\no glasses\nf 3 7 8 4\nf 5 1 4 8\n";
+    let mesh = folder.path("a_head_of_ones_own.obj");
+    std::fs::write(&mesh, cube).unwrap();
+    let mut hands = Hands::on(groom("cornrows"), [1600.0, 1000.0], 1.0);
+    let colour = hands.editor().state.document.nodes.iter();
+    let mut colour = colour.filter(|(_, node)| node.kind == "hair_colour");
+    let colour = colour.next().map(|(id, _)| id.clone()).expect("a colour");
+    hands.editor().documents.ask_in_the_window();
+    let mut wrong = vec![];
+    let mut opened = [0; 3];
+    for (size, scale) in [([1600.0, 1000.0], 1.0), ([1280.0, 720.0], 2.0), ([320.0, 240.0], 1.0)] {
+        hands.resize(size, scale);
+        let name = |what: &str| format!("{what} at {size:?} and {scale}");
+        // Toasts: some words, and a failure as long as they come.
+        let long = "the file could not be written: its folder may not be written; ".repeat(4);
+        for note in [Note::warning("a warning"), Note::error(long)] {
+            hands.editor().state.notes.say(note);
+        }
+        hands.steps(4);
+        hands.check_what_is_open(&name("toasts"), &mut wrong);
+        opened[0] += hands.over().len();
+        for _ in 0..4 {
+            let Some(button) = hands.place("Put away") else { break };
+            hands.click(button.center());
+        }
+        assert!(hands.over().is_empty(), "{}: put away", name("toasts"));
+        // A colour, where the inspector has room for it.
+        hands.editor().apply(Event::Select(Select::Nodes(vec![colour.clone()])));
+        hands.editor().apply(Event::Show(Room::Inspector));
+        hands.steps(4);
+        let role = egui::accesskit::Role::ColorWell;
+        let room = hands.room(Room::Inspector);
+        let found = hands.0.query_all_by_role(role).next().map(|well| well.scroll_to_me());
+        hands.steps(6);
+        let well = hands.0.query_all_by_role(role).next().map(|well| well.rect());
+        if let (Some(()), Some(well)) = (found, well.filter(|well| room.contains(well.center()))) {
+            hands.click(well.center());
+            hands.check_what_is_open(&name("colour"), &mut wrong);
+            opened[1] += hands.over().len();
+            hands.close_all();
+        }
+        // One's own head, before and after it is read.
+        let read = documents::Event::Mesh(mesh.clone());
+        hands.editor().apply(Event::Documents(read));
+        hands.steps(4);
+        hands.check_what_is_open(&name("own head, unread"), &mut wrong);
+        for _ in 0..3000 {
+            if hands.0.state().is_idle() {
+                break;
+            }
+            hands.steps(1);
+            std::thread::sleep(std::time::Duration::from_millis(2));
+        }
+        hands.check_what_is_open(&name("own head"), &mut wrong);
+        opened[2] += hands.over().len();
+        for _ in 0..4 {
+            let Some(button) = hands.place("Put away") else { break };
+            hands.click(button.center());
+        }
+        hands.close_all();
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(opened.iter().all(|times| *times > 0), "all were seen: {opened:?}");
 }

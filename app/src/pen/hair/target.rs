@@ -183,8 +183,11 @@ pub(crate) fn make(document: &Document, after: Option<&Socket>) -> Option<(NodeI
         }
         edits.push(Edit::Connect { from: after.clone(), to, at: None });
     }
+    // What stands behind it goes on being seen: only where the hair that it edits is what is displayed, or nothing is, it takes the
+    // display along.
     let shown = document.display.as_ref();
-    if shown.is_none_or(|shown| after.is_none_or(|after| after.node == *shown)) {
+    let takes = after.is_none_or(|after| shown == Some(&after.node));
+    if takes {
         edits.push(Edit::SetDisplay(Some(id.clone())));
     }
     Some((id, edits))

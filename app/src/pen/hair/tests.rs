@@ -429,3 +429,35 @@ fn copies_and_outlined_locks_are_planted_in_one_step_each() {
     assert_eq!(salon.tools(), [Tool::Implant, Tool::Scatter, Tool::Silhouette]);
     assert_eq!(salon.0.done(), 3);
 }
+
+#[test]
+fn a_lock_sketched_on_a_braided_head_is_seen_as_hair_beside_the_braids() {
+    let text = coif_graphs::grooms::by_name("cornrows").expect("cornrows");
+    let mut document = coif_graphs::file::read(text).expect("it reads").document;
+    let id = |text: &str| NodeId::new(text).expect("an id");
+    for id in ["partings", "partings_colour", "partings_out"].map(id) {
+        let remove = coif_graphs::document::edit::Edit::RemoveNode { id };
+        let _ = remove.apply(&mut document);
+    }
+    let mut salon = Salon::open(document, "hair.sketch");
+    let display = salon.0.editor().state.document.display.clone();
+    let shown = |salon: &mut Salon| salon.0.editor().state.shown.clone().expect("a result");
+    let before = shown(&mut salon);
+    salon.draw(&lock(), HEAVY);
+    assert_eq!(salon.tools(), [Tool::Implant]);
+    assert_eq!(salon.0.editor().state.document.display, display, "what is looked at stays");
+    let after = shown(&mut salon);
+    let ids = |curves: &Curves| -> std::collections::BTreeSet<u64> {
+        curves.each().map(|(tuft, i)| tuft.id(i)).collect()
+    };
+    let (braids, all) = (ids(&before.curves), ids(&after.curves));
+    assert!(braids.is_subset(&all), "all hair of the braids is there");
+    // A cluster of half the density over a circle of 1 cm radius is some dozens of hairs.
+    assert!(all.len() >= braids.len() + 20, "{} and {}", braids.len(), all.len());
+    // It hangs where it was drawn: over the forehead, which no braid reaches.
+    let low = |curves: &Curves| {
+        let points = curves.each().flat_map(|(tuft, i)| tuft.curve(i));
+        points.filter(|p| p.z > 5.0).map(|p| p.y).fold(f32::MAX, f32::min)
+    };
+    assert!(low(&after.curves) < low(&before.curves) - 1.0);
+}

@@ -296,3 +296,27 @@ fn a_normal_map_shades_as_a_surface_that_is_tilted_so() {
     // The light tells tilts apart.
     assert!((shades[0] - shades[5]).abs() > 0.05 * shades[5], "{shades:?}");
 }
+
+#[test]
+fn uvs_that_no_float_tells_apart_are_laid_at_the_corner_and_no_pixel_is_black() {
+    let offsets = ["1e30", "-1e30", "3e38", "1e5"];
+    let shifted = offsets.map(|by| {
+        format!(
+            r#"{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0,
+            "extensions":{{"KHR_texture_transform":{{"offset":[{by},{by}]}}}}}}}}}}"#
+        )
+    });
+    // 1e30 repeats and 100,000 are beyond the 65,536 that are told: all of it is the picture's upper left corner, which is red.
+    for material in &shifted {
+        let (scalp, looks) = ball(material);
+        let solid = head(&scalp, &looks);
+        let mapped = solid.maps.as_ref().expect("it has maps");
+        assert!(mapped.uvs.iter().flatten().all(|uv| *uv == glam::Vec2::ZERO), "{material}");
+    }
+    let test = "uvs_that_no_float_tells_apart_are_laid_at_the_corner_and_no_pixel_is_black";
+    let Some(mut renderer) = renderer(test) else { return };
+    let (scalp, looks) = ball(&shifted[0]);
+    let corners = [(-2.0, 2.0), (2.0, 2.0), (-2.0, -2.0), (2.0, -2.0)];
+    let lights = seen(&mut renderer, "flat", head(&scalp, &looks), Vec3::Z * 50.0, &corners);
+    assert!(lights.iter().all(|c| c.is_finite() && colour_of(*c) == "red"), "{lights:?}");
+}
