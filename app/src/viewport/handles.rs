@@ -249,7 +249,7 @@ fn apart(placed: &[(Grip, Pos2)]) -> Vec<Pos2> {
         let aside = around.map(|(ring, turn)| {
             // To both sides in turn.
             let side = if turn % 2 == 0 { 1.0 } else { -1.0 };
-            let angle = side * f32::from((turn + 1) / 2_u8) * std::f32::consts::FRAC_PI_4;
+            let angle = side * f32::from(turn.div_ceil(2_u8)) * std::f32::consts::FRAC_PI_4;
             place + egui::emath::Rot2::from_angle(angle) * first * (APART * ring)
         });
         if let Some(at) = std::iter::once(place).chain(aside).find(|at| free(*at)) {
