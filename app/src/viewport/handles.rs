@@ -245,11 +245,11 @@ fn apart(placed: &[(Grip, Pos2)]) -> Vec<Pos2> {
         let nearest = order[..n].iter().map(|other| place - hands[*other]);
         let nearest = nearest.min_by(|a, b| a.length().total_cmp(&b.length()));
         let first = nearest.filter(|by| by.length() > 1.0).map_or(-Vec2::Y, Vec2::normalized);
-        let around = (1..4).flat_map(|ring| (0..8).map(move |turn| (ring as f32, turn)));
+        let around = (1..4).flat_map(|ring| (0..8u8).map(move |turn| (ring as f32, turn)));
         let aside = around.map(|(ring, turn)| {
             // To both sides in turn.
             let side = if turn % 2 == 0 { 1.0 } else { -1.0 };
-            let angle = side * f32::from(turn.div_ceil(2_u8)) * std::f32::consts::FRAC_PI_4;
+            let angle = side * f32::from(turn.div_ceil(2)) * std::f32::consts::FRAC_PI_4;
             place + egui::emath::Rot2::from_angle(angle) * first * (APART * ring)
         });
         if let Some(at) = std::iter::once(place).chain(aside).find(|at| free(*at)) {
