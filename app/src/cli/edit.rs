@@ -25,6 +25,11 @@ pub(crate) fn run(args: &EditArgs) -> Exit {
             Ok(opened) => opened,
             Err(stop) => {
                 stop.lines().iter().for_each(complain);
+                if is_mesh(path) {
+                    complain(
+                        "a mesh opens in the window: start coif, and choose it in Your head (Ctrl+K, \"own head\")",
+                    );
+                }
                 return Exit::Refused;
             }
         },
@@ -42,6 +47,12 @@ pub(crate) fn run(args: &EditArgs) -> Exit {
             Exit::Failed
         }
     }
+}
+
+/// Whether a file is called as meshes are, which people hand over for grooms.
+fn is_mesh(path: &std::path::Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    ["obj", "gltf", "glb"].iter().any(|mesh| ending == *mesh)
 }
 
 fn open(
