@@ -1,7 +1,7 @@
 //! Documents as text: RON made for people and for git.
 //!
 //! One fact a line, with the shortest numbers that read back the same, in an order in which what two
-//! people change and add merges ([`order`]): each node stands with its place, its values and its wires.
+//! people change and add merges (`order.rs`): each node stands with its place, its values and its wires.
 //! What this version does not know of nodes and values is kept
 //! byte for byte; what it does not know of the document itself is refused, with line and column.
 //! `read(write(d)) == d`, and `write(read(f))` is a fixed point.
