@@ -193,8 +193,8 @@ fn a_groom_lies_where_unreal_maya_and_blender_look_for_it() {
                   .arbGeomParams 
                     displayColor array 10x3 uni rgb 36 bytes
                     id array 6x1 uni 12 bytes
-                    parting array 6x1 con 4 bytes
                     st array 10x2 uni vector 24 bytes
+                    pref array 10x3 vtx point 144 bytes
                     groom_guide array 6x1 con 4 bytes
                     groom_group_id array 6x1 con 4 bytes
                     groom_group_name array 12x1 con 5 bytes
@@ -208,8 +208,8 @@ fn a_groom_lies_where_unreal_maya_and_blender_look_for_it() {
 #[test]
 fn guides_belong_to_the_hair_of_their_name_or_to_the_first_and_partings_to_usd_alone() {
     let groups = groups();
-    // Guide, group id, group name of each in the order that files have it. Ids 5 and 5 + 2^31 fold to one number, and the next free
-    // one is 7, for 6 is taken.
+    // Guide, group id, group name of each in the order that files have it. All have the ids 5, 5 + 2^31 and 6: the first two fold to
+    // one number, and the next free one is 7, for 6 is taken. The first guides keep theirs, all others get new ones.
     let place = |guide: i32, id: i32, name: &str| (guide, id, name.to_owned());
     let mut expected =
         vec![place(0, 0, "hair"), place(0, 1, "brows"), place(1, 1, "brows"), place(1, 0, "hair")];
@@ -218,7 +218,11 @@ fn guides_belong_to_the_hair_of_their_name_or_to_the_first_and_partings_to_usd_a
             let found = read.primvars.iter().find(|p| p.name == name).expect(name);
             (found.interpolation.clone(), found.values.clone())
         };
-        assert_eq!(one("groom_id"), ("uniform".into(), ReadValues::Int(vec![5, 7, 6])));
+        let ids = match one("groom_id") {
+            (how, ReadValues::Int(ids)) if how == "uniform" => ids,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(ids.len(), 3);
         let uvs = ReadValues::Float2(vec![Vec2::X, Vec2::Y, Vec2::splat(0.25)]);
         assert_eq!(one("groom_root_uv"), ("uniform".into(), uvs));
         let int = |name: &str| match one(name) {
@@ -229,10 +233,19 @@ fn guides_belong_to_the_hair_of_their_name_or_to_the_first_and_partings_to_usd_a
             (how, ReadValues::Text(mut v)) if how == "constant" && v.len() == 1 => v.remove(0),
             other => panic!("{other:?}"),
         };
-        (int("groom_guide"), int("groom_group_id"), name)
+        (ids, (int("groom_guide"), int("groom_group_id"), name))
+    };
+    // What the sets of a file are; no id is twice in it.
+    let of = |sets: &[ReadCurves]| -> Vec<(i32, i32, String)> {
+        let (ids, places): (Vec<Vec<i32>>, Vec<_>) = sets.iter().map(of).unzip();
+        let all: std::collections::BTreeSet<i32> = ids.concat().into_iter().collect();
+        assert_eq!(all.len(), ids.concat().len(), "{ids:?}");
+        let first_guides = places.iter().position(|(guide, ..)| *guide == 1).expect("guides");
+        assert_eq!(ids[first_guides], [5, 7, 6]);
+        places
     };
     let abc = read_curves(&exported(Format::Abc, &groups)).unwrap();
-    assert_eq!(abc.iter().map(of).collect::<Vec<_>>(), expected);
+    assert_eq!(of(&abc), expected);
     let paths: Vec<&str> = abc.iter().map(|read| read.path.as_str()).collect();
     assert_eq!(
         paths,
@@ -247,7 +260,7 @@ fn guides_belong_to_the_hair_of_their_name_or_to_the_first_and_partings_to_usd_a
     for (format, extension) in [(Format::Usda, "usda"), (Format::Usdc, "usdc")] {
         let bytes = exported(format, &groups);
         let usd = super::common::read_curves(&bytes, extension).unwrap();
-        assert_eq!(usd.iter().map(of).collect::<Vec<_>>(), expected, "{extension}");
+        assert_eq!(of(&usd), expected, "{extension}");
     }
     // Where there is nothing else, partings are what was asked for.
     assert_eq!(read_curves(&exported(Format::Abc, &groups[4..])).unwrap().len(), 1);

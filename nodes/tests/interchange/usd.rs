@@ -54,8 +54,8 @@ fn bytes_are_those_of_the_last_release() {
     let hashes = both_forms(&stage).map(|(_, bytes)| blake3::hash(&bytes).to_hex().to_string());
     expect_test::expect![[r#"
         [
-            "6712be4a9dd609b830699470274223e561670ccb8b1fb0915a9b582065e71deb",
-            "0aba43b0266e63f38d89d436221079544fa0c1d618ead83450aa1647f0c2efc9",
+            "86aba3b1f1283c3a89413ee3e52f9ca0a8359709bb977fef56820c7162691ba6",
+            "a862dc1e817f3f50cc285f89fe3dd631e00d858275040179e2f28fd3e8caaa6d",
         ]
     "#]]
     .assert_debug_eq(&hashes);
