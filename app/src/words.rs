@@ -32,7 +32,9 @@ pub(crate) fn plain(text: &str) -> String {
             }
             left = left.saturating_sub(part.chars().count());
             if left == 0 {
-                out.push('…');
+                if !out.ends_with('…') {
+                    out.push('…');
+                }
                 break;
             }
         }
