@@ -306,7 +306,7 @@ fn uvs_that_no_float_tells_apart_are_laid_at_the_corner_and_no_pixel_is_black() 
             "extensions":{{"KHR_texture_transform":{{"offset":[{by},{by}]}}}}}}}}}}"#
         )
     });
-    // 1e30 repeats and 100,000 are beyond the 65,536 that are told: all of it is the picture's upper left corner, which is red.
+    // 1e30 repeats and 100,000 are beyond the 65,536 that are told: all of it is the picture's corner, where its four colours meet.
     for material in &shifted {
         let (scalp, looks) = ball(material);
         let solid = head(&scalp, &looks);
@@ -318,5 +318,5 @@ fn uvs_that_no_float_tells_apart_are_laid_at_the_corner_and_no_pixel_is_black() 
     let (scalp, looks) = ball(&shifted[0]);
     let corners = [(-2.0, 2.0), (2.0, 2.0), (-2.0, -2.0), (2.0, -2.0)];
     let lights = seen(&mut renderer, "flat", head(&scalp, &looks), Vec3::Z * 50.0, &corners);
-    assert!(lights.iter().all(|c| c.is_finite() && colour_of(*c) == "red"), "{lights:?}");
+    assert!(lights.iter().all(|c| c.is_finite() && c.min_element() > 0.05), "{lights:?}");
 }
