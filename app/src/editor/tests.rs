@@ -592,7 +592,14 @@ fn failures_are_seen_with_reason_and_remedy_and_kept_and_old_news_leaves() {
     // What was done leaves the status line.
     hands.editor().apply(Event::Show(Room::Canvas));
     hands.editor().apply(Event::Documents(File::SaveTo(folder.path("x.ron"))));
-    hands.steps(2);
+    // (The thread that saves takes its time.)
+    for _ in 0..100 {
+        hands.steps(2);
+        if hands.0.query_all_by_label_contains("saved ").next().is_some() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
     assert!(hands.0.query_all_by_label_contains("saved ").next().is_some());
     hands.steps(60);
     assert!(hands.0.query_all_by_label_contains("saved ").next().is_none());
