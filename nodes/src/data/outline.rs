@@ -339,7 +339,9 @@ pub(crate) struct Outline {
     /// Skin inside, cm2.
     area: f32,
     torn: bool,
+    /// Pieces by the cells of space that they are within reach of. A cell is as wide as the longest piece, so that each is in a few.
     near: BTreeMap<[i32; 3], Vec<u32>>,
+    side: f32,
     /// How far off the line distances are known, cm.
     reach: f32,
 }
@@ -380,7 +382,10 @@ impl Outline {
         let mut pieces = line.pieces.clone();
         pieces.sort_by_key(|piece| piece.triangle);
         let torn = joined.torn || !line.gaps.is_empty();
-        let mut outline = Self { pieces, inside, area: 0.0, torn, near: BTreeMap::new(), reach };
+        let length = |piece: &Piece| piece.ends[0].distance(piece.ends[1]);
+        let side = pieces.iter().map(length).fold(reach, f32::max);
+        let near = BTreeMap::new();
+        let mut outline = Self { pieces, inside, area: 0.0, torn, near, side, reach };
         let on = |t: u32| touched.contains(&net.pieces[surface.triangles[t as usize][0] as usize]);
         let areas = outline.areas(surface, &on);
         outline.area = areas[1];
@@ -393,7 +398,7 @@ impl Outline {
         if reach > 0.0 {
             for (i, piece) in (0u32..).zip(&outline.pieces) {
                 let [a, b] = piece.ends;
-                let [low, high] = [a.min(b) - reach, a.max(b) + reach].map(|p| cell_of(p, reach));
+                let [low, high] = [a.min(b) - reach, a.max(b) + reach].map(|p| cell_of(p, side));
                 for x in low[0]..=high[0] {
                     for y in low[1]..=high[1] {
                         for z in low[2]..=high[2] {
@@ -479,7 +484,7 @@ impl Outline {
         if self.reach <= 0.0 {
             return 1.0;
         }
-        let near = self.near.get(&cell_of(p, self.reach)).into_iter().flatten();
+        let near = self.near.get(&cell_of(p, self.side)).into_iter().flatten();
         let square = near.map(|i| super::cut::square_to(self.pieces[*i as usize].ends, p));
         square.fold(self.reach * self.reach, f32::min).sqrt()
     }
@@ -580,6 +585,20 @@ mod tests {
         assert!((0..ball.points.len() as u32).all(|v| !outline.holds_vertex(v)));
         let line = net.line(&[Vec3::Y * 14.0, Vec3::X * 9.0, Vec3::Z * 9.0], true);
         assert!((line.off.unwrap().1 - 5.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_narrow_edge_on_large_triangles_takes_no_more_room_than_a_wide_one() {
+        let ball = sphere(900.0, 3);
+        let net = Net::new(&ball);
+        let ring: Vec<Vec3> = circle(Vec3::Y, 0.2, 12).iter().map(|p| *p * 100.0).collect();
+        let line = net.line(&ring, true);
+        for reach in [1e-30, 1e-4, 0.25, 1e4] {
+            let outline = Outline::new(&net, &line, reach);
+            assert!(outline.near.len() < 30 * outline.pieces.len() && !outline.is_torn());
+            let on = outline.pieces[3].ends[0];
+            assert!(outline.distance(on) <= 1e-3 && outline.distance(Vec3::Y * 3e5) <= reach);
+        }
     }
 
     #[test]

@@ -19,6 +19,8 @@ use std::sync::Arc;
 const MISSES: f32 = 0.5;
 /// The line that closes a stroke is longer than this share of it only where somebody forgot to close it.
 const OPEN: f32 = 0.2;
+/// The most named regions of a head.
+const MOST_NAMES: usize = 256;
 
 /// What strokes enclose and what is called how.
 pub(super) struct Wish<'a> {
@@ -139,8 +141,14 @@ fn names(
     let surface = net.surface();
     let (points, faults) = named_points(text, frame);
     faults.into_iter().for_each(|fault| cx.warn(fault));
+    if points.len() > MOST_NAMES {
+        cx.warn(format!(
+            "{} names are given; the first {MOST_NAMES} are read, for each holds a value a vertex",
+            points.len()
+        ));
+    }
     let mut named: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-    for (name, point) in points {
+    for (name, point) in points.into_iter().take(MOST_NAMES) {
         if name == REGION {
             cx.warn(format!("{name:?} names all drawn regions together: choose another name"));
             continue;

@@ -142,6 +142,8 @@ fn regions_have_names_holes_and_the_side_of_their_point() {
     };
     told("beard", "is no name with a point");
     told("scalp 0 -8 7", "names all drawn regions");
+    let many: String = (0..300).map(|i| format!("n{i} 0 -8 7;")).collect();
+    told(&many, "300 names are given; the first 256");
 }
 
 #[test]
