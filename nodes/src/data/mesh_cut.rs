@@ -7,7 +7,7 @@
 //! patterns, and hair that is led within its section: that needs the map.
 
 use super::chart::cross;
-use super::outline::{Joined, Line, Net, Piece, edge, for_middles, within};
+use super::outline::{Joined, Line, Net, Piece, edge, for_middles, in_triangle, within};
 use super::scalp::Scalp;
 use super::sections::{NONE, Parting, Section, ids};
 use crate::maths::closest::Surface;
@@ -50,11 +50,7 @@ impl MeshCut {
             }
         }
         // What hangs together with no line, such as an eye, counts to the section that is nearest to it.
-        let touched: BTreeSet<u32> = lines
-            .iter()
-            .flat_map(|line| &line.pieces)
-            .map(|piece| net.piece(surface.triangles[piece.triangle as usize][0]))
-            .collect();
+        let touched = net.touched(lines.iter().flat_map(|line| &line.pieces));
         let beside: Vec<u32> =
             (0..surface.points.len() as u32).filter(|v| touched.contains(&net.piece(*v))).collect();
         let near = Nearest::new(beside.iter().map(|v| surface.points[*v as usize]));
@@ -87,7 +83,7 @@ impl MeshCut {
                 continue;
             }
             let whole = 0.5 * f64::from(surface.area_vector(t).length());
-            let n = if cut.of_triangle(t).is_empty() { 1 } else { SHARES };
+            let n = if in_triangle(&cut.pieces, t).is_empty() { 1 } else { SHARES };
             for_middles(n, |bary| {
                 let label = cut.at(t, bary).unwrap_or(cut.labels[corners[0] as usize]);
                 let area = whole * f64::from(scalp.grows(t, bary)) / f64::from(n * n);
@@ -153,17 +149,10 @@ impl MeshCut {
         (cut, list, slivers, said)
     }
 
-    /// The pieces of lines in a triangle.
-    fn of_triangle(&self, triangle: u32) -> &[Piece] {
-        let from = self.pieces.partition_point(|piece| piece.triangle < triangle);
-        let count = self.pieces[from..].partition_point(|piece| piece.triangle == triangle);
-        &self.pieces[from..from + count]
-    }
-
     /// Number of the section at a point of a triangle.
     pub(super) fn at(&self, triangle: u32, bary: Vec2) -> Option<u32> {
         let corners = self.surface().triangles.get(triangle as usize)?;
-        let (pieces, to) = (self.of_triangle(triangle), within(bary, 1e-5));
+        let (pieces, to) = (in_triangle(&self.pieces, triangle), within(bary, 1e-5));
         let reached = |corner: Vec2| {
             pieces.iter().all(|piece| !cross(corner, to, piece.bary[0], piece.bary[1]))
         };

@@ -85,6 +85,11 @@ impl<'a> Net<'a> {
     pub(crate) fn piece(&self, vertex: u32) -> u32 {
         self.pieces[vertex as usize]
     }
+    /// The pieces of the mesh that a line runs over.
+    pub(super) fn touched<'p>(&self, line: impl IntoIterator<Item = &'p Piece>) -> BTreeSet<u32> {
+        let of = |piece: &Piece| self.piece(self.surface.triangles[piece.triangle as usize][0]);
+        line.into_iter().map(of).collect()
+    }
     /// The triangles over the sides of one.
     pub(crate) fn beside(&self, triangle: u32) -> impl Iterator<Item = u32> {
         self.beside[triangle as usize].into_iter().filter(|t| *t != NONE)
@@ -267,6 +272,13 @@ pub(super) fn within(bary: Vec2, least: f32) -> Vec2 {
     Vec2::new(x, y) / (x + y + rest)
 }
 
+/// Those of pieces, which go by triangle, that lie in one.
+pub(super) fn in_triangle(pieces: &[Piece], triangle: u32) -> &[Piece] {
+    let from = pieces.partition_point(|piece| piece.triangle < triangle);
+    let count = pieces[from..].partition_point(|piece| piece.triangle == triangle);
+    &pieces[from..from + count]
+}
+
 /// The edge from a corner of a triangle to the next.
 pub(super) fn edge(corners: &[u32; 3], k: usize) -> (u32, u32) {
     let (a, b) = (corners[k], corners[(k + 1) % 3]);
@@ -356,14 +368,11 @@ impl Outline {
         let mut crossed = line.crossed.clone();
         crossed.sort_unstable();
         let mut odd = BTreeSet::new();
-        let mut touched = BTreeSet::new();
+        let touched = net.touched(&line.pieces);
         for same in crossed.chunk_by(|a, b| a == b) {
             if same.len() % 2 == 1 {
                 odd.insert(same[0]);
             }
-        }
-        for piece in &line.pieces {
-            touched.insert(net.pieces[surface.triangles[piece.triangle as usize][0] as usize]);
         }
         let mut joined = Joined::new(surface.points.len());
         for (t, corners) in (0u32..).zip(&surface.triangles) {
@@ -433,9 +442,7 @@ impl Outline {
 
     /// The pieces of the line in a triangle.
     fn of(&self, triangle: u32) -> &[Piece] {
-        let from = self.pieces.partition_point(|piece| piece.triangle < triangle);
-        let count = self.pieces[from..].partition_point(|piece| piece.triangle == triangle);
-        &self.pieces[from..from + count]
+        in_triangle(&self.pieces, triangle)
     }
 
     /// Whether the line does not part the mesh: it runs off it, or round a handle.
@@ -449,11 +456,7 @@ impl Outline {
     /// Makes the other side of the line its inside.
     pub(crate) fn turn(&mut self, net: &Net) {
         let surface = net.surface;
-        let touched: BTreeSet<u32> = self
-            .pieces
-            .iter()
-            .map(|piece| net.pieces[surface.triangles[piece.triangle as usize][0] as usize])
-            .collect();
+        let touched = net.touched(&self.pieces);
         for (inside, piece) in self.inside.iter_mut().zip(&net.pieces) {
             *inside = touched.contains(piece) && !*inside;
         }

@@ -15,7 +15,7 @@ use super::pattern::{self, Cut, Drawn, Flat, Rows, Wish};
 use super::territory::Row;
 use crate::data::attributes::{DRIFT, Domain, ROOT_BARY, ROOT_TRIANGLE};
 use crate::data::chart::{CELLS, Chart, cell_of};
-use crate::data::curves::{Curves, TuftBuilder};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, Scalp};
 use crate::data::sections::{Parting, Sections, named_points};
 use crate::define::{FieldInput, NodeError, choice, node};
@@ -226,24 +226,16 @@ fn on_the_mesh(
             "patterns and lines between rows are laid out about a head, and this mesh is none: only drawn lines part it",
         );
     }
-    for (tuft, i) in inputs.lines.iter().flat_map(|curves| curves.each()) {
+    for (id, spline) in by_hand(cx, inputs) {
         cx.check()?;
-        let id = tuft.id(i);
-        let spline = match Spline::new(tuft.curve(i)) {
-            Ok(spline) => spline,
-            Err(fault) => {
-                cx.trouble(id, fault);
-                continue;
-            }
-        };
         let n = ((spline.length() / (0.1 * unit)).ceil() as usize).clamp(16, 4096);
         let mut points = Vec::with_capacity(n + 1);
         spline.resample(n, |p| points.extend(scalp.closest_root(p).map(|root| root.point)));
-        let (first, last) = (spline.at(0.0), spline.at(1.0));
-        if first.distance(last) < (inputs.join * unit).min(0.25 * spline.length()) {
+        if is_closed(&spline, inputs.join * unit) {
             points.extend(points.first().copied());
         } else {
-            let [first, last] = [first, last].map(|p| {
+            let [first, last] = [0.0, 1.0].map(|end| {
+                let p = spline.at(end);
                 let p = scalp.frame().head_from_point(p);
                 format!("({:.1}, {:.1}, {:.1})", p.x, p.y, p.z)
             });
@@ -256,6 +248,21 @@ fn on_the_mesh(
         partings.push(Parting { id, points, of_pattern: false, half_width });
     }
     Ok(())
+}
+
+/// The lines that were drawn, by their ids; what is no line is told.
+fn by_hand(cx: &EvalCx, inputs: &Inputs) -> Vec<(u64, Spline)> {
+    let lines = inputs.lines.iter().flat_map(|curves| curves.each());
+    let one = |(tuft, i): (&Tuft, usize)| {
+        let spline = Spline::new(tuft.curve(i));
+        Some((tuft.id(i), spline.map_err(|fault| cx.trouble(tuft.id(i), fault)).ok()?))
+    };
+    lines.filter_map(one).collect()
+}
+
+/// Whether a line ends where it began, to within `join` and a quarter of its length.
+fn is_closed(line: &Spline, join: f32) -> bool {
+    line.at(0.0).distance(line.at(1.0)) < join.min(0.25 * line.length())
 }
 
 /// The cells of the map on which the pattern is drawn.
@@ -292,20 +299,11 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Result<Drawn
     let scalp = &*inputs.scalp;
     let chart = scalp.chart();
     let mut drawn = Drawn::default();
-    for (tuft, i) in inputs.lines.iter().flat_map(|curves| curves.each()) {
-        let id = tuft.id(i);
-        let spline = match Spline::new(tuft.curve(i)) {
-            Ok(spline) => spline,
-            Err(fault) => {
-                cx.trouble(id, fault);
-                continue;
-            }
-        };
+    for (id, spline) in by_hand(cx, inputs) {
         let n = ((spline.length() / 0.2).ceil() as usize).clamp(2, 4096);
         let mut points = Vec::with_capacity(n);
         spline.resample(n, |p| points.push(chart.flat(p)));
-        let (first, last) = (spline.at(0.0), spline.at(1.0));
-        let closed = first.distance(last) < (inputs.join * unit).min(0.25 * spline.length());
+        let closed = is_closed(&spline, inputs.join * unit);
         if closed {
             points.push(points[0]);
         }
