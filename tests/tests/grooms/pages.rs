@@ -44,6 +44,14 @@ fn the_page_on_usd_has_every_primvar_of_every_shipped_groom_and_no_other() {
             assert!(hows.contains(how.as_str()), "{name}: {primvar} is {how}");
         }
     }
+    // Hair of a parted scalp names its section.
+    let mut parted = 0;
+    for (name, _) in grooms::ALL {
+        let has = |primvar: &str| shipped(name).primvars.iter().any(|(known, ..)| known == primvar);
+        assert_eq!(has("section"), has("section_name"), "{name}");
+        parted += usize::from(has("section"));
+    }
+    assert!(parted >= 6, "{parted}");
     // What nodes declare is written where a graph makes it (`nodes/src/formats/export.rs` proves that), and nothing else is.
     let declared = DECLARED.iter().map(|(name, ..)| file_name(name));
     let added = ADDED.iter().map(|(name, ..)| *name).chain(LOOKDEV.iter().map(|(name, _)| *name));
