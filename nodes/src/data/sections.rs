@@ -140,7 +140,8 @@ impl Sections {
         };
         if cut.slivers > 0 {
             let n = cut.slivers;
-            said.push(format!("{n} slivers between partings are too small and stay bare"));
+            let slivers = if n == 1 { "1 sliver" } else { &format!("{n} slivers") };
+            said.push(format!("between partings {slivers} of skin too small for a section: bare"));
         }
         if sections.mesh.is_none() {
             sections.describe(scalp);
