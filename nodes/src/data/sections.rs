@@ -140,8 +140,13 @@ impl Sections {
         };
         if cut.slivers > 0 {
             let n = cut.slivers;
-            let slivers = if n == 1 { "1 sliver" } else { &format!("{n} slivers") };
-            said.push(format!("between partings {slivers} of skin too small for a section: bare"));
+            said.push(match n {
+                1 => "1 sliver of skin between partings is too small for a section and stays bare"
+                    .to_owned(),
+                _ => format!(
+                    "{n} slivers of skin between partings are too small for sections and stay bare"
+                ),
+            });
         }
         if sections.mesh.is_none() {
             sections.describe(scalp);
