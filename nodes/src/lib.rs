@@ -10,6 +10,7 @@ mod braid;
 mod cluster;
 mod curl;
 pub mod data;
+pub mod declared;
 pub mod define;
 pub mod eval;
 pub mod formats;
@@ -114,7 +115,7 @@ mod tests {
         for node in all() {
             for input in node.inputs {
                 let what = format!("{}.{}", node.id, input.name);
-                let value = input.default.map(|default| default());
+                let value = input.default();
                 let number = match value {
                     Some(Value::Float(x)) => Some(f64::from(x)),
                     Some(Value::Int(x)) => Some(x as f64),

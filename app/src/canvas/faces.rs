@@ -251,7 +251,7 @@ fn inputs(
 
 fn push_plugs(plugs: &mut Vec<Plug>, socket: Socket, input: Option<&InputDef>, wires: usize) {
     let many = input.is_some_and(|input| input.arity == Arity::Many) || wires > 1;
-    let needed = input.is_some_and(|i| i.arity == Arity::One && i.default.is_none());
+    let needed = input.is_some_and(|i| i.arity == Arity::One && !i.has_default());
     let ty = input.map(|input| input.ty);
     let plug = |wire| Plug { socket: socket.clone(), ty, wire, many, needed };
     plugs.extend((0..wires).map(|at| plug(Some(at))));

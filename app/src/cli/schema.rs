@@ -294,8 +294,8 @@ fn value(input: &InputDef) -> Option<Json> {
         (of["minimum"], of["maximum"]) = (bound(low), bound(high));
     }
     of["description"] = json!(input.doc());
-    if let Some(default) = input.default {
-        of["x-default"] = json!(coif_graphs::file::write_value(&default()));
+    if let Some(default) = input.default() {
+        of["x-default"] = json!(coif_graphs::file::write_value(&default));
     }
     Some(of)
 }

@@ -223,5 +223,5 @@ impl Target<'_> {
 
 /// The default of an input in the form that documents hold; none where unset means something of its own.
 pub(crate) fn default_of(input: &InputDef) -> Option<Value> {
-    input.default.and_then(|default| fit(input.ty, default()).ok())
+    input.default().and_then(|default| fit(input.ty, default).ok())
 }

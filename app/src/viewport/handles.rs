@@ -268,7 +268,7 @@ fn number(document: &Document, node: &NodeId, input: &InputDef) -> Option<Number
     let value = match set {
         Some(Setting::Known(value)) => value.clone(),
         Some(Setting::Raw(_)) => return None,
-        None => input.default?(),
+        None => input.default()?,
     };
     match value {
         Value::Float(x) => Some(Number::One(x)),

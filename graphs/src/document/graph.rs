@@ -386,7 +386,7 @@ fn check_node(
             && matches!(set, Some(Setting::Known(Value::Text(path))) if path.is_empty());
         if let Some(setting) = set.filter(|_| !is_empty) {
             check_value(id, input, setting, problems);
-        } else if !wired && input.arity == Arity::One && input.default.is_none() {
+        } else if !wired && input.arity == Arity::One && !input.has_default() {
             if input.ty == Type::File {
                 let text = "no file is named, and one is needed".to_owned();
                 let remedy = format!("set {} to the path of a file", input.name);
@@ -495,8 +495,8 @@ fn example(input: &InputDef) -> String {
         (Some((lo, hi)), Unit::None | Unit::Ratio | Unit::Count) => format!(" from {lo} to {hi}"),
         (Some((lo, hi)), unit) => format!(" from {lo} to {hi}{}", unit.suffix()),
     };
-    let like = match input.default {
-        Some(default) => format!(", such as {}", short(&crate::file::write_value(&default()))),
+    let like = match input.default() {
+        Some(default) => format!(", such as {}", short(&crate::file::write_value(&default))),
         None => String::new(),
     };
     format!("a {}{range}{like}", input.ty.name())

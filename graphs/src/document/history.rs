@@ -292,8 +292,8 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
             let new = document.node(node.as_str()).and_then(|n| n.inputs.get(input));
             let default = document
                 .node(node.as_str())
-                .and_then(|n| coif_nodes::by_id(&n.kind)?.input(input)?.1.default)
-                .map(|default| Setting::Known(default()));
+                .and_then(|n| coif_nodes::by_id(&n.kind)?.input(input)?.1.default())
+                .map(Setting::Known);
             match new {
                 Some(new) => {
                     let (before, after) = (said(default.as_ref()), said(Some(new)));

@@ -154,7 +154,7 @@ pub(crate) fn number(document: &Document, id: Option<&NodeId>, input: &str) -> f
     });
     let usual = || {
         let (at, _) = coif_nodes::by_id(KIND)?.input(input)?;
-        known(&coif_nodes::by_id(KIND)?.inputs[at].default?())
+        known(&coif_nodes::by_id(KIND)?.inputs[at].default()?)
     };
     set.or_else(usual).unwrap_or_default()
 }
