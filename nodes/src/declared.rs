@@ -180,6 +180,14 @@ impl fmt::Debug for Interface {
     }
 }
 
+impl Default for Interface {
+    /// Without ports.
+    fn default() -> Self {
+        // Nothing is wrong with no port.
+        Self::new(vec![], vec![]).unwrap_or_else(|_| unreachable!())
+    }
+}
+
 impl Interface {
     /// The interface of these ports.
     ///

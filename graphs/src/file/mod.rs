@@ -20,6 +20,7 @@ mod gestures;
 mod merges;
 mod order;
 mod points;
+mod ports;
 mod read;
 mod scan;
 mod strokes;
