@@ -26,7 +26,7 @@ pub(super) fn document(name: &str) -> Document {
     file::read(grooms::by_name(name).unwrap()).unwrap().document
 }
 pub(super) fn faces(document: &Document) -> Faces {
-    Faces::new(document, &Reports::default(), &BTreeSet::new(), None)
+    Faces::new(document, &Reports::default(), &BTreeSet::new(), None, None)
 }
 
 /// The room and a state.

@@ -22,6 +22,7 @@ use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
 use coif_nodes::data::attributes::DRIFT;
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
+use coif_nodes::declared::PARAMETERS;
 use coif_nodes::define::{NodeError, Type, Value, short};
 use coif_nodes::eval::{Host, Quality};
 use coif_nodes::formats::conform::{Conformed, FEW, conform, over_partings};
@@ -420,31 +421,74 @@ pub(crate) fn load(path: &Path, warnings: &mut Vec<String>) -> Result<(Document,
 /// The largest document that is read: strokes take 30 bytes a sample, so this holds millions.
 pub(super) const MOST_DOCUMENT: u64 = 256 << 20;
 
-/// `NODE.INPUT=VALUE`.
+/// `NODE.INPUT=VALUE`, or `PARAMETER=VALUE`.
 fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {
     let fault = |reason: String| Stop::refused(format!("--set {}: {reason}", short(set)));
-    let (socket, text) =
-        set.split_once('=').ok_or_else(|| fault("write it as NODE.INPUT=VALUE".to_owned()))?;
-    let socket: Socket = socket.trim().parse().map_err(|err| fault(format!("{err}")))?;
+    let (name, text) = set
+        .split_once('=')
+        .ok_or_else(|| fault("write it as NODE.INPUT=VALUE or PARAMETER=VALUE".to_owned()))?;
+    set_value(document, name.trim(), text.trim()).map_err(fault)
+}
+
+/// Sets an input of a node, written `node.input`, or a parameter of the graph, written as its name.
+///
+/// # Errors
+/// There is no such input or parameter, or the text is no value of its type.
+pub(super) fn set_value(document: &mut Document, name: &str, text: &str) -> Result<(), String> {
+    let socket = match name.contains('.') {
+        true => name.parse::<Socket>().map_err(|err| err.to_string())?,
+        false => parameter(document, name)?,
+    };
+    let def = document.def(&socket.node);
     let node = document
         .nodes
         .get_mut(&socket.node)
-        .ok_or_else(|| fault(format!("there is no node {:?}", short(socket.node.as_str()))))?;
-    let def = coif_nodes::by_id(&node.kind)
-        .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
+        .ok_or_else(|| format!("there is no node {:?}", short(socket.node.as_str())))?;
+    let def = def.ok_or_else(|| format!("its kind {:?} is not known", node.kind))?;
     let (_, input) = def.input(&socket.name).ok_or_else(|| {
         let known: Vec<&str> = def.inputs.iter().map(|i| i.name).collect();
-        fault(format!(
+        format!(
             "{} has no input {:?}; it has {}",
             def.told(),
             short(&socket.name),
             known.join(", ")
-        ))
+        )
     })?;
-    let value = file::parse_value(input.ty, text.trim()).map_err(&fault)?;
+    let value = file::parse_value(input.ty, text)?;
     Arc::make_mut(node).inputs.insert(input.name.to_owned(), Setting::Known(value));
     document.links.remove(&Socket::new(socket.node, input.name));
     Ok(())
+}
+
+/// The input that a parameter of the graph is set by.
+fn parameter(document: &Document, name: &str) -> Result<Socket, String> {
+    let all: Vec<Socket> = document
+        .nodes
+        .iter()
+        .filter(|(id, node)| node.kind == PARAMETERS && id.group().is_none())
+        .flat_map(|(id, node)| {
+            let ports = node.interface.unwrap_or_default().inputs().iter();
+            ports.map(|port| Socket::new(id.clone(), &port.name))
+        })
+        .collect();
+    let mut found = all.iter().filter(|socket| *socket.name == *name);
+    match (found.next(), found.next()) {
+        (Some(one), None) => Ok(one.clone()),
+        (Some(one), Some(other)) => {
+            Err(format!("{one} and {other} are parameters of this name: write one of these"))
+        }
+        _ if all.is_empty() => {
+            Err("the graph has no parameters: write NODE.INPUT=VALUE".to_owned())
+        }
+        _ => {
+            let known: Vec<&str> = all.iter().map(|socket| &*socket.name).collect();
+            Err(format!(
+                "the graph has no parameter {:?}; it has {}",
+                short(name),
+                known.join(", ")
+            ))
+        }
+    }
 }
 
 /// `[NODE=]FILE`.
@@ -514,7 +558,8 @@ pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Wante
             let node = document.node(socket.node.as_str()).ok_or_else(|| {
                 fault(format!("there is no node {:?}", short(socket.node.as_str())))
             })?;
-            let def = coif_nodes::by_id(&node.kind)
+            let def = document
+                .def(&socket.node)
                 .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
             let known: Vec<&str> = def.outputs.iter().map(|o| o.name).collect();
             match def.output(&socket.name) {

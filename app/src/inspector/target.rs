@@ -119,7 +119,7 @@ impl Target<'_> {
     /// Why the input counts for nothing beside what else the active node is set to.
     pub(crate) fn idle(&self, input: &InputDef) -> Option<&'static str> {
         let (idle, node) = (input.idle?, self.nodes.first()?);
-        let def = coif_nodes::by_id(&self.state.document.node(node.as_str())?.kind)?;
+        let def = self.state.document.def(node)?;
         idle(&|name| {
             let (_, other) = def.input(name)?;
             match self.held(other) {

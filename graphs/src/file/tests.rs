@@ -355,7 +355,9 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
     );
     said(
         &node("kind: \"resample\"),\n        \"A b\": (kind: \"resample\""),
-        expect![[r#"x.ron:5:10: "A b" is no node id: use a lower case letter, then letters, digits and underscores, at most 64, and within groups / between up to 16 of these"#]],
+        expect![[
+            r#"x.ron:5:10: "A b" is no node id: use a lower case letter, then letters, digits and underscores, at most 64, and within groups / between up to 16 of these"#
+        ]],
     );
     said(
         "(format: 1, links: {\n  \"a\": \"b.c\"})",

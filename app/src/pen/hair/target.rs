@@ -120,7 +120,7 @@ pub(crate) fn sources(state: &State) -> Vec<Socket> {
 }
 
 fn output_type(document: &Document, socket: &Socket) -> Option<Type> {
-    let def = coif_nodes::by_id(&document.node(socket.node.as_str())?.kind)?;
+    let def = document.def(&socket.node)?;
     def.outputs.iter().find(|output| *output.name == *socket.name).map(|output| output.ty)
 }
 
