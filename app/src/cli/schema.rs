@@ -3,10 +3,14 @@
 //! RON has no language of schemas, so it describes the JSON of the same shape; `x-ron` says how each part is written in RON:
 //! a `struct` as `(name: value)`, a `map` as `{"name": value}`, a `tuple` as `(1, 2)`, a `variant` as `Name(value)`, a `word` bare;
 //! lists, texts, numbers and truth values are as in JSON. `x-ascending`: the first numbers of the entries do not fall.
-//! `x-same-length`: these lists are equally long. `x-wires`: inputs and outputs that a wire may end at, with their types.
+//! `x-same-length`: these lists are equally long. `x-deepest`: what refers to itself does so at most so many times.
+//! `x-shorter-than`: as a vector it is shorter. `x-not-one-place`: the entries are not all the same.
+//! `x-wires`: inputs and outputs that a wire may end at, with their types.
 
+use coif_graphs::document::values::DEEPEST_FIELD;
 use coif_graphs::file::FORMAT;
 use coif_nodes::data::gestures::{Layer, Tool};
+use coif_nodes::data::shapes::Section;
 use coif_nodes::data::strokes::Mode;
 use coif_nodes::define::{Arity, InputDef, NodeDef, Type};
 use serde_json::{Map, Value as Json, json};
@@ -93,6 +97,17 @@ fn words<'a>(of: impl Iterator<Item = &'a str>) -> Json {
     json!({"type": "string", "enum": of.collect::<Vec<_>>()})
 }
 
+/// The points of a drawn section.
+fn corners() -> Json {
+    let (low, high) = (f64::from(-Section::FARTHEST), f64::from(Section::FARTHEST));
+    let mut point = tuple(&[number(low, high), number(low, high)]);
+    point["x-shorter-than"] = json!(high);
+    let mut corners = list(point, Section::CORNERS.0);
+    corners["maxItems"] = json!(Section::CORNERS.1);
+    corners["x-not-one-place"] = json!(true);
+    corners
+}
+
 /// What is the same for all kinds of nodes.
 fn shared() -> Map<String, Json> {
     let any = || json!({"type": "number"});
@@ -104,12 +119,13 @@ fn shared() -> Map<String, Json> {
     let ramps = ["Linear", "Smooth", "Step"].map(|name| variant(name, reference("stops")));
     let with = |first: &[Json]| json!({"oneOf": first.iter().chain(&ramps).collect::<Vec<_>>()});
     let text = || json!({"type": "string"});
-    let field = with(&[
+    let mut field = with(&[
         any(),
         variant("Attribute", text()),
         variant("Mask", text()),
-        variant("Product", list(any(), 0)),
+        variant("Product", list(reference("field"), 0)),
     ]);
+    field["x-deepest"] = json!(DEEPEST_FIELD);
     let tier = |words: &[&str]| json!({"x-ron": "word", "enum": words});
     let rose = structure(
         &["petals", "depth"],
@@ -121,9 +137,10 @@ fn shared() -> Map<String, Json> {
         variant("Lame", number(0.3, 20.0)),
         variant("Polygon", json!({"type": "integer", "minimum": 3, "maximum": 12})),
         variant("Rose", rose),
+        variant("Custom", corners()),
     ]});
     let mut shapes = list(tuple(&[tier(&["A", "B", "C"]), section.clone()]), 1);
-    shapes["prefixItems"] = json!([tuple(&[tier(&["A"]), section])]);
+    shapes["contains"] = tuple(&[tier(&["A"]), section]);
     let point = |counts: std::ops::RangeInclusive<usize>| {
         let all = [
             number(-1e5, 1e5),
