@@ -59,6 +59,8 @@ pub struct InputDef {
     pub unit: Unit,
     /// What people of the trade call it, for the search.
     pub words: &'static str,
+    /// What its file holds; none where it takes no file.
+    pub holds: Option<Holds>,
     /// How it can be dragged in the viewport.
     pub handle: Option<Handle>,
     /// Whether it counts for nothing beside what else the node is set to, and why.
@@ -76,6 +78,15 @@ pub(crate) enum Preset {
     Made(fn() -> Value),
     /// As a document declares it.
     Is(&'static Value),
+}
+
+/// What a file that an input names holds: by which reader it is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holds {
+    /// A mesh ([`crate::formats::read_mesh`]).
+    Mesh,
+    /// A picture ([`crate::formats::picture_in::read_picture`]).
+    Picture,
 }
 
 /// What the inputs of a node are grouped by. Those before the first group are what one uses most.
@@ -815,6 +826,7 @@ impl InputDef {
             soft: None,
             unit: Unit::None,
             words: "",
+            holds: None,
             handle: None,
             idle: None,
             opens: None,
@@ -831,6 +843,7 @@ impl InputDef {
             name,
             old_names: &[],
             doc,
+            holds: None,
             ty,
             arity,
             preset,
@@ -869,6 +882,10 @@ impl InputDef {
     }
     pub(crate) const fn words(mut self, words: &'static str) -> Self {
         self.words = words;
+        self
+    }
+    pub(crate) const fn holds(mut self, holds: Holds) -> Self {
+        self.holds = Some(holds);
         self
     }
     pub(crate) const fn handle(mut self, handle: Handle) -> Self {
@@ -985,7 +1002,7 @@ macro_rules! node {
 
         pub(crate) static NODE: $crate::define::NodeDef = {
             #[allow(unused_imports)]
-            use $crate::define::{Group, Handle, InputDef, OutputDef, Unit::*, Value};
+            use $crate::define::{Group, Handle, Holds, InputDef, OutputDef, Unit::*, Value};
             static INPUTS: &[InputDef] = &[$(
                 InputDef::new::<$in_ty>(stringify!($input), &[$($in_doc),*], &[$(stringify!($old)),*])
                     $(.opens(Group::$group))?

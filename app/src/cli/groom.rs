@@ -600,18 +600,41 @@ impl Opened {
         let targets = targets.map(|socket| socket.node.clone()).collect();
         let mut errors = vec![];
         for problem in check_for(&self.document, &targets).into_iter().filter(|p| p.needed) {
-            match problem.severity {
-                Severity::Error => errors.push(problem.to_string()),
-                // The node clamps such a value and says so itself, where it comes to run.
-                Severity::Warning if problem.fault == Fault::OutOfRange && !self.strict => {}
-                Severity::Warning => warnings.push(problem.to_string()),
+            // The node clamps such a value and says so itself, where it comes to run.
+            let is_warning = problem.severity == Severity::Warning;
+            if is_warning && problem.fault == Fault::OutOfRange && !self.strict {
+                continue;
             }
+            let problem = problem.to_string();
+            let told = match take_said(warnings, &self.graph, &problem) {
+                Some(at) => format!("{at}: {problem}"),
+                None => problem,
+            };
+            if is_warning { warnings.push(told) } else { errors.push(told) }
         }
         if errors.is_empty() && self.strict && !warnings.is_empty() {
             errors.push(not_strict(&self.graph));
         }
         if errors.is_empty() { Ok(()) } else { Err(Stop(Exit::Refused, errors)) }
     }
+}
+
+/// Takes what the reader of the graph's file said of a problem's place (`node.input`, before the first colon) out of its warnings,
+/// so that it is told once, and gives where in the file that is.
+pub(super) fn take_said(warnings: &mut Vec<String>, file: &str, problem: &str) -> Option<String> {
+    let (place, _) = problem.split_once(": ")?;
+    let mut at = None;
+    warnings.retain(|warning| {
+        let said = warning.strip_prefix(file).and_then(|said| said.split_once(": "));
+        match said {
+            Some((position, said)) if said.split_once(": ").is_some_and(|(of, _)| of == place) => {
+                at.get_or_insert_with(|| format!("{file}{position}"));
+                false
+            }
+            _ => true,
+        }
+    });
+    at
 }
 
 /// Names of sections by id. Where a section goes on through several cuts, it is called as the last calls it.

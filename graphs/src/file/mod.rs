@@ -30,6 +30,7 @@ mod upgrade;
 mod values;
 mod write;
 
+pub use ports::{TYPES as PORT_TYPES, UNITS as PORT_UNITS};
 pub(crate) use read::prove_raw;
 pub(crate) use values::proven_value;
 pub use values::{parse_value, read_value, write_value};

@@ -95,7 +95,7 @@ impl Default for Counts {
 }
 
 /// What ports carry, in the words of the manual.
-pub(super) const TYPES: [(&str, Type); 15] = [
+pub const TYPES: [(&str, Type); 15] = [
     ("true or false", Type::Bool),
     ("whole number", Type::Int),
     ("number", Type::Float),
@@ -114,7 +114,7 @@ pub(super) const TYPES: [(&str, Type); 15] = [
 ];
 
 /// What numbers of ports count.
-pub(super) const UNITS: [(&str, Unit); 7] = [
+pub const UNITS: [(&str, Unit); 7] = [
     ("", Unit::None),
     ("ratio", Unit::Ratio),
     ("cm", Unit::Length),
