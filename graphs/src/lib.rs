@@ -7,3 +7,4 @@ pub mod document;
 pub mod file;
 pub mod grooms;
 pub mod schedule;
+pub mod template;

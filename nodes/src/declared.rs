@@ -39,6 +39,8 @@ pub const LONGEST_NAME: usize = 64;
 pub struct Port {
     /// `[a-z][a-z0-9_]*`, at most 64 bytes; one of its own on its side.
     pub name: String,
+    /// Names that it had before, in older versions of a template.
+    pub was: Vec<String>,
     /// Tooltip; may be empty.
     pub doc: String,
     /// What it carries.
@@ -62,6 +64,7 @@ impl Port {
     pub fn new(name: &str, ty: Type) -> Self {
         Self {
             name: name.to_owned(),
+            was: vec![],
             doc: String::new(),
             ty,
             arity: Arity::Optional,
@@ -90,7 +93,8 @@ impl Port {
     }
 
     fn add_to(&self, key: KeyBuilder) -> KeyBuilder {
-        let Self { name, doc, ty, arity, default, hard, soft, unit, section } = self;
+        let Self { name, was, doc, ty, arity, default, hard, soft, unit, section } = self;
+        let key = was.iter().fold(key.int(was.len() as u64), |key, name| key.text(name));
         let mut key = key.text(name).text(doc).text(section).text(ty.name());
         if let Type::Choice(words) = ty {
             key = words
@@ -205,6 +209,22 @@ impl Interface {
         ))
     }
 
+    /// The same without what is for people alone: tooltips, headings, where sliders end, names of before.
+    pub fn without_words(self) -> Self {
+        let bare = |ports: &[Port]| -> Vec<Port> {
+            let bare = |port: &Port| Port {
+                was: vec![],
+                doc: String::new(),
+                soft: None,
+                section: String::new(),
+                ..port.clone()
+            };
+            ports.iter().map(bare).collect()
+        };
+        // Nothing that was right is wrong with less.
+        Self::new(bare(self.inputs()), bare(self.outputs())).unwrap_or(self)
+    }
+
     /// What it takes.
     pub fn inputs(self) -> &'static [Port] {
         &self.0.inputs
@@ -300,8 +320,9 @@ fn takes(port: &Port, default: bool) -> InputDef {
         _ => Preset::None,
     };
     let opens = (!port.section.is_empty()).then(|| Group::Declared(kept(&port.section)));
+    let was: &'static [&'static str] = Box::leak(port.was.iter().map(|name| kept(name)).collect());
     InputDef::declared(
-        (kept(&port.name), lines(&port.doc), port.ty, port.arity),
+        (kept(&port.name), was, lines(&port.doc), port.ty, port.arity),
         preset,
         (port.hard, port.soft, port.unit),
         opens,

@@ -834,14 +834,20 @@ impl InputDef {
     }
     /// As a document declares it.
     pub(crate) fn declared(
-        (name, doc, ty, arity): (&'static str, &'static [&'static str], Type, Arity),
+        (name, old_names, doc, ty, arity): (
+            &'static str,
+            &'static [&'static str],
+            &'static [&'static str],
+            Type,
+            Arity,
+        ),
         preset: Preset,
         (hard, soft, unit): (Option<(f64, f64)>, Option<(f64, f64)>, Unit),
         opens: Option<Group>,
     ) -> Self {
         Self {
             name,
-            old_names: &[],
+            old_names,
             doc,
             holds: None,
             ty,

@@ -310,6 +310,7 @@ fn port() -> Json {
     let text = || json!({"type": "string"});
     let properties = json!({
         "name": reference("word"),
+        "was": list(reference("word"), 0),
         "type": words(PORT_TYPES.iter().map(|(word, _)| *word)),
         "doc": text(),
         "default": {"x-any": true, "description": "a value of the port's type, as an input would have it"},
@@ -344,6 +345,11 @@ fn declared_node(kind: &str) -> Json {
             "version": text(),
             "hash": text(),
             "locked": {"type": "boolean"},
+            "author": text(),
+            "licence": text(),
+            "tags": list(text(), 0),
+            "source": text(),
+            "needs": list(text(), 0),
         });
         has("template", structure(&["name"], template));
         has("nodes", map_by("id", reference("node")));

@@ -120,6 +120,16 @@ pub struct Origin {
     pub hash: String,
     /// Stays at this version for good.
     pub locked: bool,
+    /// Who made it.
+    pub author: String,
+    /// Under which licence it is given, as an SPDX identifier where there is one.
+    pub licence: String,
+    /// Words that it is found by.
+    pub tags: Vec<String>,
+    /// Where the style comes from.
+    pub source: String,
+    /// What it needs of a head besides a scalp: names of landmarks and regions.
+    pub needs: Vec<String>,
 }
 
 /// What an input is set to.

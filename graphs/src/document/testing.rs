@@ -278,9 +278,19 @@ impl Random {
             node.interface = Some(self.interface());
         }
         if self.chance(4) {
-            let (name, version) = (self.text(), self.text());
-            let hash = self.words().unwrap_or_default();
-            node.template = Some(Origin { name, version, hash, locked: self.chance(2) }.into());
+            let mut text = || self.text();
+            let origin = Origin {
+                name: text(),
+                version: text(),
+                hash: text(),
+                locked: false,
+                author: text(),
+                licence: text(),
+                tags: vec![text(), text()],
+                source: text(),
+                needs: vec![text()],
+            };
+            node.template = Some(Origin { locked: self.chance(2), ..origin }.into());
         }
         let def = node.own_def();
         let mut names = vec![self.input(), self.input()];

@@ -2,6 +2,7 @@
 
 use super::read::there;
 use super::values::{placed_value, quoted, write_to};
+use crate::document::Origin;
 use coif_nodes::declared::{self, Interface, Port};
 use coif_nodes::define::{Arity, Type, Unit};
 use ron::value::RawValue;
@@ -23,6 +24,8 @@ pub(super) struct FileInterface<'a> {
 #[serde(deny_unknown_fields, rename = "Port")]
 struct FilePort<'a> {
     name: Name,
+    #[serde(default)]
+    was: Vec<Name>,
     r#type: Kind,
     #[serde(default)]
     doc: String,
@@ -55,6 +58,55 @@ pub(super) struct FileOrigin {
     pub(super) hash: String,
     #[serde(default)]
     pub(super) locked: bool,
+    #[serde(default)]
+    pub(super) author: String,
+    #[serde(default)]
+    pub(super) licence: String,
+    #[serde(default)]
+    pub(super) tags: Vec<String>,
+    #[serde(default)]
+    pub(super) source: String,
+    #[serde(default)]
+    pub(super) needs: Vec<String>,
+}
+
+impl From<FileOrigin> for Origin {
+    fn from(file: FileOrigin) -> Self {
+        let FileOrigin { name, version, hash, locked, author, licence, tags, source, needs } = file;
+        Self { name, version, hash, locked, author, licence, tags, source, needs }
+    }
+}
+
+/// What a template says of itself: a field a line, those that say something.
+pub(super) fn origin_fields(origin: &Origin) -> Vec<String> {
+    let Origin { name, version, hash, locked, author, licence, tags, source, needs } = origin;
+    let mut fields = vec![];
+    let texts = [
+        ("name", name),
+        ("version", version),
+        ("hash", hash),
+        ("author", author),
+        ("licence", licence),
+        ("source", source),
+    ];
+    for (field, text) in texts {
+        if !text.is_empty() || field == "name" {
+            let mut line = format!("{field}: ");
+            quoted(&mut line, text);
+            fields.push(line);
+        }
+    }
+    for (field, texts) in [("tags", tags), ("needs", needs)] {
+        if !texts.is_empty() {
+            let mut line = format!("{field}: ");
+            write_texts(&mut line, texts);
+            fields.push(line);
+        }
+    }
+    if *locked {
+        fields.push("locked: true".to_owned());
+    }
+    fields
 }
 
 /// Words of a file, read where the reader knows the line.
@@ -177,14 +229,25 @@ fn ports(side: Vec<FilePort>, said: &mut Vec<String>) -> Vec<Port> {
             (false, false) => Arity::Optional,
         };
         let (doc, unit, section) = (file.doc, file.unit.0, file.section);
-        ports.push(Port { name, doc, ty, arity, default, hard, soft, unit, section });
+        let was = file.was.into_iter().map(|name| name.0).collect();
+        ports.push(Port { name, was, doc, ty, arity, default, hard, soft, unit, section });
     }
     ports
 }
 
+/// A list of texts on one line.
+pub(super) fn write_texts(out: &mut String, texts: &[String]) {
+    out.push('[');
+    for (n, text) in texts.iter().enumerate() {
+        out.push_str(if n > 0 { ", " } else { "" });
+        quoted(out, text);
+    }
+    out.push(']');
+}
+
 /// One port on one line.
 pub(super) fn write_port(out: &mut String, port: &Port) {
-    let Port { name, doc, ty, arity, default, hard, soft, unit, section } = port;
+    let Port { name, was, doc, ty, arity, default, hard, soft, unit, section } = port;
     let text = |out: &mut String, field: &str, text: &str| {
         if !text.is_empty() {
             let _ = write!(out, ", {field}: ");
@@ -196,6 +259,10 @@ pub(super) fn write_port(out: &mut String, port: &Port) {
     let same = |known: &Type| std::mem::discriminant(known) == std::mem::discriminant(ty);
     let word = TYPES.iter().find(|(_, known)| same(known)).map_or("", |(word, _)| word);
     text(out, "type", word);
+    if !was.is_empty() {
+        out.push_str(", was: ");
+        write_texts(out, was);
+    }
     if let Some(value) = default {
         out.push_str(", default: ");
         write_to(out, value, None);

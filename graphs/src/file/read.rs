@@ -6,8 +6,7 @@ use super::scan::{Scan, error_at, errors_at, scan, trimmed};
 use super::values::{Wrong, placed_value};
 use super::{FORMAT, FileError, Loaded, OLDEST, PART, upgrade};
 use crate::document::{
-    BadId, Document, Frame, Node, NodeId, Origin, Place, Point, SavedLook, SavedView, Setting,
-    Socket,
+    BadId, Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
 };
 use coif_nodes::declared;
 use coif_nodes::define::{NodeDef, short};
@@ -558,9 +557,7 @@ impl Reader<'_> {
             label: Some(file.label).filter(|label| !label.is_empty()),
             note: file.note,
             bypass: file.bypass,
-            template: file.template.map(|FileOrigin { name, version, hash, locked }| {
-                Arc::new(Origin { name, version, hash, locked })
-            }),
+            template: file.template.map(|origin| Arc::new(origin.into())),
             ..Node::default()
         };
         if let Some(declared) = file.interface {

@@ -1,11 +1,11 @@
 //! Documents to text.
 
 use super::order::{FRAMES, NODES, after, by_lot, lot};
-use super::ports::write_port;
+use super::ports::{origin_fields, write_port};
 use super::values::{new_line, quoted, write_to};
 use super::{FORMAT, PART};
 use crate::document::{
-    Document, Node, NodeId, Origin, Place, Point, SavedLook, SavedView, Setting, Socket,
+    Document, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
 };
 use coif_nodes::declared::Port;
 use std::collections::BTreeMap;
@@ -264,17 +264,15 @@ impl Writer<'_> {
             self.node_field(id, "bypass", |out| out.text("true"));
         }
         if let Some(origin) = &node.template {
-            let Origin { name, version, hash, locked } = &**origin;
             self.node_field(id, "template", |out| {
-                out.text("(name: ");
-                out.quoted(name);
-                for (field, text) in [(", version: ", version), (", hash: ", hash)] {
-                    if !text.is_empty() {
-                        out.text(field);
-                        out.quoted(text);
-                    }
+                out.out.push('(');
+                out.indent += 4;
+                for line in origin_fields(origin) {
+                    out.line(|out| out.text(&line));
                 }
-                out.text(if *locked { ", locked: true)" } else { ")" });
+                out.indent -= 4;
+                new_line(&mut out.out, out.indent);
+                out.out.push(')');
             });
         }
         if let Some(interface) = node.interface {
