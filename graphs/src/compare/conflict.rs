@@ -3,6 +3,7 @@
 //! Guarantees: a conflict is one line, whatever its values hold; in a document it stands as a comment before the entry that it is
 //! about, or before the nearest thing that is there, so that the file opens and no reader passes it in silence ([`CONFLICT`]).
 
+use super::diff::Change;
 use super::fact::{Fact, Said};
 use super::words::{cut, one_line, plain};
 use crate::document::{Document, Place};
@@ -47,8 +48,8 @@ pub enum Clash {
     Added,
     /// One made the node another kind while the other changed what it takes.
     Kind,
-    /// One removed the node while the other changed these of it, or wired it.
-    Removed(Vec<Fact>),
+    /// One removed the node while the other changed this of it, or wired it.
+    Removed(Vec<Change>),
     /// Each for itself is whole, and both together are not: what a check says of it. Nothing of either was left out.
     Together(String),
 }
@@ -57,6 +58,7 @@ impl fmt::Display for Conflict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let said = |said: &Option<Said>, most: usize| match said {
             Some(said) => cut(&plain(said), most),
+            None if matches!(self.clash, Clash::Item(..)) => "none".to_owned(),
             None => self.fact.unsaid().to_owned(),
         };
         let [base, ours] = [&self.base, &self.ours].map(|s| said(s, MOST_OF_OTHERS));
@@ -81,7 +83,15 @@ impl fmt::Display for Conflict {
                     Some(_) => ("theirs", "ours"),
                 };
                 let node = self.fact.node().map_or_else(String::new, ToString::to_string);
-                let what: Vec<String> = also.iter().take(3).map(ToString::to_string).collect();
+                let change = |Change { fact, from, to }: &Change| {
+                    let said = |said: &Option<Said>| {
+                        said.as_ref().map_or(fact.unsaid().to_owned(), |said| {
+                            cut(&plain(said), MOST_OF_OTHERS)
+                        })
+                    };
+                    format!("{fact} from {} to {}", said(from), said(to))
+                };
+                let what: Vec<String> = also.iter().take(3).map(change).collect();
                 let more = match also.len().saturating_sub(3) {
                     0 => String::new(),
                     n => format!(" and {n} more"),

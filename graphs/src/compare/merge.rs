@@ -8,6 +8,7 @@
 //! another kind, is a conflict as such, and ours has it as a whole. Where things stand on the canvas is no conflict: ours counts.
 
 use super::conflict::{Clash, Conflict, nearest, write};
+use super::diff::Change;
 use super::fact::{Fact, Facts, Said, Wire, document, facts};
 use super::items::{Item, one};
 use super::lists::{in_one_order, numbered};
@@ -179,7 +180,12 @@ impl Merge {
         if also.is_empty() {
             return;
         }
-        self.clash(&kind, Clash::Removed(also.into_iter().collect()));
+        let change = |fact: Fact| {
+            let (from, to) = (base.get(&fact).cloned(), side.get(&fact).cloned());
+            Change { fact, from, to }
+        };
+        let also = also.into_iter().map(change).collect();
+        self.clash(&kind, Clash::Removed(also));
         // As if it had never been: so it is added by ours, or by nobody.
         let nothing = BTreeSet::new();
         for fact in &own {

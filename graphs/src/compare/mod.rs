@@ -9,6 +9,8 @@
 //! exactly where their diff says so; edits that do not meet merge to the same document in either order. Nothing here opens a
 //! file, evaluates, or recurses.
 
+#[cfg(test)]
+mod cases;
 mod conflict;
 mod diff;
 mod fact;
