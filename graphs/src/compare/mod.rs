@@ -1,6 +1,6 @@
 //! Two grooms compared, and two people's grooms made one: over documents, never over text.
 //!
-//! A document is taken apart into facts ([`fact`]): each thing that can be said of it under a name of its own.
+//! A document is taken apart into facts ([`Fact`]): each thing that can be said of it under a name of its own.
 //! A [`diff`](fn@diff) is the facts that are not the same; a [`merge`](fn@merge) takes each fact from whoever changed it.
 //! What both changed, each otherwise, is a [`Conflict`]: ours stays, and it is told, in the report and in the document itself,
 //! as a comment that every reader knows ([`CONFLICT`]).

@@ -20,7 +20,7 @@ fn edited(random: &mut Random, base: &Document, edits: usize) -> Document {
 
 /// Random documents that people made of one: of any kind, or of a groom, by what the editor does.
 fn three(seed: u64) -> [Document; 3] {
-    if seed % 3 == 0 {
+    if seed.is_multiple_of(3) {
         return pair(seed, &[], 1 + seed as usize % 9, false).0;
     }
     let mut random = Random::new(seed);
