@@ -9,6 +9,7 @@ use super::{Exit, complain, complain_of, ending, groom, print_plain, unreal};
 use clap::{Args, ValueEnum};
 use coif_graphs::document::Document;
 use coif_graphs::document::graph::{Severity, check, targets, upstream};
+use coif_graphs::file::Loaded;
 use coif_graphs::schedule::files::{DiskFiles, Files, named};
 use coif_nodes::define::{Holds, short};
 use coif_nodes::formats::picture_in::{Channel, read_picture};
@@ -70,15 +71,17 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
     let mut exit = Exit::Done;
     for path in &args.graphs {
         let shown = path.display();
-        let mut warnings = vec![];
-        let (document, folder) = match groom::load(path, &mut warnings) {
-            Ok(loaded) => loaded,
+        let (loaded, folder) = match groom::read(path) {
+            Ok(read) => read,
             Err(stop) => {
                 complain_of(stop.lines().to_vec());
                 exit = Exit::Refused;
                 continue;
             }
         };
+        let Loaded { document, warnings, conflicts, dropped_comments: _ } = loaded;
+        let mut warnings: Vec<String> = warnings.iter().map(|w| w.of_file(&shown)).collect();
+        let conflicts: Vec<String> = conflicts.iter().map(|c| c.of_file(&shown)).collect();
         let problems = check(&document);
         let lines = Lines::of(&std::fs::read_to_string(path).unwrap_or_default());
         let told = problems.iter().map(|p| {
@@ -94,14 +97,17 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
             take_said(&mut warnings, &shown.to_string(), problem);
         }
         let warned = warnings.iter().map(|warning| format!("warning: {warning}"));
-        let all = warned.chain(told.iter().map(|(is_error, line, problem)| {
-            let kind = if *is_error { "" } else { "warning: " };
-            let line = line.map_or(String::new(), |line| format!("{line}:"));
-            format!("{kind}{shown}:{line} {problem}")
-        }));
+        let all = conflicts.iter().cloned().chain(warned).chain(told.iter().map(
+            |(is_error, line, problem)| {
+                let kind = if *is_error { "" } else { "warning: " };
+                let line = line.map_or(String::new(), |line| format!("{line}:"));
+                format!("{kind}{shown}:{line} {problem}")
+            },
+        ));
         complain_of(all.collect());
-        let errors = told.iter().filter(|(is_error, ..)| *is_error).count();
-        let strict = args.strict && warnings.len() + told.len() > errors;
+        let wrong = told.iter().filter(|(is_error, ..)| *is_error).count();
+        let errors = wrong + conflicts.len();
+        let strict = args.strict && warnings.len() + told.len() > wrong;
         if strict && errors == 0 {
             complain(not_strict(path));
         }

@@ -14,7 +14,7 @@ use crate::files::Together;
 use clap::{Args, ValueEnum};
 use coif_graphs::document::graph::{Fault, Severity, check_for, upstream};
 use coif_graphs::document::{Document, NodeId, Setting, Socket};
-use coif_graphs::file;
+use coif_graphs::file::{self, Loaded};
 use coif_graphs::grooms;
 use coif_graphs::schedule::files::{DiskFiles, read_by};
 use coif_graphs::schedule::request::plan;
@@ -386,6 +386,14 @@ pub(crate) fn reads_all(
 
 /// The document of a file, or the shipped groom of that name, and the folder that its paths are relative to.
 pub(crate) fn load(path: &Path, warnings: &mut Vec<String>) -> Result<(Document, PathBuf), Stop> {
+    let (loaded, folder) = read(path)?;
+    let told = loaded.conflicts.iter().chain(&loaded.warnings);
+    warnings.extend(told.map(|w| w.of_file(path.display())));
+    Ok((loaded.document, folder))
+}
+
+/// The same, with all that is said of it.
+pub(super) fn read(path: &Path) -> Result<(Loaded, PathBuf), Stop> {
     let shown = path.display();
     let (bytes, folder) = match std::fs::metadata(path) {
         Ok(about) if !about.is_file() => {
@@ -414,8 +422,7 @@ pub(crate) fn load(path: &Path, warnings: &mut Vec<String>) -> Result<(Document,
         },
     };
     let loaded = file::read_bytes(&bytes).map_err(|err| Stop::refused(err.of_file(&shown)))?;
-    warnings.extend(loaded.warnings.iter().map(|w| w.of_file(&shown)));
-    Ok((loaded.document, folder))
+    Ok((loaded, folder))
 }
 
 /// The largest document that is read: strokes take 30 bytes a sample, so this holds millions.

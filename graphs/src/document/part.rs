@@ -341,7 +341,7 @@ mod tests {
         assert_eq!(document.layout["rows"], Point(100.0, 50.0));
         let wired: Vec<String> = document.links.keys().map(Socket::to_string).collect();
         assert_eq!(wired, ["thin.curves"]);
-        let (_, made) = paste(&document, &file::write(&braids()), None).unwrap();
+        let (_, made) = paste(&document, &file::write(&braids()), None, None).unwrap();
         assert_eq!(made.len(), 4);
     }
 
@@ -371,7 +371,7 @@ mod tests {
 
     #[test]
     fn what_is_no_part_is_refused_in_one_line() {
-        let refused = |text: &str| paste(&braids(), text, None).unwrap_err();
+        let refused = |text: &str| paste(&braids(), text, None, None).unwrap_err();
         expect![[r#"
             1:1: these are no nodes: they begin with `(coif_nodes: 1`
             1:1: these are no nodes: they begin with `(coif_nodes: 1`
@@ -400,14 +400,14 @@ mod tests {
                 a.min(b)..a.max(b).min(a.min(b) + 20),
                 random.pick(&["", "(", "\"", "}", ",", "0"]),
             );
-            if let Err(why) = paste(&braids(), &broken, None) {
+            if let Err(why) = paste(&braids(), &broken, None, None) {
                 assert!(!why.contains('\n') && !why.is_empty(), "{why}");
             }
         }
         let begin = std::time::Instant::now();
         let many: String = (2..4000).map(|n| format!("\"rows_{n}\": (kind: \"head\"),")).collect();
         let many = format!("(coif_nodes: 1, nodes: {{{many}}})");
-        let (edit, _) = paste(&braids(), &many, None).unwrap();
+        let (edit, _) = paste(&braids(), &many, None, None).unwrap();
         let mut document = braids();
         edit.apply(&mut document).unwrap();
         assert_eq!(paste(&document, &many, None, None).unwrap().1.len(), 3998);

@@ -5,6 +5,7 @@ use super::ports::{self, FileInterface, FileOrigin};
 use super::scan::{Scan, error_at, errors_at, scan, trimmed};
 use super::values::{Wrong, placed_value};
 use super::{FORMAT, FileError, Loaded, OLDEST, PART, upgrade};
+use crate::compare::CONFLICT;
 use crate::document::{
     BadId, Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
 };
@@ -355,7 +356,7 @@ fn read_upgraded(old: &str, new: &str, format: u32, at: usize) -> Result<Loaded,
     let here = |message: String| error_at(old, at, format!("read as format {format}: {message}"));
     let groom = parse(new).map_err(|err| here(err.message))?;
     let mut loaded = convert(new, groom).map_err(|err| here(err.message))?;
-    for said in &mut loaded.warnings {
+    for said in loaded.warnings.iter_mut().chain(&mut loaded.conflicts) {
         *said = here(std::mem::take(&mut said.message));
     }
     let kept: BTreeSet<String> = loaded.document.comments.values().flatten().cloned().collect();
@@ -722,6 +723,14 @@ impl Reader<'_> {
             return Err(error_at(self.text, at, why));
         }
         let mut dropped = std::mem::take(&mut self.scan.dropped);
+        let conflicts = self.scan.comments.values().flatten().chain(&dropped);
+        let conflicts = conflicts.filter_map(|comment| {
+            let left = comment.text.strip_prefix(CONFLICT)?;
+            let message =
+                format!("a merge left this to decide:{left}; choose, then remove this comment");
+            Some((comment.at, message))
+        });
+        let conflicts = conflicts.collect();
         for (place, lines) in std::mem::take(&mut self.scan.comments) {
             // What is written with nodes now had tables of its own, and where many go in the wires
             // may be typed with the node that they go to.
@@ -753,6 +762,7 @@ impl Reader<'_> {
         Ok(Loaded {
             document,
             warnings: errors_at(self.text, self.warnings),
+            conflicts: errors_at(self.text, conflicts),
             dropped_comments: errors_at(self.text, dropped),
         })
     }

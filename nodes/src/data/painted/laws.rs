@@ -355,7 +355,7 @@ fn a_closed_stroke_paints_what_it_encloses_and_no_skin_that_lies_behind() {
         let Field::Painted(on) = &*field else { panic!() };
         let ((inside, farthest), wide) =
             (painted_skin(on, middle), area_within(&scalp, middle, radius));
-        assert!((inside / wide - 1.0).abs() < 0.02, "{inside} cm2 of {wide}");
+        assert!((inside / wide - 1.0).abs() < 0.02, "{inside} cm2 of {wide}, as far as {farthest} of {radius}");
         assert!(farthest < 1.006 * radius, "{farthest} of {radius}");
     };
     // The side of the jaw, round one eye, and over the crown.
