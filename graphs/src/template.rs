@@ -36,12 +36,12 @@ pub fn group_of(document: &Document) -> Result<&NodeId, String> {
 /// What a group means, as 32 hexadecimal digits: the nodes in it with all their values, and its ports. Not what is set on
 /// it, wired to it, or said of it.
 pub fn hash(document: &Document, group: &NodeId) -> String {
-    document_hash(&content(document, group))
+    document_hash(&alone(document, group))
 }
 
-/// A group by itself, called `template`, with nothing set on it and nothing said of it.
-fn content(document: &Document, group: &NodeId) -> Document {
-    let mut alone = Document::default();
+/// A group by itself, called `template`, with nothing set on it and nothing said of it: what is compared.
+pub fn alone(document: &Document, group: &NodeId) -> Document {
+    let mut found = Document::default();
     let name = |id: &NodeId| -> NodeId {
         let rest = id.as_str().strip_prefix(group.as_str()).unwrap_or_default();
         NodeId::new(&format!("template{rest}")).unwrap_or_else(|_| id.clone())
@@ -49,17 +49,17 @@ fn content(document: &Document, group: &NodeId) -> Document {
     if let Some(node) = document.nodes.get(group) {
         let Node { kind, interface, .. } = Node::clone(node);
         let bare = Node { kind, interface, ..Node::default() };
-        alone.nodes.insert(name(group), bare.into());
+        found.nodes.insert(name(group), bare.into());
     }
     for (id, node) in document.inside(group) {
-        alone.nodes.insert(name(id), node.clone());
+        found.nodes.insert(name(id), node.clone());
     }
     for (to, wires) in document.links.iter().filter(|(to, _)| to.node.is_inside(group)) {
         let renamed =
             |socket: &Socket| Socket { node: name(&socket.node), name: socket.name.clone() };
-        alone.links.insert(renamed(to), wires.iter().map(renamed).collect());
+        found.links.insert(renamed(to), wires.iter().map(renamed).collect());
     }
-    alone
+    found
 }
 
 /// The nodes that hold instances of templates, in order.

@@ -23,6 +23,7 @@ pub(crate) mod render;
 pub(crate) mod report;
 mod schema;
 pub(crate) mod signals;
+mod template;
 mod unreal;
 
 use crate::words::{first_of, plain};
@@ -62,6 +63,8 @@ enum Command {
     /// What both changed, each otherwise, stays as OURS has it, with a comment before it that names the other; `coif check` lets none
     /// of these pass. The result is written over OURS, as git's merge drivers do; --install-driver lets git merge so.
     Merge(merge::MergeArgs),
+    /// Templates: groups that travel between grooms and shows
+    Template(template::TemplateArgs),
     /// Print the manual of all nodes, or of one
     Nodes(nodes::NodesArgs),
     /// Measure exported strands: the laws of hair, from the file alone
@@ -108,6 +111,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Fmt(args)) => fmt::run(&args),
         Some(Command::Diff(args)) => diff::run(&args),
         Some(Command::Merge(args)) => merge::run(&args),
+        Some(Command::Template(args)) => template::run(&args),
         Some(Command::Nodes(args)) => nodes::run(args),
         Some(Command::Measure(args)) => measure::run(args),
         None => start_up(),
