@@ -108,8 +108,7 @@ pub fn new(document: &Document, group: &NodeId, origin: Origin) -> Result<Docume
         Arc::make_mut(node).template = Some(marked.into());
     }
     let curves = |port: &&Port| port.ty == coif_nodes::define::Type::Curves;
-    let gives = node.interface.unwrap_or_default().outputs().iter().find(curves);
-    if let Some(port) = gives {
+    for port in node.interface.unwrap_or_default().outputs().iter().filter(curves) {
         let out = made.free_id("out");
         let kind = "groom_output".to_owned();
         made.nodes.insert(out.clone(), Node { kind, ..Node::default() }.into());

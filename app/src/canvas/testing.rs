@@ -61,10 +61,12 @@ impl Desk {
             }
             Event::Pin(node) => state.pinned = node,
             Event::Say(note) => self.said.push(note.text),
+            Event::Enter(group) => state.group = group,
+            Event::Begin(_) | Event::End => {}
             Event::Act(id) => self.said.push(format!("act {id}")),
             other => panic!("not expected of the canvas: {other:?}"),
         }
-        state.selection.keep(&state.document);
+        state.keep();
     }
 }
 

@@ -78,6 +78,7 @@ enum Command {
 }
 
 #[derive(Args)]
+#[command(disable_version_flag = true)]
 struct NewArgs {
     /// The graph, a .ron file or the name of a shipped groom
     graph: PathBuf,
