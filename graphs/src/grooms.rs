@@ -27,7 +27,21 @@ pub const ALL: &[(&str, &str)] = &[
 ];
 
 /// Name and text of every template that comes with coif.
-pub const TEMPLATES: &[(&str, &str)] = &[];
+pub const TEMPLATES: &[(&str, &str)] = &[
+    ("cornrows", include_str!("../templates/cornrows.ron")),
+    ("box_braids", include_str!("../templates/box_braids.ron")),
+    ("two_strand_twists", include_str!("../templates/two_strand_twists.ron")),
+    ("puff", include_str!("../templates/puff.ron")),
+    ("coil_set", include_str!("../templates/coil_set.ron")),
+    ("waves", include_str!("../templates/waves.ron")),
+    ("fringe", include_str!("../templates/fringe.ron")),
+    ("baby_hair", include_str!("../templates/baby_hair.ron")),
+    ("pony_tail", include_str!("../templates/pony_tail.ron")),
+    ("dutch_braids", include_str!("../templates/dutch_braids.ron")),
+    ("coils_4a", include_str!("../templates/coils_4a.ron")),
+    ("bob", include_str!("../templates/bob.ron")),
+    ("afro", include_str!("../templates/afro.ron")),
+];
 
 /// Name and text of every recipe: a small groom on a head, to be put onto another document's. Where the pen is to draw, the node
 /// that takes it is there and empty.

@@ -98,7 +98,7 @@ fn a_group_is_text_that_people_can_read_and_gives_what_its_nodes_gave() {
         .skip_while(|line| !line.contains("\"cornrow_row\": ("))
         .take_while(|line| *line != "        ),")
         .filter(|line| !line.is_empty())
-        .map(|line| format!("{line}\n"))
+        .map(|line| format!("{}\n", &line[8..]))
         .collect();
     expect![[r#"
                 "cornrow_row": (
