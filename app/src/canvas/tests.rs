@@ -744,7 +744,7 @@ fn nodes_are_grouped_entered_left_and_taken_apart() {
     assert!(w.query_by_label("Row: curves output").is_some());
     assert!(w.query_by_label("cornrows: source input").is_none(), "it is in the group");
     // A double click shows what is in it, with its border; nodes that are added then are in it.
-    let title = place(&w, "Row");
+    let title = place(&w, "Row: node");
     click(&mut w, title, 2);
     assert_eq!(w.state().state.group, Some(id("group")));
     for name in ["cornrows: source input", "Inputs: scalp output", "Outputs: curves input", "Groom"]

@@ -52,7 +52,7 @@ fn known(text: &str) -> BTreeSet<String> {
         Err(err) => err.message,
         Ok(loaded) => loaded.warnings.iter().map(|w| w.message.clone()).collect(),
     };
-    let (_, list) = said.split_once("expected one of ").unwrap_or_else(|| panic!("{said}"));
+    let (_, list) = said.split_once("`, expected ").unwrap_or_else(|| panic!("{said}"));
     list.split('`').skip(1).step_by(2).map(str::to_owned).collect()
 }
 
