@@ -21,6 +21,7 @@ pub(crate) mod render;
 pub(crate) mod report;
 mod schema;
 pub(crate) mod signals;
+mod sweep;
 mod unreal;
 
 use crate::words::{first_of, plain};
