@@ -148,3 +148,92 @@ fn one_row_of_a_sweep_is_an_evaluation_like_any_other() {
     assert!(report["exit"] == 2 && files.is_empty(), "{report}");
     assert!(ran.code == 2 && ran.err.contains("few, many"), "{}", ran.err);
 }
+
+/// Runs a job with the farm's own program.
+fn openjd(test: &str, words: &[&str]) -> Option<Ran> {
+    let program = coif_tests::repository().join("target/venv/bin/openjd");
+    if !program.exists() {
+        println!("skipped: {test} needs openjd-cli in target/venv (tests/run.sh installs it)");
+        return None;
+    }
+    Some(coif_tests::run_with(std::process::Command::new(program), words))
+}
+
+#[test]
+fn a_job_of_eight_tasks_loses_one_and_a_second_run_makes_that_one() {
+    let test = "a_job_of_eight_tasks_loses_one_and_a_second_run_makes_that_one";
+    let folder = Folder::new("batch");
+    let path = |name: &str| text(&folder.path(name));
+    std::fs::write(path("graph.ron"), GRAPH).unwrap();
+    std::fs::create_dir(path("hair")).unwrap();
+    let mesh = coif_tests::shared(test, "data/lps_head/LeePerrySmith.glb");
+    let Some(mesh) = mesh else { return };
+    // The last task's head is missing: openjd stops at the first that fails.
+    for n in 1..8 {
+        std::fs::copy(&mesh, path(&format!("head{n}.glb"))).unwrap();
+    }
+    let heads: Vec<String> = (1..=8).map(|n| path(&format!("head{n}.glb"))).collect();
+    let (graph, job, hair) = (path("graph.ron"), path("job.yaml"), path("hair"));
+    let mut words = vec!["batch", &graph, "--out-dir", &hair, "-o", &job, "--seed", "3", "--head"];
+    words.extend(heads.iter().map(String::as_str));
+    let ran = run(&words);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    assert!(ran.err.contains("8 tasks"), "{}", ran.err);
+    let program = text(Path::new(coif_tests::coif().get_program()));
+    let program = format!("Coif={program}");
+    let go = || openjd(test, &["run", &job, "--step", "grooms", "-p", &program]);
+    let Some(first) = go() else { return };
+    assert_ne!(first.code, 0, "{}", first.out);
+    let count = |ending: &str| {
+        let names = std::fs::read_dir(&hair).unwrap().flatten();
+        names.filter(|f| text(&f.path()).ends_with(ending)).count()
+    };
+    assert_eq!((count(".usdc"), count(".json")), (7, 8), "{}", first.out);
+    let table = || run(["batch", "--collect", &hair]);
+    let rows = table().out;
+    assert_eq!(rows.matches(",done,").count(), 7, "{rows}");
+    assert!(rows.contains(",refused,") && rows.contains("no such file"), "{rows}");
+    std::fs::copy(&mesh, &heads[7]).unwrap();
+    let second = go().expect("it was there");
+    assert_eq!(second.code, 0, "{}", second.out);
+    assert_eq!(second.out.matches("is done already").count(), 7, "{}", second.out);
+    assert_eq!(count(".usdc"), 8);
+    let rows = table().out;
+    assert_eq!(rows.matches(",done,").count(), 8, "{rows}");
+    // One head, one hash: where a task ran makes no difference.
+    let hashes: std::collections::BTreeSet<&str> =
+        rows.lines().skip(1).filter_map(|row| row.split(',').nth(6)).collect();
+    assert_eq!(hashes.len(), 1, "{rows}");
+}
+
+#[test]
+fn results_of_a_job_have_names_that_no_other_has() {
+    let folder = Folder::new("batch-names");
+    let path = |name: &str| text(&folder.path(name));
+    let job = path("job.yaml");
+    for name in ["a.ron", "a.b.ron", "A.B.ron"] {
+        std::fs::write(path(name), GRAPH).unwrap();
+    }
+    let words = ["batch", &path("a.ron"), &path("a.b.ron"), &path("A.B.ron"), "-o", &job];
+    let heads = ["--head", &path("b.c.obj"), &path("c.obj"), "--out-dir"];
+    let ran = run([&words[..], &heads, &[&path("hair")]].concat());
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let yaml = std::fs::read_to_string(&job).unwrap();
+    for label in ["\"a\"", "\"a_b\"", "\"A_B-2\"", "\"b_c\"", "\"c\""] {
+        assert!(yaml.contains(&format!("- {label}\n")), "{label}: {yaml}");
+    }
+    for (more, said) in [
+        (["--out-dir", "/"], "is not below"),
+        (["--head", &heads[1]], "is there twice"),
+        (["--sweep", "none.csv"], "no such file"),
+    ] {
+        let others = [&words[..], &["--head", heads[1]], &["--out-dir", &path("hair")]].concat();
+        let others = match more[0] {
+            "--out-dir" => words.to_vec(),
+            _ => others,
+        };
+        let ran = run([&others[..], &more].concat());
+        assert!(ran.code == 2 && ran.err.contains(said), "{more:?}: {}", ran.err);
+    }
+    assert_eq!(std::fs::read_to_string(&job).unwrap(), yaml, "what was there is there");
+}

@@ -455,6 +455,11 @@ pub(crate) fn load(path: &Path, warnings: &mut Vec<String>) -> Result<(Document,
     Ok((loaded.document, folder))
 }
 
+/// Whether a path is the name of a shipped groom.
+pub(super) fn is_shipped(path: &Path) -> bool {
+    grooms::by_name(&path.to_string_lossy()).is_some()
+}
+
 /// The largest document that is read: strokes take 30 bytes a sample, so this holds millions.
 pub(super) const MOST_DOCUMENT: u64 = 256 << 20;
 
