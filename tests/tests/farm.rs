@@ -214,25 +214,22 @@ fn results_of_a_job_have_names_that_no_other_has() {
     for name in ["a.ron", "a.b.ron", "A.B.ron"] {
         std::fs::write(path(name), GRAPH).unwrap();
     }
-    let words = ["batch", &path("a.ron"), &path("a.b.ron"), &path("A.B.ron"), "-o", &job];
-    let heads = ["--head", &path("b.c.obj"), &path("c.obj"), "--out-dir"];
-    let ran = run([&words[..], &heads, &[&path("hair")]].concat());
+    let graphs = ["a.ron", "a.b.ron", "A.B.ron"].map(path);
+    let words = ["batch", &graphs[0], &graphs[1], &graphs[2], "-o", &job];
+    let more = [path("b.c.obj"), path("c.obj"), path("hair")];
+    let ran = run([&words[..], &["--head", &more[0], &more[1], "--out-dir", &more[2]]].concat());
     assert_eq!(ran.code, 0, "{}", ran.err);
     let yaml = std::fs::read_to_string(&job).unwrap();
     for label in ["\"a\"", "\"a_b\"", "\"A_B-2\"", "\"b_c\"", "\"c\""] {
         assert!(yaml.contains(&format!("- {label}\n")), "{label}: {yaml}");
     }
+    let (beside, twice) = (path("hair"), path("b.c.obj"));
     for (more, said) in [
-        (["--out-dir", "/"], "is not below"),
-        (["--head", &heads[1]], "is there twice"),
-        (["--sweep", "none.csv"], "no such file"),
+        (&["--out-dir", "/"][..], "is not below"),
+        (&["--out-dir", &beside, "--head", &twice, &twice], "is there twice"),
+        (&["--out-dir", &beside, "--sweep", "none.csv"], "no such file"),
     ] {
-        let others = [&words[..], &["--head", heads[1]], &["--out-dir", &path("hair")]].concat();
-        let others = match more[0] {
-            "--out-dir" => words.to_vec(),
-            _ => others,
-        };
-        let ran = run([&others[..], &more].concat());
+        let ran = run([&words[..], more].concat());
         assert!(ran.code == 2 && ran.err.contains(said), "{more:?}: {}", ran.err);
     }
     assert_eq!(std::fs::read_to_string(&job).unwrap(), yaml, "what was there is there");
