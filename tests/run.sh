@@ -47,6 +47,12 @@ if ! "$python" -c 'import pxr' 2>/dev/null; then
         missing "Python 3 with venv and $usd_core (pip install $usd_core): files are not opened with OpenUSD"
     fi
 fi
+# Jobs for farms are run as a farm reads them.
+openjd="openjd-cli==0.8.0"
+if [ -x "$python" ] && ! "$python" -c 'import openjd.cli' 2>/dev/null; then
+    "$python" -m pip install --quiet --disable-pip-version-check "$openjd" ||
+        missing "$openjd (pip install $openjd): no job for farms is run"
+fi
 [ -x "$python" ] && export COIF_USD_PYTHON="$PWD/$python"
 
 bpy="bpy==5.0.1" # for Python 3.11 alone

@@ -18,12 +18,13 @@ use coif_graphs::file::{self, Loaded};
 use coif_graphs::grooms;
 use coif_graphs::schedule::files::{DiskFiles, read_by};
 use coif_graphs::schedule::request::plan;
+use coif_graphs::schedule::result::inputs_hash;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
 use coif_nodes::data::attributes::DRIFT;
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::declared::PARAMETERS;
-use coif_nodes::define::{NodeError, Type, Value, short};
+use coif_nodes::define::{InputDef, NodeError, Type, Value, short};
 use coif_nodes::eval::{Host, Quality};
 use coif_nodes::formats::conform::{Conformed, FEW, conform, over_partings};
 use coif_nodes::formats::export;
@@ -114,27 +115,34 @@ impl GroomArgs {
         }
         reads_all(&document, &folder, files)?;
         report.seed = document.seed;
+        report.scalp.clone_from(&self.scalp);
+        report.set.clone_from(&self.set);
         let outputs = outputs(&document, &self.output)?;
         let graph = self.graph.display().to_string();
         let (allow_large, strict) = (self.allow_large, self.strict);
         Ok(Opened { document, outputs, folder, graph, allow_large, strict })
     }
 
-    /// Evaluates the outputs, and `more` besides.
+    /// Evaluates the outputs, by an evaluator that may know some of it already.
     pub(crate) fn evaluate(
         &self,
         opened: &Opened,
-        more: &[Socket],
+        evaluator: Option<&Evaluator>,
         cancel: &CancelToken,
         report: &mut Report,
     ) -> Result<Evaluated, Stop> {
         let bar = Bar::new("nodes");
-        let evaluated = self.evaluate_telling(opened, more, cancel, &bar, report);
+        let evaluated = match evaluator {
+            Some(evaluator) => {
+                opened.evaluate_on(evaluator, self.quality(), &[], cancel, &bar, report)
+            }
+            None => self.evaluate_telling(opened, &[], cancel, &bar, report),
+        };
         bar.clear();
         evaluated
     }
 
-    /// The same, telling how far it is.
+    /// Evaluates the outputs, and `more` besides, telling how far it is.
     pub(crate) fn evaluate_telling(
         &self,
         opened: &Opened,
@@ -143,20 +151,34 @@ impl GroomArgs {
         progress: &dyn Progress,
         report: &mut Report,
     ) -> Result<Evaluated, Stop> {
-        let quality = match self.quality {
+        let evaluator = self.evaluator(0, &mut report.warnings)?;
+        opened.evaluate_on(&evaluator, self.quality(), more, cancel, progress, report)
+    }
+
+    pub(crate) fn quality(&self) -> Quality {
+        match self.quality {
             QualityArg::Preview => Quality::Preview,
             QualityArg::Final => Quality::Final,
-        };
+        }
+    }
+
+    /// What evaluates, with as many threads as were asked for, and a cache of so many bytes.
+    pub(crate) fn evaluator(
+        &self,
+        cache_bytes: usize,
+        warnings: &mut Vec<String>,
+    ) -> Result<Evaluator, Stop> {
         // More would only wait for each other; thousands take longer to begin than the work.
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let threads = self.threads.min(cores.max(MOST_THREADS));
         if threads < self.threads {
-            report.warnings.push(format!(
+            warnings.push(format!(
                 "--threads {}: {threads} threads work, for there are {cores} cores",
                 self.threads
             ));
         }
-        opened.evaluate(quality, threads, more, cancel, progress, report)
+        let evaluator = Evaluator::new(threads, cache_bytes).map_err(Stop::failed)?;
+        Ok(evaluator.with_memory(memory::free))
     }
 }
 
@@ -175,6 +197,11 @@ impl Opened {
         Ok(Self { document, outputs, folder, graph, allow_large, strict: false })
     }
 
+    /// Hash of all that it is made from, evaluated `how`; none where a file that it names is not read.
+    pub(crate) fn inputs_hash(&self, how: &str) -> Option<String> {
+        inputs_hash(&self.document, &self.folder, how)
+    }
+
     /// The mesh file of each head that the outputs and `more` stand on, where it has one, as [`Evaluated::scalps`] lists them.
     #[cfg(feature = "render")]
     pub(crate) fn head_files(&self, more: &[Socket]) -> Vec<Option<PathBuf>> {
@@ -185,11 +212,23 @@ impl Opened {
         heads.iter().map(file).collect()
     }
 
-    /// Evaluates the outputs, and `more` besides.
+    /// Evaluates the outputs, all of them, on all cores.
     pub(crate) fn evaluate(
         &self,
         quality: Quality,
-        threads: usize,
+        cancel: &CancelToken,
+        progress: &dyn Progress,
+        report: &mut Report,
+    ) -> Result<Evaluated, Stop> {
+        let evaluator = Evaluator::new(0, 0).map_err(Stop::failed)?.with_memory(memory::free);
+        self.evaluate_on(&evaluator, quality, &[], cancel, progress, report)
+    }
+
+    /// Evaluates the outputs, and `more` besides.
+    pub(crate) fn evaluate_on(
+        &self,
+        evaluator: &Evaluator,
+        quality: Quality,
         more: &[Socket],
         cancel: &CancelToken,
         progress: &dyn Progress,
@@ -204,8 +243,6 @@ impl Opened {
         let mut plan = plan(document, &wanted, quality, &DiskFiles::new(folder))
             .map_err(|err| Stop::refused(format!("{graph}: {err}")))?;
         plan.allow_large = *allow_large;
-        let evaluator = Evaluator::new(threads, 0).map_err(Stop::failed)?;
-        let evaluator = evaluator.with_memory(memory::free);
         let mut outcome = evaluator.run(&plan, OnFailure::Stop, cancel, progress);
         drop(plan);
         report.add_nodes(&outcome.nodes);
@@ -425,6 +462,11 @@ pub(super) fn read(path: &Path) -> Result<(Loaded, PathBuf), Stop> {
     Ok((loaded, folder))
 }
 
+/// Whether a path is the name of a shipped groom.
+pub(super) fn is_shipped(path: &Path) -> bool {
+    grooms::by_name(&path.to_string_lossy()).is_some()
+}
+
 /// The largest document that is read: strokes take 30 bytes a sample, so this holds millions.
 pub(super) const MOST_DOCUMENT: u64 = 256 << 20;
 
@@ -442,6 +484,22 @@ fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {
 /// # Errors
 /// There is no such input or parameter, or the text is no value of its type.
 pub(super) fn set_value(document: &mut Document, name: &str, text: &str) -> Result<(), String> {
+    let (socket, input) = input_of(document, name)?;
+    let value = file::parse_value(input.ty, text)?;
+    let node = document.nodes.get_mut(&socket.node).ok_or("there is no such node")?;
+    Arc::make_mut(node).inputs.insert(input.name.to_owned(), Setting::Known(value));
+    document.links.remove(&Socket::new(socket.node, input.name));
+    Ok(())
+}
+
+/// The input that [`set_value`] sets by this name.
+///
+/// # Errors
+/// There is no such input or parameter.
+pub(super) fn input_of(
+    document: &Document,
+    name: &str,
+) -> Result<(Socket, &'static InputDef), String> {
     let socket = match name.contains('.') {
         true => name.parse::<Socket>().map_err(|err| err.to_string())?,
         false => parameter(document, name)?,
@@ -449,7 +507,7 @@ pub(super) fn set_value(document: &mut Document, name: &str, text: &str) -> Resu
     let def = document.def(&socket.node);
     let node = document
         .nodes
-        .get_mut(&socket.node)
+        .get(&socket.node)
         .ok_or_else(|| format!("there is no node {:?}", short(socket.node.as_str())))?;
     let def = def.ok_or_else(|| format!("its kind {:?} is not known", node.kind))?;
     let (_, input) = def.input(&socket.name).ok_or_else(|| {
@@ -461,10 +519,7 @@ pub(super) fn set_value(document: &mut Document, name: &str, text: &str) -> Resu
             known.join(", ")
         )
     })?;
-    let value = file::parse_value(input.ty, text)?;
-    Arc::make_mut(node).inputs.insert(input.name.to_owned(), Setting::Known(value));
-    document.links.remove(&Socket::new(socket.node, input.name));
-    Ok(())
+    Ok((socket, input))
 }
 
 /// The input that a parameter of the graph is set by.

@@ -3,6 +3,7 @@
 //! Messages go to stderr, data to stdout. Exit codes: 0 done, 1 an evaluation failed or a file cannot be written, 2 wrong before
 //! anything ran, 130 asked to end. On anything but 0 no output is touched; a report is written then, too.
 
+mod batch;
 pub(crate) mod carry_out;
 mod check;
 mod diff;
@@ -23,6 +24,7 @@ pub(crate) mod render;
 pub(crate) mod report;
 mod schema;
 pub(crate) mod signals;
+mod sweep;
 mod template;
 mod unreal;
 
@@ -52,6 +54,8 @@ enum Command {
     /// Draw a graph's hair: pictures, turntables, heat maps
     #[cfg(feature = "render")]
     Render(Box<render::RenderArgs>),
+    /// Write a job for farms (Open Job Description) that evaluates graphs on heads, with seeds and rows of a table; or collect reports
+    Batch(batch::BatchArgs),
     /// Check graphs without evaluating them: syntax, types, missing inputs, unknown nodes, a target's limits
     Check(check::CheckArgs),
     /// Write graphs as the editor would save them: one fact a line, in the order that git merges
@@ -107,6 +111,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Eval(args)) => eval::run(args),
         #[cfg(feature = "render")]
         Some(Command::Render(args)) => render::run(&args),
+        Some(Command::Batch(args)) => batch::run(&args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Fmt(args)) => fmt::run(&args),
         Some(Command::Diff(args)) => diff::run(&args),

@@ -16,8 +16,21 @@ pub(crate) struct Report {
     pub(crate) coif: &'static str,
     /// Path of the graph, as given.
     pub(crate) graph: String,
+    /// Heads that were asked for (`--scalp`), as given.
+    pub(crate) scalp: Vec<String>,
+    /// Inputs that were set (`--set` and a sweep's row), as given.
+    pub(crate) set: Vec<String>,
+    /// Name of the row of a sweep; missing without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) row: Option<String>,
     /// Seed it ran with.
     pub(crate) seed: u64,
+    /// Exit code that it ended with, alone.
+    pub(crate) exit: u8,
+    /// Hash of all that it was made from; null where that is not known.
+    pub(crate) inputs: Option<String>,
+    /// Every file that was written, but for the report.
+    pub(crate) files: Vec<String>,
     /// Wall time from start to the last byte, milliseconds.
     pub(crate) total_ms: f64,
     /// Most memory the process held, MiB; null where the system does not tell.
@@ -213,7 +226,13 @@ impl Report {
         Self {
             coif: env!("CARGO_PKG_VERSION"),
             graph,
+            scalp: vec![],
+            set: vec![],
+            row: None,
             seed: 0,
+            exit: 0,
+            inputs: None,
+            files: vec![],
             total_ms: 0.0,
             peak_rss_mib: None,
             head: None,
@@ -225,6 +244,11 @@ impl Report {
             warnings: vec![],
             notes: vec![],
         }
+    }
+
+    /// As it is written.
+    pub(crate) fn text(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default()
     }
 
     /// Notes how long it took and what memory.

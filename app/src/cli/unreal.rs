@@ -43,7 +43,7 @@ pub(super) fn found(
     let opened = Opened::of(document.clone(), folder, graph, allow_large)?;
     let mut report = Report::new(String::new());
     let cancel = CancelToken::default();
-    let evaluated = opened.evaluate(Quality::Final, 0, &[], &cancel, &Quiet, &mut report)?;
+    let evaluated = opened.evaluate(Quality::Final, &cancel, &Quiet, &mut report)?;
     Ok(judged(&evaluated.groups))
 }
 

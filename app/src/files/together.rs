@@ -265,6 +265,11 @@ impl Together {
         Ok(())
     }
 
+    /// Names of what is written and not yet in place, as they were given.
+    pub(crate) fn written(&self) -> Vec<String> {
+        self.written.iter().map(|(named, _)| named.display().to_string()).collect()
+    }
+
     /// Forgets what was written and is not in place.
     pub(crate) fn drop_written(&mut self) {
         self.written.clear();

@@ -1,5 +1,6 @@
 //! What an evaluation gave: values, what ran, what was said, and the hash by which machines are compared.
 
+use super::files::read_by;
 use crate::document::{Document, Setting};
 use coif_nodes::data::attributes::{Attribute, Column, Domain, Item, default_of};
 use coif_nodes::data::curves::{Curves, Tuft};
@@ -10,6 +11,7 @@ use coif_nodes::eval::Message;
 use coif_nodes::maths::hash::canonical;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
 /// What happened to one node of a plan.
@@ -126,6 +128,22 @@ pub fn document_hash(document: &Document) -> String {
         }
     }
     blake3::hash(crate::file::write(&meaning).as_bytes()).to_hex()[..32].to_owned()
+}
+
+/// Hash of all that an evaluation is made from, as 32 hexadecimal digits: what the document means, the bytes of the files that it
+/// names (paths relative to `folder`), and `how` it is evaluated, in any words. None where one of the files is not read.
+pub fn inputs_hash(document: &Document, folder: &Path, how: &str) -> Option<String> {
+    let mut hash = blake3::Hasher::new();
+    let mut add = |bytes: &[u8]| {
+        hash.update(&(bytes.len() as u64).to_le_bytes());
+        hash.update(bytes);
+    };
+    add(document_hash(document).as_bytes());
+    add(how.as_bytes());
+    for (_, path) in read_by(document, folder) {
+        add(&std::fs::read(path).ok()?);
+    }
+    Some(hash.finalize().to_hex()[..32].to_owned())
 }
 
 fn put(hash: &mut blake3::Hasher, buffer: &mut Vec<u8>, bytes: impl Iterator<Item = u8>) {

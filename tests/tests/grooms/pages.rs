@@ -116,8 +116,13 @@ fn the_page_on_reports_has_every_field_of_reports_and_measures_and_no_other() {
         assert_eq!(ran.code, 2, "{}", ran.err);
         fields(&serde_json::from_str(&ran.out).expect("JSON"), "", &mut found);
     }
-    // Of a file that holds something broken.
+    // Of a row of a sweep.
     let folder = Folder::new("pages-report");
+    let sweep = folder.path("sweep.csv").display().to_string();
+    std::fs::write(&sweep, "guides.length\n3\n").expect("it is written");
+    let of_rows = eval("start", &["--quality", "preview", "--sweep", &sweep]);
+    fields(&of_rows[0], "", &mut found);
+    // Of a file that holds something broken.
     let file = folder.path("broken.usda");
     let good = "point3f[] points = [(0,0,0),(0,1,0)]\nint[] curveVertexCounts = [2]";
     let text = format!(

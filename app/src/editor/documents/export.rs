@@ -155,7 +155,7 @@ fn hair(
     opened.refuse_problems(&[], &mut report.warnings)?;
     files.writes(path, Role::Output, path.display().to_string()).map_err(Stop::refused)?;
     files.allowed().map_err(Stop::failed)?;
-    let evaluated = opened.evaluate(Quality::Final, 0, &[], cancel, told, report)?;
+    let evaluated = opened.evaluate(Quality::Final, cancel, told, report)?;
     if format == Format::Abc {
         report.warnings.extend(left_out_of_abc(&evaluated.groups));
     }

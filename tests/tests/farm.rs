@@ -1,0 +1,236 @@
+//! Many evaluations of one command, or of one job: every row of a sweep, every task of a farm.
+
+use coif_tests::{Folder, Ran, run};
+use serde_json::Value as Json;
+use std::path::Path;
+
+const GRAPH: &str = r#"(
+    format: 1,
+    title: "Test",
+    seed: 0,
+    nodes: {
+        "head": (
+            kind: "head",
+        ),
+        "guides": (
+            kind: "scatter_guides",
+            inputs: {
+                "count": 40,
+            },
+        ),
+        "hair": (
+            kind: "interpolate",
+            inputs: {
+                "by": "count",
+                "count": 200,
+            },
+        ),
+        "out": (
+            kind: "groom_output",
+        ),
+    },
+    links: {
+        "guides.scalp": "head.scalp",
+        "hair.guides": "guides.curves",
+        "hair.scalp": "head.scalp",
+        "out.curves": "hair.curves",
+    },
+)
+"#;
+
+fn text(path: &Path) -> String {
+    path.display().to_string()
+}
+
+fn json(path: &Path) -> Json {
+    let text = std::fs::read_to_string(path).expect("it was written");
+    serde_json::from_str(&text).expect("it is JSON")
+}
+
+/// Evaluates the rows of a table into `hair_{name}.usda`, with a report: what was said, the report, the files there are.
+fn sweep(test: &str, table: &str, more: &[&str]) -> (Ran, Json, Vec<String>) {
+    let folder = Folder::new(test);
+    std::fs::write(folder.path("graph.ron"), GRAPH).unwrap();
+    std::fs::write(folder.path("table.csv"), table).unwrap();
+    let path = |name: &str| text(&folder.path(name));
+    let mut args = vec!["eval".to_owned(), path("graph.ron")];
+    args.extend(["--sweep".to_owned(), path("table.csv"), "--report".to_owned(), path("r.json")]);
+    args.extend(["--out".to_owned(), path("hair_{name}.usda")]);
+    args.extend(more.iter().map(|word| (*word).to_owned()));
+    let ran = run(&args);
+    let names = folder.names();
+    let hair = names
+        .into_iter()
+        .filter(|name| !["graph.ron", "table.csv", "r.json"].contains(&name.as_str()));
+    (ran, json(&folder.path("r.json")), hair.collect())
+}
+
+fn node<'a>(report: &'a Json, name: &str) -> &'a Json {
+    let nodes = report["nodes"].as_array().expect("nodes");
+    nodes.iter().find(|node| node["name"] == name).expect("the node")
+}
+
+#[test]
+fn rows_of_a_sweep_are_what_each_is_alone_and_share_what_is_the_same() {
+    let table = "name,guides.count,hair.count,seed\nfew,40,200,\nmany,40,300,\nother,40,300,7\n";
+    let (ran, report, files) = sweep("sweep-rows", table, &[]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    assert_eq!(files, ["hair_few.usda", "hair_many.usda", "hair_other.usda"]);
+    let rows = report.as_array().expect("an object a row");
+    let hashes: Vec<&Json> = rows.iter().map(|row| &row["outputs"][0]["hash"]).collect();
+    for (row, more) in rows.iter().zip([
+        &["hair.count=200", "0"],
+        &["hair.count=300", "0"],
+        &["hair.count=300", "7"],
+    ]) {
+        let folder = Folder::new("sweep-alone");
+        std::fs::write(folder.path("graph.ron"), GRAPH).unwrap();
+        let graph = text(&folder.path("graph.ron"));
+        let alone = coif_tests::eval(&graph, &["--set", more[0], "--seed", more[1]]);
+        assert_eq!(row["outputs"][0]["hash"], alone["outputs"][0]["hash"], "{more:?}");
+    }
+    assert!(hashes[0] != hashes[1] && hashes[1] != hashes[2], "{hashes:?}");
+    assert_eq!(node(&rows[0], "guides")["cached"], false);
+    assert_eq!(node(&rows[1], "guides")["cached"], true, "the guides are those of the row before");
+    assert_eq!(node(&rows[1], "hair")["cached"], false);
+    assert_eq!(node(&rows[2], "guides")["cached"], false, "another seed");
+    assert_eq!(rows[1]["row"], "many");
+}
+
+#[test]
+fn a_row_that_fails_stops_no_other_and_leaves_nothing() {
+    let table = "guides.count,hair.count\n40,200\n40,many\n0,\n,\"300\"\n";
+    let (ran, report, files) = sweep("sweep-fails", table, &[]);
+    assert_eq!(ran.code, 1, "{}", ran.err);
+    assert_eq!(files, ["hair_1.usda", "hair_4.usda"]);
+    assert!(ran.err.contains("2: --set hair.count=many: "), "{}", ran.err);
+    let exits: Vec<&Json> = report.as_array().unwrap().iter().map(|row| &row["exit"]).collect();
+    assert_eq!(exits, [0, 2, 1, 0]);
+    assert_eq!(report[2]["errors"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn a_table_that_is_wrong_is_refused_before_anything_runs() {
+    let long = "guides.count\n".to_owned() + &"1\n".repeat(100_001);
+    for (table, said) in [
+        ("", "no rows"),
+        ("guides.count\n", "no rows"),
+        ("guides.cuont\n1\n", "cuont"),
+        ("length\n1\n", "no parameters"),
+        ("name,guides.count\na,1\nA,2\n", "line 3"),
+        ("name,guides.count\n../a,1\n", "no name"),
+        ("guides.count,hair.count\n1\n", "1 field"),
+        ("guides.count,guides.count\n1,2\n", "two columns"),
+        ("seed\n-1\n", "whole number"),
+        (&long, "more than 100000 rows"),
+    ] {
+        let (ran, report, files) = sweep("sweep-table", table, &[]);
+        let short: String = table.chars().take(60).collect();
+        assert_eq!(ran.code, 2, "{short:?}: {}", ran.err);
+        assert!(ran.err.contains(said), "{short:?}: {}", ran.err);
+        assert!(!report[0]["errors"].as_array().unwrap().is_empty(), "{short:?}");
+        assert!(files.is_empty(), "{short:?}");
+    }
+    let table = "guides.count\n20\n30\n";
+    let (ran, ..) = sweep("sweep-one-file", table, &["--out", "hair.usda"]);
+    assert!(ran.code == 2 && ran.err.contains("{name}"), "{}", ran.err);
+}
+
+#[test]
+fn one_row_of_a_sweep_is_an_evaluation_like_any_other() {
+    let table = "name,hair.count\nfew,200\nmany,300\n";
+    let (ran, report, files) = sweep("sweep-row", table, &["--row", "many"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    assert_eq!(files, ["hair_many.usda"]);
+    assert_eq!(report["set"], serde_json::json!(["hair.count=300"]));
+    assert_eq!(report["row"], "many");
+    let (ran, report, files) = sweep("sweep-no-row", table, &["--row", "none"]);
+    assert!(report["exit"] == 2 && files.is_empty(), "{report}");
+    assert!(ran.code == 2 && ran.err.contains("few, many"), "{}", ran.err);
+}
+
+/// Runs a job with the farm's own program.
+fn openjd(test: &str, words: &[&str]) -> Option<Ran> {
+    let program = coif_tests::repository().join("target/venv/bin/openjd");
+    if !program.exists() {
+        println!("skipped: {test} needs openjd-cli in target/venv (tests/run.sh installs it)");
+        return None;
+    }
+    Some(coif_tests::run_with(std::process::Command::new(program), words))
+}
+
+#[test]
+fn a_job_of_eight_tasks_loses_one_and_a_second_run_makes_that_one() {
+    let test = "a_job_of_eight_tasks_loses_one_and_a_second_run_makes_that_one";
+    let folder = Folder::new("batch");
+    let path = |name: &str| text(&folder.path(name));
+    std::fs::write(path("graph.ron"), GRAPH).unwrap();
+    std::fs::create_dir(path("hair")).unwrap();
+    let mesh = coif_tests::shared(test, "data/lps_head/LeePerrySmith.glb");
+    let Some(mesh) = mesh else { return };
+    // The last task's head is missing: openjd stops at the first that fails.
+    for n in 1..8 {
+        std::fs::copy(&mesh, path(&format!("head{n}.glb"))).unwrap();
+    }
+    let heads: Vec<String> = (1..=8).map(|n| path(&format!("head{n}.glb"))).collect();
+    let (graph, job, hair) = (path("graph.ron"), path("job.yaml"), path("hair"));
+    let mut words = vec!["batch", &graph, "--out-dir", &hair, "-o", &job, "--seed", "3", "--head"];
+    words.extend(heads.iter().map(String::as_str));
+    let ran = run(&words);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    assert!(ran.err.contains("8 tasks"), "{}", ran.err);
+    let program = text(Path::new(coif_tests::coif().get_program()));
+    let program = format!("Coif={program}");
+    let go = || openjd(test, &["run", &job, "--step", "grooms", "-p", &program]);
+    let Some(first) = go() else { return };
+    assert_ne!(first.code, 0, "{}", first.out);
+    let count = |ending: &str| {
+        let names = std::fs::read_dir(&hair).unwrap().flatten();
+        names.filter(|f| text(&f.path()).ends_with(ending)).count()
+    };
+    assert_eq!((count(".usdc"), count(".json")), (7, 8), "{}", first.out);
+    let table = || run(["batch", "--collect", &hair]);
+    let rows = table().out;
+    assert_eq!(rows.matches(",done,").count(), 7, "{rows}");
+    assert!(rows.contains(",refused,") && rows.contains("no such file"), "{rows}");
+    std::fs::copy(&mesh, &heads[7]).unwrap();
+    let second = go().expect("it was there");
+    assert_eq!(second.code, 0, "{}", second.out);
+    assert_eq!(second.out.matches("is done already").count(), 7, "{}", second.out);
+    assert_eq!(count(".usdc"), 8);
+    let rows = table().out;
+    assert_eq!(rows.matches(",done,").count(), 8, "{rows}");
+    // One head, one hash: where a task ran makes no difference.
+    let hashes: std::collections::BTreeSet<&str> =
+        rows.lines().skip(1).filter_map(|row| row.split(',').nth(6)).collect();
+    assert_eq!(hashes.len(), 1, "{rows}");
+}
+
+#[test]
+fn results_of_a_job_have_names_that_no_other_has() {
+    let folder = Folder::new("batch-names");
+    let path = |name: &str| text(&folder.path(name));
+    let job = path("job.yaml");
+    for name in ["a.ron", "a.b.ron", "A.B.ron"] {
+        std::fs::write(path(name), GRAPH).unwrap();
+    }
+    let graphs = ["a.ron", "a.b.ron", "A.B.ron"].map(path);
+    let words = ["batch", &graphs[0], &graphs[1], &graphs[2], "-o", &job];
+    let more = [path("b.c.obj"), path("c.obj"), path("hair")];
+    let ran = run([&words[..], &["--head", &more[0], &more[1], "--out-dir", &more[2]]].concat());
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let yaml = std::fs::read_to_string(&job).unwrap();
+    for label in ["\"a\"", "\"a_b\"", "\"A_B-2\"", "\"b_c\"", "\"c\""] {
+        assert!(yaml.contains(&format!("- {label}\n")), "{label}: {yaml}");
+    }
+    let (beside, twice) = (path("hair"), path("b.c.obj"));
+    for (more, said) in [
+        (&["--out-dir", "/"][..], "is not below"),
+        (&["--out-dir", &beside, "--head", &twice, &twice], "is there twice"),
+        (&["--out-dir", &beside, "--sweep", "none.csv"], "no such file"),
+    ] {
+        let ran = run([&words[..], more].concat());
+        assert!(ran.code == 2 && ran.err.contains(said), "{more:?}: {}", ran.err);
+    }
+    assert_eq!(std::fs::read_to_string(&job).unwrap(), yaml, "what was there is there");
+}
