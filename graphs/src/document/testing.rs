@@ -304,9 +304,13 @@ impl Random {
     }
     fn interface(&mut self) -> Interface {
         let side = |random: &mut Self, names: &[&str]| -> Vec<Port> {
-            let some =
-                names.iter().filter_map(|name| (!random.chance(3)).then(|| random.port(name)));
-            some.collect()
+            let mut some = vec![];
+            for name in names {
+                if !random.chance(3) {
+                    some.push(random.port(name));
+                }
+            }
+            some
         };
         let inputs = side(self, &["in", "curves", "scalp", "count", "spacing"]);
         Interface::new(inputs, side(self, &["curves", "scalp", "in"])).unwrap()

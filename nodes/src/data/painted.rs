@@ -6,9 +6,8 @@
 //! the head's frame.
 //!
 //! Guarantees: values are 0 to 1; a stroke changes nothing beyond its reach, and nothing on skin that faces away from it, such as
-//! the back of an ear that is painted in front; what a closed stroke encloses is told along the skin ([`super::outline`]), exactly
-//! in each triangle. Not promised: anything useful of a closed stroke that does not part the skin, which is told
-//! ([`Painted::faults`]).
+//! the back of an ear that is painted in front; what a closed stroke encloses is told along the skin (`outline.rs`), exactly
+//! in each triangle. Not promised: anything useful of a closed stroke that does not part the skin, which is told.
 
 mod dabs;
 mod even;
