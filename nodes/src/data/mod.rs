@@ -10,6 +10,7 @@ pub mod footprint;
 pub mod gestures;
 pub mod home;
 pub(crate) mod ids;
+pub mod landmarks;
 pub mod lead;
 pub mod mesh;
 mod mesh_cut;

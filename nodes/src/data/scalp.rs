@@ -6,6 +6,7 @@
 
 use super::chart::Chart;
 use super::drawn::Drawn;
+use super::landmarks::Landmarks;
 use super::rough::Rough;
 use super::sections::Sections;
 use super::spread::{Spread, highest};
@@ -106,6 +107,8 @@ pub struct Scalp {
     parts: Arc<[Part]>,
     /// For whoever draws the file's own looks.
     kept: Option<Arc<[u32]>>,
+    /// For whoever fits a groom to another head.
+    landmarks: Landmarks,
     head: Arc<Head>,
     sections: Option<Arc<Sections>>,
 }
@@ -159,6 +162,7 @@ impl Scalp {
             cm_per_unit: 1.0,
             parts: Arc::default(),
             kept: None,
+            landmarks: Landmarks::default(),
             head: Arc::new(Head {
                 surface,
                 uvs,
@@ -197,6 +201,7 @@ impl Scalp {
             cm_per_unit: self.cm_per_unit,
             parts: self.parts.clone(),
             kept: self.kept.clone(),
+            landmarks: self.landmarks,
             head: self.head.clone(),
             sections: Some(sections),
         }
@@ -208,6 +213,7 @@ impl Scalp {
             cm_per_unit: self.cm_per_unit,
             parts: self.parts.clone(),
             kept: self.kept.clone(),
+            landmarks: self.landmarks,
             head: self.head.clone(),
             sections: None,
         }
@@ -295,6 +301,16 @@ impl Scalp {
     /// For each triangle its number in the mesh file; where there is none, they are all there.
     pub fn kept(&self) -> Option<&[u32]> {
         self.kept.as_deref()
+    }
+
+    /// Notes where the landmarks are.
+    pub fn with_landmarks(mut self, landmarks: Landmarks) -> Self {
+        self.landmarks = landmarks;
+        self
+    }
+    /// Where the landmarks are that are known, in head units of this head's frame, on the skin.
+    pub fn landmarks(&self) -> &Landmarks {
+        &self.landmarks
     }
 
     /// Hash of the content.

@@ -145,7 +145,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     } else {
         on_the_mesh(cx, &inputs, unit, &mut partings)?;
     }
-    let (names, faults) = named_points(&inputs.names, scalp.frame());
+    let (mut names, faults) = named_points(&inputs.names);
+    names.iter_mut().for_each(|(_, p)| *p = scalp.frame().point_from_head(*p));
     faults.into_iter().for_each(|fault| cx.warn(fault));
     let (sections, said) = Sections::new(scalp, partings, &names);
     for text in said {

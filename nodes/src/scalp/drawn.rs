@@ -139,7 +139,7 @@ fn names(
     text: &str,
 ) -> BTreeMap<String, Vec<usize>> {
     let surface = net.surface();
-    let (points, faults) = named_points(text, frame);
+    let (points, faults) = named_points(text);
     faults.into_iter().for_each(|fault| cx.warn(fault));
     if points.len() > MOST_NAMES {
         cx.warn(format!(
@@ -153,7 +153,7 @@ fn names(
             cx.warn(format!("{name:?} names all drawn regions together: choose another name"));
             continue;
         }
-        let Some(hit) = surface.closest(point) else { continue };
+        let Some(hit) = surface.closest(frame.point_from_head(point)) else { continue };
         let inside = (0..outlines.len())
             .filter(|i| !is_hole(*i) && outlines[*i].holds(surface, hit.triangle, hit.bary))
             .min_by(|a, b| outlines[*a].area().total_cmp(&outlines[*b].area()));

@@ -10,6 +10,9 @@ mod find;
 mod fit;
 mod head;
 mod hollow;
+#[cfg(test)]
+mod landmark_laws;
+mod landmarks;
 pub(crate) mod lay;
 mod paint_mask;
 mod parts;
