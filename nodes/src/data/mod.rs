@@ -1,6 +1,7 @@
 //! What wires carry, and what readers and writers exchange with it.
 
 pub mod attributes;
+pub mod carry;
 pub mod chart;
 pub mod curves;
 mod cut;

@@ -504,7 +504,7 @@ impl Sections {
 
     /// A section's middle in the head frame, as names are typed.
     fn place_of(&self, scalp: &Scalp, number: u32) -> [f32; 3] {
-        let p = scalp.frame().head_from_point(self.list[number as usize].middle);
+        let p = scalp.given(self.list[number as usize].middle);
         p.to_array().map(|x| (x * 10.0).round() / 10.0)
     }
 
@@ -552,7 +552,7 @@ pub(super) fn ids(
 }
 
 /// Names with points in head units, such as `left puff 4 7 -3; fringe 0 6 8`, and what of the text is none.
-pub(crate) fn named_points(text: &str) -> (Vec<(String, Vec3)>, Vec<String>) {
+pub fn named_points(text: &str) -> (Vec<(String, Vec3)>, Vec<String>) {
     let (mut names, mut faults) = (vec![], vec![]);
     for entry in text.split([';', '\n']).map(str::trim).filter(|e| !e.is_empty()) {
         let words: Vec<&str> = entry.split_whitespace().collect();
@@ -597,7 +597,7 @@ impl std::fmt::Debug for Sections {
 
 /// Where a point of the scalp lies, in words.
 fn whereabouts(scalp: &Scalp, p: Vec3) -> String {
-    let h = scalp.frame().head_from_point(p);
+    let h = scalp.given(p);
     let d = h.try_normalize().unwrap_or(Vec3::Y);
     let area = if d.y < -0.25 && d.z < 0.0 {
         "nape"

@@ -5,7 +5,7 @@
 
 use crate::data::drawn::Drawn;
 use crate::data::outline::{Net, Outline};
-use crate::data::scalp::{HeadFrame, REGION};
+use crate::data::scalp::{HeadSpace, REGION};
 use crate::data::sections::named_points;
 use crate::data::strokes::Strokes;
 use crate::define::NodeError;
@@ -25,7 +25,7 @@ const MOST_NAMES: usize = 256;
 /// What strokes enclose and what is called how.
 pub(super) struct Wish<'a> {
     pub(super) strokes: &'a Strokes,
-    /// Names, each with a point in the head frame, as text.
+    /// Names, each with a point in head units, as text.
     pub(super) names: &'a str,
     /// Width of the edge, cm.
     pub(super) softness: f32,
@@ -37,7 +37,7 @@ pub(super) struct Wish<'a> {
 pub(super) fn regions(
     cx: &EvalCx,
     surface: &Surface,
-    frame: &HeadFrame,
+    space: &HeadSpace,
     wish: Wish,
 ) -> Result<Vec<(String, Drawn)>, NodeError> {
     let net = Net::new(surface);
@@ -45,13 +45,12 @@ pub(super) fn regions(
     let mut firsts: Vec<Vec<Vec3>> = vec![];
     for (number, stroke) in (1..).zip(&wish.strokes.0) {
         cx.check()?;
-        let points: Vec<Vec3> =
-            stroke.samples.iter().map(|s| frame.point_from_head(s.position)).collect();
+        let points: Vec<Vec3> = stroke.samples.iter().map(|s| space.place(s.position)).collect();
         if points.len() < 3 {
             cx.warn(format!("stroke {number} has {} points and encloses nothing", points.len()));
             continue;
         }
-        let at = |p: Vec3| place(frame, p);
+        let at = |p: Vec3| place(space, p);
         let gap = gap(&points);
         if gap > OPEN {
             let (from, to) = (at(points[0]), at(points[points.len() - 1]));
@@ -60,7 +59,7 @@ pub(super) fn regions(
             ));
         }
         let line = net.line(&points, true);
-        if let Some((p, off)) = line.off.filter(|(_, off)| *off > MISSES * frame.unit()) {
+        if let Some((p, off)) = line.off.filter(|(_, off)| *off > MISSES * space.frame().unit()) {
             cx.warn(format!(
                 "stroke {number} misses the skin: at {} it is {off:.1} cm away; it was laid on the nearest skin",
                 at(p)
@@ -103,7 +102,7 @@ pub(super) fn regions(
         })
         .collect();
     let is_hole = |i: usize| about[i].len() % 2 == 1;
-    let named = names(cx, &net, frame, &mut outlines, &is_hole, wish.names);
+    let named = names(cx, &net, space, &mut outlines, &is_hole, wish.names);
     let holes = (0..outlines.len()).filter(|i| is_hole(*i)).count();
     if holes > 0 {
         cx.remark(match holes {
@@ -133,7 +132,7 @@ pub(super) fn regions(
 fn names(
     cx: &EvalCx,
     net: &Net,
-    frame: &HeadFrame,
+    space: &HeadSpace,
     outlines: &mut [Outline],
     is_hole: &dyn Fn(usize) -> bool,
     text: &str,
@@ -153,7 +152,7 @@ fn names(
             cx.warn(format!("{name:?} names all drawn regions together: choose another name"));
             continue;
         }
-        let Some(hit) = surface.closest(frame.point_from_head(point)) else { continue };
+        let Some(hit) = surface.closest(space.place(point)) else { continue };
         let inside = (0..outlines.len())
             .filter(|i| !is_hole(*i) && outlines[*i].holds(surface, hit.triangle, hit.bary))
             .min_by(|a, b| outlines[*a].area().total_cmp(&outlines[*b].area()));
@@ -167,7 +166,7 @@ fn names(
             outlines[near].turn(net);
             cx.remark(format!(
                 "{name:?} stands outside of every stroke, at {}: the stroke nearest to it encloses that side",
-                place(frame, hit.point)
+                place(space, hit.point)
             ));
             near
         });
@@ -185,9 +184,9 @@ fn gap(positions: &[Vec3]) -> f32 {
     }
 }
 
-/// A point as people type it, in the head frame.
-fn place(frame: &HeadFrame, p: Vec3) -> String {
-    let p = frame.head_from_point(p);
+/// A point as people type it, in head units.
+fn place(space: &HeadSpace, p: Vec3) -> String {
+    let p = space.given(p);
     format!("({:.1}, {:.1}, {:.1})", p.x, p.y, p.z)
 }
 

@@ -14,7 +14,7 @@ use super::{bust, drawn, facing, hollow, landmarks, region};
 use crate::data::landmarks::Landmarks;
 use crate::data::mesh::Mesh;
 use crate::data::rough::{Rough, SCRAPS, WIDE};
-use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION, Scalp};
+use crate::data::scalp::{HEAD_RADIUS, HeadFrame, HeadSpace, REGION, Scalp};
 use crate::data::strokes::Strokes;
 use crate::define::{FileData, NodeError, choice, node, short, unless};
 use crate::eval::EvalCx;
@@ -61,6 +61,10 @@ node! {
         /// right temple (the hairline between forehead and ear), left and right ear (the skin just over it), crown, and chin. The
         /// messages list where they are.
         landmarks: Arc<str> = "", words("points fit markers correspondence hairline nape temple ear crown chin");
+        /// The landmarks of the head that the groom was made on, all in head units of that one, as the messages list them. Then
+        /// everything that is given in head units (strokes, names, hairline, masks, places) is carried from there to this head:
+        /// landmarks meet, and between them all moves with them. Empty where the groom is at home. `coif fit` sets it.
+        home: Arc<str> = "", words("fit transfer carry map other head source original landmarks warp retarget");
 
         [Placement]
         /// What one unit of the file measures. Auto takes what the file states, else what makes the cranium as large as a
@@ -239,6 +243,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         guessed = landmarks::guessed(&surface, &frame, own, &ears);
     }
     let landmarks = landmarks::known(cx, &surface, &frame, guessed, &inputs.landmarks);
+    let space = HeadSpace::new(frame, landmarks::carry(cx, &inputs.home, &landmarks));
     let mut grows = grows(cx, &inputs, (&surface, &frame), fit.is_some().then_some(&ears), &masks)?;
     if let Some(wall) = masks.get(INNER_WALL) {
         grows.iter_mut().zip(wall).for_each(|(grows, wall)| *grows *= 1.0 - wall);
@@ -251,7 +256,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             softness: inputs.edge * frame.unit(),
             may: grows,
         };
-        drawn = drawn::regions(cx, &surface, &frame, wish)?;
+        drawn = drawn::regions(cx, &surface, &space, wish)?;
         grows = drawn[0].1.values().to_vec();
         for (name, region) in &drawn[1..] {
             masks.insert(name.clone(), region.values().to_vec());
@@ -265,7 +270,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     tell_region(cx, &inputs, &surface, &frame, everywhere, area);
     masks.insert(REGION.to_owned(), grows);
     let scalp = Scalp::new(surface, uvs, frame, masks).with_drawn(drawn);
-    let scalp = scalp.with_landmarks(landmarks);
+    let scalp = scalp.carried(space).with_landmarks(landmarks);
     if let Some(rough) = scalp.rough() {
         let why = match rough {
             Rough::Folded => format!(

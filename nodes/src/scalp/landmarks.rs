@@ -7,6 +7,7 @@
 //! work. Not promised: that a guess is where a person would put it. What is not found is left out.
 
 use super::region;
+use crate::data::carry::{Carry, Told};
 use crate::data::landmarks::{Landmark, Landmarks};
 use crate::data::scalp::HeadFrame;
 use crate::eval::EvalCx;
@@ -71,6 +72,49 @@ pub(super) fn known(
         cx.remark(format!("landmarks: {out}{missing}"));
     }
     out
+}
+
+/// The map from the head whose landmarks these are, as text, to one whose landmarks are `here`; none where there is none to make.
+/// Says what it goes by and what it leaves.
+pub(super) fn carry(cx: &EvalCx, home: &str, here: &Landmarks) -> Option<Carry> {
+    if home.trim().is_empty() {
+        return None;
+    }
+    let (home, faults) = Landmarks::parse(home);
+    faults.into_iter().for_each(|fault| cx.warn(format!("home: {fault}")));
+    let names = |marks: &mut dyn Iterator<Item = Landmark>| {
+        marks.map(Landmark::name).collect::<Vec<_>>().join(", ")
+    };
+    let gone =
+        names(&mut home.each().map(|(mark, _)| mark).filter(|mark| here.get(*mark).is_none()));
+    if !gone.is_empty() {
+        cx.warn(format!(
+            "home: {gone} not found on this head, and the map goes without: say where in landmarks"
+        ));
+    }
+    if let Some(missing) = home.missing() {
+        cx.warn(format!("home: {missing} not given, and the map goes without"));
+    }
+    let (carry, Told { met, left_out, missed }) = Carry::between(&home, here);
+    if !left_out.is_empty() {
+        let which = names(&mut left_out.into_iter());
+        cx.warn(format!("home: {which} left out: on the spot of another landmark"));
+    }
+    if let Some((mark, off)) = missed {
+        let part = carry.as_ref().map_or(0.0, Carry::part) * 100.0;
+        cx.warn(format!(
+            "home: all of the map would fold or tear the skin: {part:.0} % of it is taken, and {:?} is missed by {off:.1} cm; look \
+             whether the landmarks of both heads mean the same",
+            mark.name()
+        ));
+    } else if carry.is_some() {
+        cx.remark(format!("home: {} landmarks meet", met.len()));
+    } else if met.is_empty() && !home.same(here) {
+        cx.warn("home: no landmark is known on both heads: nothing is carried");
+    } else if !home.same(here) {
+        cx.warn("home: no map leads through these landmarks: nothing is carried");
+    }
+    carry
 }
 
 /// The landmarks of a head with this frame. `own` is the mask that the mesh brings for where hair grows, `ears` are the vertices

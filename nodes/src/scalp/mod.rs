@@ -2,6 +2,8 @@
 
 mod axes;
 pub mod bust;
+#[cfg(test)]
+mod carry_laws;
 pub(crate) mod detour;
 mod drawn;
 mod face;
