@@ -69,6 +69,15 @@ pub(crate) enum QualityArg {
     Final,
 }
 
+impl From<QualityArg> for Quality {
+    fn from(quality: QualityArg) -> Self {
+        match quality {
+            QualityArg::Preview => Self::Preview,
+            QualityArg::Final => Self::Final,
+        }
+    }
+}
+
 /// A graph that can be evaluated for its outputs: edited as the options say, with nothing wrong on the way.
 pub(crate) struct Opened {
     pub(crate) document: Document,
@@ -89,7 +98,6 @@ pub(crate) struct Evaluated {
     /// Names of the sections that hair may be rooted in, by their ids.
     pub(crate) sections: BTreeMap<u64, String>,
     /// What was asked for besides, in that order.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "pictures show it"))]
     pub(crate) more: Vec<Value>,
 }
 
@@ -109,7 +117,7 @@ impl GroomArgs {
             apply_set(&mut document, set)?;
         }
         for scalp in &self.scalp {
-            apply_scalp(&mut document, scalp)?;
+            apply_scalp(&mut document, "--scalp", scalp)?;
         }
         reads_all(&document, &folder, files)?;
         report.seed = document.seed;
@@ -142,10 +150,7 @@ impl GroomArgs {
         progress: &dyn Progress,
         report: &mut Report,
     ) -> Result<Evaluated, Stop> {
-        let quality = match self.quality {
-            QualityArg::Preview => Quality::Preview,
-            QualityArg::Final => Quality::Final,
-        };
+        let quality = self.quality.into();
         // More would only wait for each other; thousands take longer to begin than the work.
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let threads = self.threads.min(cores.max(MOST_THREADS));
@@ -447,9 +452,13 @@ fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {
     Ok(())
 }
 
-/// `[NODE=]FILE`.
-fn apply_scalp(document: &mut Document, scalp: &str) -> Result<(), Stop> {
-    let fault = |reason: String| Stop::refused(format!("--scalp {scalp}: {reason}"));
+/// `[NODE=]FILE` of an option; gives the node.
+pub(super) fn apply_scalp(
+    document: &mut Document,
+    option: &str,
+    scalp: &str,
+) -> Result<NodeId, Stop> {
+    let fault = |reason: String| Stop::refused(format!("{option} {scalp}: {reason}"));
     let named =
         scalp.split_once('=').and_then(|(node, file)| Some((NodeId::new(node).ok()?, file)));
     let (id, path) = match named {
@@ -476,8 +485,8 @@ fn apply_scalp(document: &mut Document, scalp: &str) -> Result<(), Stop> {
     let node = document.nodes.get_mut(&id).map(Arc::make_mut);
     if let Some(node) = node.filter(|node| node.kind == "head") {
         node.inputs.insert("mesh".to_owned(), Setting::Known(Value::Text(text)));
-        document.links.remove(&Socket::new(id, "mesh"));
-        return Ok(());
+        document.links.remove(&Socket::new(id.clone(), "mesh"));
+        return Ok(id);
     }
     Err(fault(format!("{id} is no head node")))
 }
