@@ -3,7 +3,8 @@
 //! Displacements at landmarks are interpolated by radial functions and an affine part: Hardy's multiquadric (J. Geophys. Res. 76,
 //! 1971; conditionally positive definite of order 1: Micchelli, Constr. Approx. 2, 1986), which is a biharmonic spline with its
 //! cones rounded. The affine part has a small weight, so that landmarks in one plane, or few, turn and stretch nothing that they say nothing of.
-//! Both sides are head units in each head's own frame.
+//! Both sides are head units in each head's own frame. Of two heads one map is made, from the one whose landmarks lie farther out; the
+//! other way is that one backwards, so that a groom carried there and back is where it was.
 //!
 //! Guarantees: landmarks meet to 1e-5; smooth everywhere; an affine change of landmarks is kept (to 1e-4 of it); on every place about
 //! the cranium it keeps its sense, shrinks nothing below [`LEAST`] and moves nothing farther than two radii, else less of it is taken
@@ -22,7 +23,7 @@ const ROUND: f64 = 0.45;
 const STIFF: f64 = 1e-4;
 /// Landmarks nearer to each other than this (head units) are one.
 const NEAR: f32 = 0.2;
-/// No length becomes shorter than this part of it.
+/// No length becomes shorter than this part of it, nor longer than its inverse.
 pub const LEAST: f64 = 0.2;
 /// Nothing about the cranium is moved farther than this, radii.
 const FARTHEST: f64 = 2.0;
@@ -45,6 +46,8 @@ pub struct Carry {
     shift: DVec3,
     slope: DMat3,
     part: f64,
+    /// The map leads from here to the home, and is walked backwards.
+    turned: bool,
 }
 
 /// What there is to say of a map.
@@ -76,7 +79,15 @@ impl Carry {
             told.met.push(mark);
             pairs.push((radii(from), radii(to)));
         }
+        let wide = |far: &dyn Fn(&(DVec3, DVec3)) -> DVec3| -> f64 {
+            pairs.iter().map(|pair| far(pair).length_squared()).sum()
+        };
+        let turned = wide(&|pair| pair.1) > wide(&|pair| pair.0);
+        if turned {
+            pairs.iter_mut().for_each(|(from, to)| std::mem::swap(from, to));
+        }
         let Some(mut map) = Self::through(&pairs) else { return (None, told) };
+        map.turned = turned;
         let whole = (0..STEPS).map(|k| 1.0 - f64::from(k) / f64::from(STEPS));
         let sound = whole.into_iter().find(|part| {
             map.part = *part;
@@ -119,6 +130,7 @@ impl Carry {
             shift: at(n),
             slope: DMat3::from_cols(at(n + 1), at(n + 2), at(n + 3)),
             part: 1.0,
+            turned: false,
         };
         let sound = |v: &DVec3| v.is_finite();
         let is_finite = map.marks.iter().all(|(_, weight)| sound(weight));
@@ -132,18 +144,24 @@ impl Carry {
 
     /// Where a place of the home lies on this head; both in head units.
     pub fn at(&self, p: Vec3) -> Vec3 {
-        if !p.is_finite() {
-            return p;
-        }
-        units(self.moved(radii(p)))
+        self.walked(p, self.turned)
     }
 
     /// Which place of the home lies there on this head: what [`Self::at`] takes back to it.
     pub fn back(&self, q: Vec3) -> Vec3 {
-        if !q.is_finite() {
-            return q;
+        self.walked(q, !self.turned)
+    }
+
+    fn walked(&self, p: Vec3, back: bool) -> Vec3 {
+        match (p.is_finite(), back) {
+            (false, _) => p,
+            (true, false) => units(self.moved(radii(p))),
+            (true, true) => units(self.found(radii(p))),
         }
-        let to = radii(q);
+    }
+
+    /// What [`Self::moved`] takes there.
+    fn found(&self, to: DVec3) -> DVec3 {
         let mut p = to - (self.moved(to) - to);
         let mut off = self.moved(p) - to;
         for _ in 0..MOST_STEPS {
@@ -160,20 +178,29 @@ impl Carry {
             };
             (p, off) = next;
         }
-        units(p)
+        p
     }
 
     /// How much the map stretches at a place of the home, least first: its singular values. The first is negative where the map
     /// turns inside out.
     pub fn stretch(&self, p: Vec3) -> [f32; 3] {
-        stretches(self.slopes(radii(p))).map(|x| x as f32)
+        let all = match self.turned {
+            false => stretches(self.slopes(radii(p))),
+            true => {
+                let [a, b, c] = stretches(self.slopes(self.found(radii(p))));
+                let parts = [1.0 / c, 1.0 / b, 1.0 / a.abs().max(1e-9)];
+                [if a < 0.0 { -parts[0] } else { parts[0] }, parts[1], parts[2]]
+            }
+        };
+        all.map(|x| x as f32)
     }
 
     /// Adds what the map is to a key.
     pub(crate) fn add_to(&self, key: KeyBuilder) -> KeyBuilder {
         let ends = [self.shift, self.slope.x_axis, self.slope.y_axis, self.slope.z_axis];
         let all = self.marks.iter().flat_map(|(at, weight)| [*at, *weight]).chain(ends);
-        let numbers = all.flat_map(|v| v.to_array()).chain([self.part]);
+        let numbers =
+            all.flat_map(|v| v.to_array()).chain([self.part, f64::from(u8::from(self.turned))]);
         numbers.fold(key, |key, number| key.int(number.to_bits()))
     }
 
@@ -205,7 +232,8 @@ impl Carry {
         let mut places = places.filter(|p| p.y > LOW).chain(self.marks.iter().map(|mark| mark.0));
         // Written so that what is no number folds.
         let is_sound = |p: DVec3| {
-            stretches(self.slopes(p))[0] >= LEAST && self.moved(p).distance(p) <= FARTHEST
+            let [least, _, most] = stretches(self.slopes(p));
+            least >= LEAST && most <= 1.0 / LEAST && self.moved(p).distance(p) <= FARTHEST
         };
         places.any(|p| !is_sound(p))
     }
