@@ -15,8 +15,7 @@ pub(crate) fn feeders<'a>(
 ) -> Vec<Socket> {
     let mut found: Vec<Socket> = vec![];
     for id in upstream(document, targets) {
-        let kind = document.node(id.as_str()).and_then(|node| coif_nodes::by_id(&node.kind));
-        let Some(def) = kind.filter(|def| def.thins) else { continue };
+        let Some(def) = document.def(&id).filter(|def| def.thins) else { continue };
         let followed = |input: &&InputDef| {
             input.ty == Type::Curves && ["guides", "clusters", "curves"].contains(&input.name)
         };

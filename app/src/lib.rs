@@ -13,10 +13,12 @@ mod feeders;
 mod files;
 #[cfg(feature = "editor")]
 mod inspector;
+mod library;
 #[cfg(feature = "render")]
 mod looks;
 #[cfg(feature = "editor")]
 pub mod pen;
+pub mod places;
 #[cfg(feature = "render")]
 pub mod scene;
 #[cfg(feature = "editor")]

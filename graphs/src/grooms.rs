@@ -26,6 +26,9 @@ pub const ALL: &[(&str, &str)] = &[
     ("sketch_mohawk", include_str!("../grooms/sketch_mohawk.ron")),
 ];
 
+/// Name and text of every template that comes with coif.
+pub const TEMPLATES: &[(&str, &str)] = &[];
+
 /// Name and text of every recipe: a small groom on a head, to be put onto another document's. Where the pen is to draw, the node
 /// that takes it is there and empty.
 pub const RECIPES: &[(&str, &str)] = &[

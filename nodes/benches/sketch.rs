@@ -8,6 +8,7 @@ use coif_nodes::data::strokes::{Brush, Mode, Sample, Stroke, Strokes};
 use coif_nodes::define::Value;
 use coif_nodes::eval::{EvalCx, Host, Kept, Log, Quality};
 use coif_nodes::maths::hash::{Dice, Key, KeyBuilder};
+use coif_nodes::maths::transcendental::sin_cos_turns;
 use divan::Bencher;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -220,5 +221,69 @@ fn g_hair_follows_the_1000th_dab(bencher: Bencher) {
         let guides = preview("scatter_guides", &[("length", mask.clone())]);
         let count = [("by", "count".into()), ("count", Value::Int(20_000))];
         preview("interpolate", &[&count[..], &[("guides", guides), ("mask", mask)]].concat())
+    });
+}
+
+/// Closed strokes over the upper head, each of 60 samples, 1 to 4 cm wide.
+fn closed(count: u64) -> Strokes {
+    let stroke = |id: u64| {
+        let dice = Dice::new(id, 0, "closed");
+        let middle = Vec3::new(dice.signed(0, 0), 0.3 + dice.unit(0, 1), dice.signed(0, 2));
+        let middle = middle.normalize();
+        let right = middle.any_orthonormal_vector();
+        let (up, wide) = (middle.cross(right), dice.range(0, 3, 0.5, 2.0));
+        let sample = |k: u64| {
+            let (sin, cos) = sin_cos_turns(k as f32 / 60.0);
+            let position = middle * 9.5 + (right * cos + up * sin) * wide;
+            Sample { position, pressure: 1.0, ..Sample::default() }
+        };
+        let brush = Brush { closed: true, ..Brush::default() };
+        Stroke { brush: Some(brush), ..Stroke::new(id, (0..60).map(sample).collect()) }
+    };
+    Strokes((1..=count).map(stroke).collect())
+}
+
+/// A mask of closed strokes while the last of them is drawn.
+#[divan::bench(args = [1, 200])]
+fn h_a_sample_of_the_last_closed_stroke(bencher: Bencher, count: u64) {
+    let host = Memory::default();
+    let scalp = run("head", &[], &host);
+    let mut strokes = closed(count);
+    let mut more = 0.0;
+    let mut made = || {
+        more += 1e-3;
+        strokes.0[count as usize - 1].samples[0].position.x += more;
+        let set = [("scalp", scalp.clone()), ("strokes", strokes.clone().into())];
+        run("paint_mask", &set, &host)
+    };
+    made();
+    bencher.bench_local(made);
+}
+
+/// The same made of nothing but the head.
+#[divan::bench(args = [1, 200])]
+fn i_closed_strokes_from_nothing(bencher: Bencher, count: u64) {
+    let host = Memory::default();
+    let scalp = run("head", &[], &host);
+    let set = [("scalp", scalp), ("strokes", closed(count).into())];
+    run("paint_mask", &set, &Memory::default());
+    bencher.bench_local(|| run("paint_mask", &set, &Memory::default()));
+}
+
+/// On one thread.
+#[divan::bench(args = [1, 200])]
+fn j_100_000_roots_read_closed_strokes(bencher: Bencher, count: u64) {
+    let host = Memory::default();
+    let scalp = run("head", &[], &host);
+    let roots =
+        [("scalp", scalp.clone()), ("count", Value::Int(100_000)), ("points", Value::Int(2))];
+    let Value::Curves(hair) = run("scatter_guides", &roots, &host) else { panic!() };
+    let set = [("scalp", scalp.clone()), ("strokes", closed(count).into())];
+    let Value::Field(mask) = run("paint_mask", &set, &host) else { panic!() };
+    let Value::Scalp(scalp) = scalp else { panic!() };
+    bencher.bench_local(|| {
+        for tuft in hair.tufts() {
+            divan::black_box(mask.on(tuft, Some(&scalp), (0.0, 1.0)).unwrap());
+        }
     });
 }

@@ -50,8 +50,7 @@ pub struct InputDef {
     pub ty: Type,
     /// How many it takes.
     pub arity: Arity,
-    /// The value of a fresh node; none for what must be wired or may be missing.
-    pub default: Option<fn() -> Value>,
+    preset: Preset,
     /// Values outside are clamped with a warning, typed or wired.
     pub hard: Option<(f64, f64)>,
     /// Where the slider ends; typing can go further, up to `hard`.
@@ -60,12 +59,34 @@ pub struct InputDef {
     pub unit: Unit,
     /// What people of the trade call it, for the search.
     pub words: &'static str,
+    /// What its file holds; none where it takes no file.
+    pub holds: Option<Holds>,
     /// How it can be dragged in the viewport.
     pub handle: Option<Handle>,
     /// Whether it counts for nothing beside what else the node is set to, and why.
     pub idle: Option<Idle>,
     /// The group that opens with it; what follows belongs there too.
     pub opens: Option<Group>,
+}
+
+/// Where the value of a fresh node comes from.
+#[derive(Clone, Copy)]
+pub(crate) enum Preset {
+    /// It must be wired or may be missing.
+    None,
+    /// As a node of ours writes it.
+    Made(fn() -> Value),
+    /// As a document declares it.
+    Is(&'static Value),
+}
+
+/// What a file that an input names holds: by which reader it is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holds {
+    /// A mesh ([`crate::formats::read_mesh`]).
+    Mesh,
+    /// A picture ([`crate::formats::picture_in::read_picture`]).
+    Picture,
 }
 
 /// What the inputs of a node are grouped by. Those before the first group are what one uses most.
@@ -87,6 +108,8 @@ pub enum Group {
     Detail,
     /// What differs from one to the next.
     Randomness,
+    /// What a document declares.
+    Declared(&'static str),
 }
 
 impl Group {
@@ -101,6 +124,7 @@ impl Group {
             Group::Thickness => "Thickness",
             Group::Detail => "Detail",
             Group::Randomness => "Randomness",
+            Group::Declared(name) => name,
         }
     }
     /// Whether it is seldom wanted: the inspector has it closed at first.
@@ -207,6 +231,11 @@ impl Type {
                     | (Type::Int | Type::Float, Type::Field)
                     | (Type::Vec3, Type::Colour)
                     | (Type::Colour, Type::Vec3)
+            )
+            || matches!(
+                (self, to),
+                (Type::Choice(some), Type::Choice(all))
+                    if some.iter().all(|(word, _)| all.iter().any(|(known, _)| known == word))
             )
     }
 }
@@ -525,9 +554,7 @@ fn one(values: &[Value], def: &InputDef) -> Result<Value, NodeError> {
     if let Some(value) = values.first() {
         return Ok(value.clone());
     }
-    def.default
-        .map(|default| default())
-        .ok_or(NodeError::Unconnected { input: def.name, expected: def.ty.name() })
+    def.default().ok_or(NodeError::Unconnected { input: def.name, expected: def.ty.name() })
 }
 
 fn wrong(def: &InputDef, found: &Value) -> NodeError {
@@ -794,22 +821,53 @@ impl InputDef {
             doc,
             ty: T::TYPE,
             arity: T::ARITY,
-            default: None,
+            preset: Preset::None,
             hard: None,
             soft: None,
             unit: Unit::None,
             words: "",
+            holds: None,
             handle: None,
             idle: None,
             opens: None,
+        }
+    }
+    /// As a document declares it.
+    pub(crate) fn declared(
+        (name, old_names, doc, ty, arity): (
+            &'static str,
+            &'static [&'static str],
+            &'static [&'static str],
+            Type,
+            Arity,
+        ),
+        preset: Preset,
+        (hard, soft, unit): (Option<(f64, f64)>, Option<(f64, f64)>, Unit),
+        opens: Option<Group>,
+    ) -> Self {
+        Self {
+            name,
+            old_names,
+            doc,
+            holds: None,
+            ty,
+            arity,
+            preset,
+            hard,
+            soft,
+            unit,
+            words: "",
+            handle: None,
+            idle: None,
+            opens,
         }
     }
     pub(crate) const fn opens(mut self, group: Group) -> Self {
         self.opens = Some(group);
         self
     }
-    pub(crate) const fn default(mut self, default: fn() -> Value) -> Self {
-        self.default = Some(default);
+    pub(crate) const fn made(mut self, default: fn() -> Value) -> Self {
+        self.preset = Preset::Made(default);
         self
     }
     pub(crate) const fn hard(mut self, lo: f64, hi: f64) -> Self {
@@ -832,9 +890,25 @@ impl InputDef {
         self.words = words;
         self
     }
+    pub(crate) const fn holds(mut self, holds: Holds) -> Self {
+        self.holds = Some(holds);
+        self
+    }
     pub(crate) const fn handle(mut self, handle: Handle) -> Self {
         self.handle = Some(handle);
         self
+    }
+    /// The value of a fresh node; none for what must be wired or may be missing.
+    pub fn default(&self) -> Option<Value> {
+        match &self.preset {
+            Preset::None => None,
+            Preset::Made(make) => Some(make()),
+            Preset::Is(value) => Some((*value).clone()),
+        }
+    }
+    /// Whether there is such a value.
+    pub fn has_default(&self) -> bool {
+        !matches!(self.preset, Preset::None)
     }
     /// Tooltip and manual entry.
     pub fn doc(&self) -> String {
@@ -843,6 +917,10 @@ impl InputDef {
 }
 
 impl OutputDef {
+    /// As a document declares it.
+    pub(crate) fn declared(name: &'static str, doc: &'static [&'static str], ty: Type) -> Self {
+        Self { name, doc, ty }
+    }
     pub(crate) const fn new<T: Output>(name: &'static str, doc: &'static [&'static str]) -> Self {
         Self { name, doc, ty: T::TYPE }
     }
@@ -930,11 +1008,11 @@ macro_rules! node {
 
         pub(crate) static NODE: $crate::define::NodeDef = {
             #[allow(unused_imports)]
-            use $crate::define::{Group, Handle, InputDef, OutputDef, Unit::*, Value};
+            use $crate::define::{Group, Handle, Holds, InputDef, OutputDef, Unit::*, Value};
             static INPUTS: &[InputDef] = &[$(
                 InputDef::new::<$in_ty>(stringify!($input), &[$($in_doc),*], &[$(stringify!($old)),*])
                     $(.opens(Group::$group))?
-                    $(.default(|| Value::from($default)))?
+                    $(.made(|| Value::from($default)))?
                     $(.$opt($($arg),*))*,
             )*];
             $crate::define::NodeDef::new(

@@ -10,6 +10,7 @@ mod braid;
 mod cluster;
 mod curl;
 pub mod data;
+pub mod declared;
 pub mod define;
 pub mod eval;
 pub mod formats;
@@ -86,6 +87,14 @@ mod tests {
 
     /// Few inputs are read at a glance and need no headings; many are found by them. Groups have the same order in every node.
     #[test]
+    fn an_input_says_what_its_file_holds_where_it_takes_one() {
+        for (def, input) in all().flat_map(|def| def.inputs.iter().map(move |input| (def, input))) {
+            let takes = input.ty == crate::define::Type::File;
+            assert_eq!(input.holds.is_some(), takes, "{}.{}", def.id, input.name);
+        }
+    }
+
+    #[test]
     fn many_inputs_stand_in_groups_and_the_seed_is_last() {
         for node in all() {
             let set = |inputs: &[InputDef]| {
@@ -114,7 +123,7 @@ mod tests {
         for node in all() {
             for input in node.inputs {
                 let what = format!("{}.{}", node.id, input.name);
-                let value = input.default.map(|default| default());
+                let value = input.default();
                 let number = match value {
                     Some(Value::Float(x)) => Some(f64::from(x)),
                     Some(Value::Int(x)) => Some(x as f64),

@@ -1,10 +1,14 @@
 //! How tests of single nodes call them: the only place that knows.
 
 use crate::data::curves::Curves;
+use crate::data::outline::for_middles;
 use crate::data::scalp::Scalp;
+use crate::data::strokes::{Sample, Stroke};
 use crate::define::{FileData, NodeDef, NodeError, Value};
 use crate::eval::{EvalCx, Host, Kept, Log, PlainHost, Quality, Room};
 use crate::maths::hash::{Key, KeyBuilder};
+use crate::maths::transcendental::sin_cos_turns;
+use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
@@ -152,4 +156,39 @@ pub(crate) fn curves_of(value: &Value) -> &Curves {
         Value::Curves(curves) => curves,
         other => panic!("a {}", other.type_name()),
     }
+}
+
+/// The closed line of all skin that is `radius` (cm) from `centre`, in head units.
+pub(crate) fn round(scalp: &Scalp, id: u64, centre: Vec3, radius: f32) -> Stroke {
+    let middle = scalp.closest_root(centre).unwrap();
+    let right = middle.normal.any_orthonormal_vector();
+    let up = middle.normal.cross(right);
+    let on_skin = |p| scalp.closest_root(p).unwrap().point;
+    let sample = |k: u32| {
+        let (s, c) = sin_cos_turns(k as f32 / 96.0);
+        let (mut near, mut far) = (0.0, 2.0 * radius);
+        for _ in 0..30 {
+            let t = 0.5 * (near + far);
+            let p = on_skin(middle.point + (right * c + up * s) * t);
+            if p.distance(middle.point) < radius { near = t } else { far = t }
+        }
+        let p = on_skin(middle.point + (right * c + up * s) * near);
+        let position = scalp.frame().head_from_point(p);
+        Sample { position, pressure: 1.0, ..Sample::default() }
+    };
+    Stroke::new(id, (0..96).map(sample).collect())
+}
+
+/// How much skin is nearer to `centre` than `radius`, cm2.
+pub(crate) fn area_within(scalp: &Scalp, centre: Vec3, radius: f32) -> f32 {
+    let middle = scalp.closest_root(centre).unwrap();
+    let surface = scalp.surface();
+    let mut sum = 0.0f64;
+    for t in 0..surface.triangles.len() as u32 {
+        let part = 0.5 * f64::from(surface.area_vector(t).length()) / 1600.0;
+        for_middles(40, |bary| {
+            sum += part * f64::from(u8::from(surface.at(t, bary).distance(middle.point) < radius));
+        });
+    }
+    sum as f32
 }

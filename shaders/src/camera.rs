@@ -159,6 +159,8 @@ pub enum Viewpoint {
     Back,
     /// From above, the face at the bottom of the picture.
     Top,
+    /// From below, the face at the top of the picture. Under a whole body the eye may stand in it.
+    Under,
     /// Face and the head's own left side, a little from above.
     ThreeQuarter,
     /// Close: where hair whorls, behind the top.
@@ -177,12 +179,13 @@ pub enum Viewpoint {
 
 impl Viewpoint {
     /// Names of all views but `close`, as the command line takes them.
-    pub const NAMES: [&'static str; 11] = [
+    pub const NAMES: [&'static str; 12] = [
         "front",
         "left",
         "right",
         "back",
         "top",
+        "under",
         "three-quarter",
         "crown",
         "nape",
@@ -199,6 +202,7 @@ impl Viewpoint {
             "right" => Self::Right,
             "back" => Self::Back,
             "top" => Self::Top,
+            "under" => Self::Under,
             "three-quarter" => Self::ThreeQuarter,
             "crown" => Self::Crown,
             "nape" => Self::Nape,
@@ -302,6 +306,7 @@ pub fn frame(viewpoint: &Viewpoint, subject: &Subject, focal_mm: f32, aspect: f3
         Viewpoint::Left => overall(1.0, 0.0, 0.0),
         Viewpoint::Right => overall(-1.0, 0.0, 0.0),
         Viewpoint::Top => overall(0.0, 1.0, 0.0),
+        Viewpoint::Under => overall(0.0, -1.0, 0.0),
         Viewpoint::ThreeQuarter => overall(0.64, 0.14, 0.76),
         Viewpoint::Crown => close_up([0.0, 0.84, -0.54], [0.0, 0.0, -1.0]),
         Viewpoint::Nape => close_up([0.0, -0.52, -0.85], [0.5, 1.0, 0.0]),
@@ -488,7 +493,7 @@ mod tests {
 
     const FOCALS: [f32; 4] = [24.0, 50.0, 85.0, 200.0];
     const ASPECTS: [f32; 4] = [0.5, 1.0, 1.5, 16.0 / 9.0];
-    const OVERALL: [&str; 6] = ["front", "left", "right", "back", "top", "three-quarter"];
+    const OVERALL: [&str; 7] = ["front", "left", "right", "back", "top", "under", "three-quarter"];
 
     fn noise(i: usize, k: u32) -> f32 {
         let word = (i as u32).wrapping_mul(747_796_405).wrapping_add(k.wrapping_mul(2_891_336_453));
@@ -584,7 +589,7 @@ mod tests {
             let camera = frame(&view, &subject(&hair), focal, aspect);
             let (across, up) = camera.across_and_up();
             assert!(across.y.abs() < 1e-5, "{name} leans");
-            if name != "top" {
+            if name != "top" && name != "under" {
                 assert!(up.y > 0.0, "{name} is upside down");
             }
             let back = -camera.ahead();
@@ -592,6 +597,7 @@ mod tests {
                 "front" | "hairline" => back.z,
                 "back" | "nape" => -back.z,
                 "top" => back.y,
+                "under" => -back.y,
                 "left" | "temple-left" => back.x,
                 "right" | "temple-right" => -back.x,
                 "three-quarter" => back.x.min(back.z),
@@ -602,7 +608,7 @@ mod tests {
     }
 
     #[test]
-    fn from_the_left_the_face_looks_left_and_from_above_it_looks_down() {
+    fn the_face_looks_left_from_the_left_down_from_above_and_up_from_below() {
         let none = Curves::new(vec![]);
         let nose = Vec3::Z * HEAD_RADIUS;
         let left = frame(&Viewpoint::Left, &subject(&none), 85.0, 1.0);
@@ -610,6 +616,9 @@ mod tests {
         let top = frame(&Viewpoint::Top, &subject(&none), 85.0, 1.0);
         assert!(seen(&top, 1.0, nose).y < -0.2);
         assert!(seen(&top, 1.0, Vec3::X * HEAD_RADIUS).x > 0.2);
+        let under = frame(&Viewpoint::Under, &subject(&none), 85.0, 1.0);
+        assert!(seen(&under, 1.0, nose).y > 0.2);
+        assert!(seen(&under, 1.0, Vec3::X * HEAD_RADIUS).x > 0.2);
     }
 
     #[test]
@@ -625,6 +634,7 @@ mod tests {
             ("front", "front"),
             ("back", "back"),
             ("top", "top"),
+            ("under", "under"),
             ("left", "right"),
             ("crown", "crown"),
             ("temple-left", "temple-right"),
@@ -717,7 +727,7 @@ mod tests {
         let surface = Surface::new(points, vec![[0, 1, 2], [1, 2, 3]]);
         let none = Curves::new(vec![]);
         let subject = Subject { surface: Some(&surface), ..subject(&none) };
-        for view in Viewpoint::NAMES[..6].iter().filter_map(|name| Viewpoint::named(name)) {
+        for view in OVERALL.iter().filter_map(|name| Viewpoint::named(name)) {
             let camera = frame(&view, &subject, 85.0, 1.5);
             let reach = surface.points.iter().map(|p| seen(&camera, 1.5, *p).truncate().abs());
             let farthest = reach.fold(0.0, |most: f32, p| most.max(p.max_element()));

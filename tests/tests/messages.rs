@@ -136,8 +136,8 @@ fn a_problem_is_told_once_with_its_line() {
     let folder = Folder::new("messages-once");
     let file = folder.path("graph.ron").display().to_string();
     let text = "(format: 1, nodes: {\n\"head\": (kind: \"head\"),\n\"g\": (kind: \"scatter_guides\", inputs: {\n\"length\": \
-                \"long\",\n\"lie\": 720.0}),\n\"t\": (kind: \"texture_mask\"),\n}, links: {\n\"g.scalp\": \"head.scalp\",\n\
-                \"t.scalp\": \"head.scalp\"})";
+                \"long\",\n\"lie\": 720.0}),\n\"t\": (kind: \"texture_mask\"),\n\"o\": (kind: \"groom_output\"),\n}, \
+                links: {\n\"g.scalp\": \"head.scalp\",\n\"t.scalp\": \"head.scalp\",\n\"o.curves\": \"g.curves\"})";
     std::fs::write(&file, text).expect("it is written");
     let ran = run(["check", &file]);
     let told = |place: &str| -> Vec<&str> {
@@ -148,6 +148,17 @@ fn a_problem_is_told_once_with_its_line() {
         assert!(one.contains(&format!(".ron:{line}:")), "{one}");
     }
     assert_eq!(ran.code, 2);
+    // Nor do the commands that evaluate tell what the reader said and what comes of it.
+    let out = |name: &str| folder.path(name).display().to_string();
+    for args in
+        [["eval", &file, "--out", &out("o.usda")], ["render", &file, "--out", &out("o.png")]]
+    {
+        let ran = run(args);
+        let told: Vec<&str> = ran.err.lines().filter(|line| line.contains("g.length")).collect();
+        let [one] = told[..] else { panic!("{}", ran.err) };
+        assert!(one.contains(".ron:4:") && !one.starts_with("warning"), "{one}");
+        assert_eq!(ran.code, 2, "{}", ran.err);
+    }
 }
 
 #[test]

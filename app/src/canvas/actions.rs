@@ -6,6 +6,7 @@ use crate::editor::Editor;
 use crate::editor::actions::{Action, always};
 use crate::editor::event::Event;
 use crate::editor::state::State;
+use coif_graphs::document::{Node, NodeId};
 use egui::{Vec2, vec2};
 
 type When = fn(&Editor) -> Result<(), &'static str>;
@@ -40,6 +41,17 @@ fn two(editor: &Editor) -> Result<(), &'static str> {
     } else {
         Ok(())
     }
+}
+fn is_group(editor: &Editor, id: &NodeId) -> bool {
+    editor.state.document.node(id.as_str()).is_some_and(Node::is_group)
+}
+fn a_group(editor: &Editor) -> Result<(), &'static str> {
+    let any = editor.state.selection.nodes.iter().any(|id| is_group(editor, id));
+    if any { Ok(()) } else { Err("no group is selected") }
+}
+fn one_group(editor: &Editor) -> Result<(), &'static str> {
+    let one = editor.state.active().is_some_and(|id| is_group(editor, id));
+    if one { Ok(()) } else { Err("no group is selected") }
 }
 fn nodes(editor: &Editor) -> Result<(), &'static str> {
     if editor.state.document.nodes.is_empty() { Err("there are no nodes") } else { Ok(()) }
@@ -97,7 +109,7 @@ const STEPS: [Action; 8] = steps! {
 /// What can be done on the canvas by name.
 pub(crate) const ACTIONS: &[&[Action]] = &[&NODES, &VIEWS, &STEPS];
 
-const NODES: [Action; 27] = [
+const NODES: [Action; 31] = [
     node(
         "canvas.add",
         "Add node\u{2026}",
@@ -233,6 +245,38 @@ const NODES: [Action; 27] = [
         "comment group box backdrop network",
         selected,
         |editor| canvas(editor, Canvas::frame_nodes),
+    ),
+    node(
+        "canvas.group",
+        "Group",
+        "Puts the selected nodes into one node. What they take and give becomes its inputs and outputs.",
+        "subnet nest container gizmo asset collapse",
+        selected,
+        |editor| canvas(editor, Canvas::group),
+    ),
+    node(
+        "canvas.ungroup",
+        "Ungroup",
+        "Takes the selected groups apart: their nodes stand in their place, with the same values and wires.",
+        "explode expand subnet",
+        a_group,
+        |editor| canvas(editor, Canvas::ungroup),
+    ),
+    node(
+        "canvas.enter",
+        "Enter the group",
+        "Shows the nodes in the selected group. Double-click does the same.",
+        "dive inside open subnet",
+        one_group,
+        |editor| canvas(editor, Canvas::enter),
+    ),
+    node(
+        "canvas.leave",
+        "Leave the group",
+        "Shows what the group is in.",
+        "up back out subnet",
+        |editor| editor.state.group.as_ref().map(|_| ()).ok_or("no group is entered"),
+        |editor| canvas(editor, Canvas::leave),
     ),
     node(
         "canvas.tidy",

@@ -80,7 +80,7 @@ pub(super) fn free_place(taken: &[Rect], at: Pos2, size: Vec2) -> Pos2 {
 
 /// A free place of a document's canvas for a node of a size, at a place or as far below it as it must be.
 pub(crate) fn free_in(document: &Document, at: Point, size: Point) -> Point {
-    let faces = Faces::new(document, &Reports::default(), &BTreeSet::new(), None);
+    let faces = Faces::new(document, &Reports::default(), &BTreeSet::new(), None, None);
     let taken: Vec<Rect> = faces.all.keys().filter_map(|id| faces.rect(id)).collect();
     let size = vec2(super::faces::WIDTH.min(size.0), size.1);
     point(free_place(&taken, sound(pos(at)), size))

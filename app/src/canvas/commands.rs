@@ -11,8 +11,8 @@ use crate::editor::evaluation::first_output;
 use crate::editor::event::Event;
 use crate::editor::notes::Note;
 use crate::editor::state::{Select, State};
-use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{Document, Frame, NodeId, Point, graph, wiring};
+use coif_graphs::document::edit::{Edit, between};
+use coif_graphs::document::{Document, Frame, Node, NodeId, Point, graph, groups, wiring};
 use coif_nodes::define::{NodeDef, Type};
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use std::collections::BTreeSet;
@@ -190,7 +190,7 @@ impl Canvas {
             let all = faces.bounds(&state.selection.nodes);
             all.map_or(self.seen().center(), |all| all.min + vec2(32.0, 32.0))
         });
-        match edits::paste(&state.document, text, at) {
+        match edits::paste(&state.document, text, at, state.group.as_ref()) {
             Ok((edit, made)) => vec![Event::Edit(edit), Event::Select(Select::Nodes(made))],
             Err(why) => vec![Event::Say(Note::warning(format!("nothing was pasted: {why}")))],
         }
@@ -198,7 +198,12 @@ impl Canvas {
 
     pub(super) fn duplicate(&mut self, state: &State) -> Vec<Event> {
         let faces = self.cache.of(state);
-        match edits::duplicate(&state.document, &faces, &state.selection.nodes) {
+        match edits::duplicate(
+            &state.document,
+            &faces,
+            &state.selection.nodes,
+            state.group.as_ref(),
+        ) {
             Ok((edit, made)) => vec![Event::Edit(edit), Event::Select(Select::Nodes(made))],
             Err(why) => vec![Event::Say(Note::warning(why))],
         }
@@ -279,10 +284,66 @@ impl Canvas {
     pub(super) fn frame_nodes(&mut self, state: &State) -> Vec<Event> {
         let faces = self.cache.of(state);
         let Some(round) = faces.bounds(&state.selection.nodes) else { return vec![] };
-        let (edit, name) = edits::frame(&state.document, round);
+        let (edit, name) = edits::frame(&state.document, round, state.group.as_ref());
         self.memory.select_frame(Some(name.clone()));
         self.memory.name_frame(name, "");
         edited(edit)
+    }
+
+    /// Puts the selected nodes into a group and asks for its name.
+    pub(super) fn group(&mut self, state: &State) -> Vec<Event> {
+        match groups::make(&state.document, &state.selection.nodes, "group") {
+            Ok((after, group)) => {
+                self.memory.name_node(group.clone(), "");
+                let edit = between(&state.document, &after);
+                vec![
+                    Event::Begin("Nodes grouped".to_owned()),
+                    Event::Edit(edit),
+                    Event::End,
+                    Event::Select(Select::Nodes(vec![group])),
+                ]
+            }
+            Err(why) => vec![Event::Say(Note::warning(why))],
+        }
+    }
+
+    /// Takes the selected groups apart.
+    pub(super) fn ungroup(&mut self, state: &State) -> Vec<Event> {
+        let mut after = state.document.clone();
+        let mut freed = vec![];
+        for id in &state.selection.nodes {
+            if !state.document.node(id.as_str()).is_some_and(Node::is_group) {
+                freed.push(id.clone());
+                continue;
+            }
+            match groups::ungroup(&after, id) {
+                Ok((apart, nodes)) => {
+                    after = apart;
+                    freed.extend(nodes);
+                }
+                Err(why) => return vec![Event::Say(Note::warning(why).of(id.clone()))],
+            }
+        }
+        vec![
+            Event::Begin("Group taken apart".to_owned()),
+            Event::Edit(between(&state.document, &after)),
+            Event::End,
+            Event::Select(Select::Nodes(freed)),
+        ]
+    }
+
+    /// Shows what is in the active group.
+    pub(super) fn enter(&mut self, state: &State) -> Vec<Event> {
+        let group = state
+            .active()
+            .filter(|id| state.document.node(id.as_str()).is_some_and(Node::is_group));
+        group.map(|id| Event::Enter(Some(id.clone()))).into_iter().collect()
+    }
+
+    /// Shows what the group is in.
+    pub(super) fn leave(&mut self, state: &State) -> Vec<Event> {
+        let group = state.group.as_ref();
+        group.map(|group| Event::Enter(group.group())).into_iter().collect()
     }
 
     pub(super) fn tidy(&mut self, state: &State) -> Vec<Event> {
@@ -377,7 +438,7 @@ impl Canvas {
     }
 
     pub(super) fn select_all(&mut self, state: &State) -> Vec<Event> {
-        vec![Event::Select(Select::Nodes(state.document.nodes.keys().cloned().collect()))]
+        vec![Event::Select(Select::Nodes(self.cache.of(state).all.keys().cloned().collect()))]
     }
 
     pub(super) fn select_flow(&mut self, state: &State, down: bool) -> Vec<Event> {
@@ -389,7 +450,8 @@ impl Canvas {
         };
         // The active node stays the active one.
         let active = state.active().cloned();
-        all.retain(|id| Some(id) != active.as_ref());
+        let group = state.group.as_ref();
+        all.retain(|id| Some(id) != active.as_ref() && id.group().as_ref() == group);
         vec![Event::Select(Select::Nodes(all.into_iter().chain(active).collect()))]
     }
 

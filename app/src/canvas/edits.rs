@@ -85,8 +85,9 @@ pub(super) fn add(
     def: &NodeDef,
     at: Pos2,
     link: Option<&Link>,
+    group: Option<&NodeId>,
 ) -> (Edit, NodeId) {
-    let (added, id) = beside(document, def, at, link);
+    let (added, id) = beside(document, def, at, link, group);
     let along = match link {
         Some(Link::From(from)) => outputs_along(document, from, &added, def, &id),
         _ => vec![],
@@ -98,8 +99,14 @@ pub(super) fn add(
 }
 
 /// The same without going between.
-fn beside(document: &Document, def: &NodeDef, at: Pos2, link: Option<&Link>) -> (Edit, NodeId) {
-    let id = document.free_id(def.id);
+fn beside(
+    document: &Document,
+    def: &NodeDef,
+    at: Pos2,
+    link: Option<&Link>,
+    group: Option<&NodeId>,
+) -> (Edit, NodeId) {
+    let id = document.free_id_in(group, def.id);
     let node = document.fresh_node(def.id, &id);
     let mut edits = vec![Edit::AddNode { id: id.clone(), node: node.into(), at: Some(point(at)) }];
     let known = coif_nodes::by_id(def.id);
@@ -130,7 +137,7 @@ fn beside(document: &Document, def: &NodeDef, at: Pos2, link: Option<&Link>) -> 
         input.ty == Type::Scalp && head && wired != Some(input.name)
     });
     for input in heads {
-        if let Some(from) = the_head(document, near) {
+        if let Some(from) = the_head(document, near, group) {
             let to = Socket::new(id.clone(), input.name);
             edits.push(Edit::Connect { from, to, at: None });
         }
@@ -205,7 +212,10 @@ pub(super) fn insert_new(
     wire: &Wire,
 ) -> Result<(Edit, NodeId), String> {
     let from = wire.from(document).ok_or("the wire is gone")?;
-    let (added, id) = beside(document, def, at, Some(&Link::From(from.clone())));
+    let (added, id) = {
+        let group = from.node.group();
+        beside(document, def, at, Some(&Link::From(from.clone())), group.as_ref())
+    };
     let mut with = document.clone();
     added.apply(&mut with).map_err(|err| err.to_string())?;
     let inserted = wiring::insert_on_wire(&with, &id, &wire.to, wire.at)?;
@@ -214,9 +224,9 @@ pub(super) fn insert_new(
 
 /// The scalp that a node beside `near` stands on: the nearest upstream of it, itself included. Beside none, or one that
 /// stands on nothing: the last of the only head there is, where partings and the like made others of it.
-fn the_head(document: &Document, near: Option<&NodeId>) -> Option<Socket> {
+fn the_head(document: &Document, near: Option<&NodeId>, group: Option<&NodeId>) -> Option<Socket> {
     let scalp = |id: &NodeId| {
-        let def = coif_nodes::by_id(&document.node(id.as_str())?.kind)?;
+        let def = document.def(id)?;
         let output = def.outputs.iter().find(|output| output.ty == Type::Scalp)?;
         Some(Socket::new(id.clone(), output.name))
     };
@@ -236,7 +246,8 @@ fn the_head(document: &Document, near: Option<&NodeId>) -> Option<Socket> {
             .filter(|id| seen.insert(id.clone()))
             .collect();
     }
-    let all: Vec<Socket> = document.nodes.keys().filter_map(scalp).collect();
+    let beside = document.nodes.keys().filter(|id| id.group().as_ref() == group);
+    let all: Vec<Socket> = beside.filter_map(scalp).collect();
     let is_head = |socket: &&Socket| !graph::inputs_of(document, &socket.node).any(|_| true);
     if all.iter().filter(is_head).count() > 1 {
         return None;
@@ -262,9 +273,10 @@ pub(super) fn duplicate(
     document: &Document,
     faces: &Faces,
     nodes: &BTreeSet<NodeId>,
+    group: Option<&NodeId>,
 ) -> Result<(Edit, Vec<NodeId>), String> {
     let corner = faces.bounds(nodes).map_or(Pos2::ZERO, |all| all.min);
-    paste(document, &placed_copy(document, faces, nodes), corner + vec2(32.0, 32.0))
+    paste(document, &placed_copy(document, faces, nodes), corner + vec2(32.0, 32.0), group)
 }
 
 /// Nodes as text, with the places at which they are seen.
@@ -286,8 +298,9 @@ pub(super) fn paste(
     document: &Document,
     text: &str,
     at: Pos2,
+    group: Option<&NodeId>,
 ) -> Result<(Edit, Vec<NodeId>), String> {
-    part::paste(document, text, Some(point(at)))
+    part::paste(document, text, Some(point(at)), group)
 }
 
 /// Room between a frame's edge and the nodes in it, and for its title.
@@ -303,8 +316,9 @@ pub(super) fn frame_box(round: Rect) -> Rect {
 }
 
 /// Puts a frame round nodes; gives its name.
-pub(super) fn frame(document: &Document, round: Rect) -> (Edit, String) {
-    let name = document.free_frame("frame");
+pub(super) fn frame(document: &Document, round: Rect, group: Option<&NodeId>) -> (Edit, String) {
+    let stem = group.map_or("frame".to_owned(), |group| format!("{group}/frame"));
+    let name = document.free_frame(&stem);
     let rect = frame_box(round);
     let frame = Frame {
         at: point(rect.min),
@@ -364,7 +378,8 @@ mod tests {
     #[test]
     fn wires_of_one_input_change_their_order() {
         let mut document = document("cornrows");
-        let (edit, all) = add(&document, coif_nodes::by_id("merge").unwrap(), Pos2::ZERO, None);
+        let (edit, all) =
+            add(&document, coif_nodes::by_id("merge").unwrap(), Pos2::ZERO, None, None);
         document = apply(&document, &edit);
         let to = Socket::new(all, "curves");
         let from = ["rows.curves", "braid.curves", "fill.curves"].map(socket);
@@ -404,15 +419,16 @@ mod tests {
         let document = document("cornrows");
         let def = |kind: &str| coif_nodes::by_id(kind).unwrap();
         let from = Link::From(socket("rows.curves"));
-        let (edit, new) = add(&document, def("scalp_projection"), pos2(9.0, 7.4), Some(&from));
+        let (edit, new) =
+            add(&document, def("scalp_projection"), pos2(9.0, 7.4), Some(&from), None);
         let after = apply(&document, &edit);
         assert_eq!(after.layout[&new], Point(9.0, 7.0));
         assert_eq!(after.wires(&new, "curves"), [socket("rows.curves")]);
         assert_eq!(after.wires(&new, "scalp"), [socket("head.scalp")]);
         let to = Link::To(socket("fill.curves"), None);
-        let (edit, new) = add(&document, def("resample"), Pos2::ZERO, Some(&to));
+        let (edit, new) = add(&document, def("resample"), Pos2::ZERO, Some(&to), None);
         assert_eq!(apply(&document, &edit).links[&socket("fill.curves")][0].node, new);
-        let (edit, new) = add(&document, def("head"), Pos2::ZERO, Some(&from));
+        let (edit, new) = add(&document, def("head"), Pos2::ZERO, Some(&from), None);
         let after = apply(&document, &edit);
         assert!(graph::inputs_of(&after, &new).next().is_none());
     }
@@ -429,7 +445,7 @@ mod tests {
         let mut document = coif_graphs::file::read(text).unwrap().document;
         let def = |kind: &str| coif_nodes::by_id(kind).unwrap();
         let wired = |document: &Document, link: Option<Link>| {
-            let (edit, new) = add(document, def("interpolate"), Pos2::ZERO, link.as_ref());
+            let (edit, new) = add(document, def("interpolate"), Pos2::ZERO, link.as_ref(), None);
             apply(document, &edit).wires(&new, "scalp").to_vec()
         };
         let from = |text: &str| Some(Link::From(socket(text)));
@@ -450,13 +466,13 @@ mod tests {
         let document = document("cornrows");
         let faces = faces(&document);
         let nodes: BTreeSet<NodeId> = ["braid", "fill"].map(id).into();
-        let (edit, made) = duplicate(&document, &faces, &nodes).unwrap();
+        let (edit, made) = duplicate(&document, &faces, &nodes, None).unwrap();
         let after = apply(&document, &edit);
         assert_eq!((made.len(), after.nodes.len()), (2, document.nodes.len() + 2));
         let wired = after.wires(&made[1], "curves");
         assert_eq!(wired[0].node, made[0]);
         assert_eq!(after.layout[&made[0]], Point(440.0 + 32.0, 32.0));
-        assert!(paste(&document, "no nodes at all", Pos2::ZERO).is_err());
+        assert!(paste(&document, "no nodes at all", Pos2::ZERO, None).is_err());
     }
 
     #[test]
@@ -464,7 +480,7 @@ mod tests {
         let document = document("cornrows");
         let faces = faces(&document);
         let nodes: BTreeSet<NodeId> = ["rows", "braid"].map(id).into();
-        let (edit, name) = frame(&document, faces.bounds(&nodes).unwrap());
+        let (edit, name) = frame(&document, faces.bounds(&nodes).unwrap(), None);
         let after = apply(&document, &edit);
         assert_eq!(framed(&after.frames[&name], &faces), nodes);
     }

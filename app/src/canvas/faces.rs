@@ -153,23 +153,29 @@ pub(super) struct Faces {
 }
 
 impl Faces {
-    /// Faces of every node.
+    /// Faces of every node of a group, or of those in none.
     pub(super) fn new(
         document: &Document,
         reports: &Reports,
         exposed: &BTreeSet<Socket>,
         pinned: Option<&NodeId>,
+        group: Option<&NodeId>,
     ) -> Self {
         let troubles = troubles(document, reports);
         let taken = taken_outputs(document);
         let all: BTreeMap<NodeId, Face> = document
             .nodes
             .keys()
+            .filter(|id| id.group().as_ref() == group)
             .map(|id| {
                 let mut face = face(document, id, exposed, &taken);
                 face.pinned = pinned == Some(id);
                 face.footer = reports.nodes.get(id).map_or_else(String::new, footer);
                 face.trouble = troubles.get(id).cloned();
+                if document.nodes[id].is_group() {
+                    face.footer = footer_of_group(document, reports, id);
+                    face.trouble = face.trouble.or_else(|| trouble_inside(document, &troubles, id));
+                }
                 (id.clone(), face)
             })
             .collect();
@@ -195,7 +201,7 @@ fn face(
     taken: &BTreeMap<&NodeId, BTreeSet<&str>>,
 ) -> Face {
     let node = &document.nodes[id];
-    let def = coif_nodes::by_id(&node.kind);
+    let def = document.def(id);
     let stages = coif_nodes::STAGES.iter();
     let stage = stages.take_while(|(_, nodes)| !nodes.iter().any(|n| n.id == node.kind)).count();
     let kind = def.map_or_else(|| words(&node.kind), |def| def.label.to_owned());
@@ -251,7 +257,7 @@ fn inputs(
 
 fn push_plugs(plugs: &mut Vec<Plug>, socket: Socket, input: Option<&InputDef>, wires: usize) {
     let many = input.is_some_and(|input| input.arity == Arity::Many) || wires > 1;
-    let needed = input.is_some_and(|i| i.arity == Arity::One && i.default.is_none());
+    let needed = input.is_some_and(|i| i.arity == Arity::One && !i.has_default());
     let ty = input.map(|input| input.ty);
     let plug = |wire| Plug { socket: socket.clone(), ty, wire, many, needed };
     plugs.extend((0..wires).map(|at| plug(Some(at))));
@@ -340,6 +346,41 @@ fn footer(report: &coif_graphs::schedule::result::NodeReport) -> String {
     parts.join(PARTS)
 }
 
+/// The sums of what ran in a group.
+fn footer_of_group(document: &Document, reports: &Reports, group: &NodeId) -> String {
+    let count = document.inside(group).count();
+    let ran: Vec<_> = document.inside(group).filter_map(|(id, _)| reports.nodes.get(id)).collect();
+    let nodes = format!("{count} node{}", if count == 1 { "" } else { "s" });
+    if ran.is_empty() {
+        return nodes;
+    }
+    let cached = ran.iter().all(|report| report.cached);
+    let ms = ran.iter().filter(|report| !report.cached).map(|report| report.ms).sum();
+    let time = if cached { "cached".to_owned() } else { time(ms) };
+    [time, nodes].join(PARTS)
+}
+
+/// The worst that is wrong in a group, with the node.
+fn trouble_inside(
+    document: &Document,
+    troubles: &BTreeMap<NodeId, Trouble>,
+    group: &NodeId,
+) -> Option<Trouble> {
+    let mut found = None;
+    for (id, _) in document.inside(group) {
+        let name = document.name_of(id);
+        match troubles.get(id) {
+            Some(Trouble::Error(text)) => return Some(Trouble::Error(format!("{name}: {text}"))),
+            Some(Trouble::Warning(said)) if found.is_none() => {
+                let said = said.iter().map(|said| format!("{name}: {said}"));
+                found = Some(Trouble::Warning(said.collect()));
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
 /// Milliseconds as people read them.
 fn time(ms: f64) -> String {
     match ms {
@@ -379,6 +420,7 @@ struct Key {
     reports: usize,
     exposed: BTreeSet<Socket>,
     pinned: Option<NodeId>,
+    group: Option<NodeId>,
 }
 
 impl FaceCache {
@@ -395,15 +437,18 @@ impl FaceCache {
                 && key.reports == Arc::as_ptr(reports) as usize
                 && key.exposed == state.exposed
                 && key.pinned == state.pinned
+                && key.group == state.group
         });
         if !same {
             let (document, pinned) = (&state.document, state.pinned.as_ref());
-            self.faces = Faces::new(document, reports, &state.exposed, pinned).into();
+            let group = state.group.as_ref();
+            self.faces = Faces::new(document, reports, &state.exposed, pinned, group).into();
             self.key = Some(Key {
                 document: document.clone(),
                 reports: Arc::as_ptr(reports) as usize,
                 exposed: state.exposed.clone(),
                 pinned: state.pinned.clone(),
+                group: state.group.clone(),
             });
         }
         self.faces.clone()
@@ -416,14 +461,14 @@ mod tests {
     use crate::canvas::testing::{document, id};
 
     fn faces(document: &Document) -> Faces {
-        Faces::new(document, &Reports::default(), &BTreeSet::new(), None)
+        Faces::new(document, &Reports::default(), &BTreeSet::new(), None, None)
     }
 
     #[test]
     fn a_node_shows_what_comes_by_wire_what_is_wired_and_what_was_asked_for() {
         let document = document("cornrows");
         let exposed = [Socket::new(id("braid"), "width")].into();
-        let faces = Faces::new(&document, &Reports::default(), &exposed, None);
+        let faces = Faces::new(&document, &Reports::default(), &exposed, None, None);
         let inputs = |node: &str| -> Vec<String> {
             faces.all[node].inputs.iter().map(Plug::label).collect()
         };

@@ -31,16 +31,26 @@ pub(super) fn held(frame: &Frame, by: Vec2, resized: bool) -> Rect {
     }
 }
 
-/// Draws every frame; `rect` tells where each is now.
+/// Whether a frame stands in a group, or in none: its name begins with the group's id where it does.
+pub(super) fn stands_in(document: &Document, name: &str, group: Option<&NodeId>) -> bool {
+    let within = name.rsplit_once('/').and_then(|(within, _)| NodeId::new(within).ok());
+    within.filter(|within| document.nodes.contains_key(within)).as_ref() == group
+}
+
+/// Draws every frame of a group, or those in none; `rect` tells where each is now.
 pub(super) fn show(
     ui: &Ui,
     document: &Document,
+    group: Option<&NodeId>,
     scale: f32,
     selected: Option<&str>,
     rect: impl Fn(&str, &Frame) -> Rect,
 ) -> Vec<Touched> {
     let mut touched = vec![];
     for (name, frame) in &document.frames {
+        if !stands_in(document, name, group) {
+            continue;
+        }
         let rect = rect(name, frame);
         let colour = look::frame_colour(frame.colour);
         let p = ui.painter();

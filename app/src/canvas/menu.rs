@@ -23,6 +23,9 @@ const NODE: &[&str] = &[
     "node.delete",
     "",
     "canvas.frame_nodes",
+    "canvas.group",
+    "canvas.ungroup",
+    "canvas.enter",
     "canvas.tidy",
 ];
 
@@ -30,6 +33,7 @@ const NODE: &[&str] = &[
 const BACKGROUND: &[&str] = &[
     "canvas.add",
     "canvas.paste",
+    "canvas.leave",
     "",
     "canvas.select_all",
     "canvas.tidy",

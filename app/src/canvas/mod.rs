@@ -169,7 +169,7 @@ impl Canvas {
 
     /// What stands over the canvas and belongs to it.
     pub(crate) fn owns(id: egui::Id) -> bool {
-        id == frames::map_id()
+        id == frames::map_id() || id == overlays::trail_id()
     }
 
     /// Whether the hand holds something.

@@ -9,7 +9,7 @@ use crate::editor::event::Event;
 use crate::editor::notes::Note;
 use crate::editor::state::{Select, State};
 use crate::editor::theme;
-use coif_graphs::document::wiring;
+use coif_graphs::document::{NodeId, wiring};
 use egui::{Align2, FontId, Pos2, Rect, Ui, Vec2, pos2, vec2};
 
 impl Canvas {
@@ -28,6 +28,7 @@ impl Canvas {
         {
             reason(ui, area, at, why);
         }
+        trail(state, ui, area, out);
         if state.document.nodes.is_empty() && self.memory.finder.is_none() {
             let text = "Tab adds a node";
             let font = FontId::proportional(14.0);
@@ -72,7 +73,7 @@ impl Canvas {
             (Task::Add { at, link, dropped }, Pick::Kind(def, wired, set)) => {
                 let link = link.as_ref().filter(|_| wired);
                 let at = commands::place_new(faces, def, *at, link, *dropped);
-                let (edit, id) = edits::add(document, def, at, link);
+                let (edit, id) = edits::add(document, def, at, link, state.group.as_ref());
                 self.memory.used(def);
                 out.push(Event::Edit(edits::and_set(edit, &id, set)));
                 out.push(Event::Select(Select::Nodes(vec![id])));
@@ -102,6 +103,38 @@ impl Canvas {
             _ => {}
         }
     }
+}
+
+/// The way to the group that is shown: each group that it is in can be gone back to.
+fn trail(state: &State, ui: &Ui, area: Rect, out: &mut Vec<Event>) {
+    let Some(group) = &state.group else { return };
+    let mut way: Vec<Option<NodeId>> = vec![Some(group.clone())];
+    while let Some(Some(last)) = way.last() {
+        way.push(last.group());
+    }
+    let at =
+        egui::Area::new(trail_id()).order(egui::Order::Middle).fixed_pos(area.min + vec2(8.0, 6.0));
+    at.constrain_to(area).show(ui.ctx(), |ui| {
+        ui.horizontal(|ui| {
+            for (n, place) in way.iter().rev().enumerate() {
+                if n > 0 {
+                    ui.weak("\u{203A}");
+                }
+                let name = place.as_ref().map_or("Groom".into(), |id| state.document.name_of(id));
+                let name: String = name.chars().take(40).collect();
+                if n + 1 == way.len() {
+                    ui.strong(name);
+                } else if ui.small_button(name).on_hover_text("Goes back out to here.").clicked() {
+                    out.push(Event::Enter(place.clone()));
+                }
+            }
+        });
+    });
+}
+
+/// The widget of the way to the group that is shown.
+pub(super) fn trail_id() -> egui::Id {
+    egui::Id::new("canvas trail")
 }
 
 /// Why a wire cannot go where it points, at the pointer.

@@ -13,8 +13,8 @@ use crate::editor::event::Event;
 use crate::editor::panel;
 use crate::editor::state::{Select, State};
 use crate::editor::theme;
-use coif_graphs::document::NodeId;
 use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{Node, NodeId};
 use coif_nodes::define::Type;
 use egui::{
     Color32, LayerId, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2,
@@ -88,7 +88,14 @@ impl Scene<'_> {
         };
         let selected = self.memory.frame.clone();
         let document = &self.state.document;
-        for touched in frames::show(ui, document, self.scale, selected.as_deref(), now) {
+        for touched in frames::show(
+            ui,
+            document,
+            self.state.group.as_ref(),
+            self.scale,
+            selected.as_deref(),
+            now,
+        ) {
             let Some(frame) = document.frames.get(&touched.name) else { continue };
             let name = touched.name.clone();
             if touched.title.drag_started_by(egui::PointerButton::Primary) {
@@ -294,7 +301,10 @@ impl Scene<'_> {
             }
         }
         if response.double_clicked() {
-            self.memory.name_node(face.id.clone(), &face.label);
+            match self.state.document.node(face.id.as_str()).is_some_and(Node::is_group) {
+                true => self.out.push(Event::Enter(Some(face.id.clone()))),
+                false => self.memory.name_node(face.id.clone(), &face.label),
+            }
         }
         if response.secondary_clicked() && !selection.nodes.contains(&face.id) {
             self.out.push(only());

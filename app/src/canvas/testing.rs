@@ -26,7 +26,7 @@ pub(super) fn document(name: &str) -> Document {
     file::read(grooms::by_name(name).unwrap()).unwrap().document
 }
 pub(super) fn faces(document: &Document) -> Faces {
-    Faces::new(document, &Reports::default(), &BTreeSet::new(), None)
+    Faces::new(document, &Reports::default(), &BTreeSet::new(), None, None)
 }
 
 /// The room and a state.
@@ -61,10 +61,12 @@ impl Desk {
             }
             Event::Pin(node) => state.pinned = node,
             Event::Say(note) => self.said.push(note.text),
+            Event::Enter(group) => state.group = group,
+            Event::Begin(_) | Event::End => {}
             Event::Act(id) => self.said.push(format!("act {id}")),
             other => panic!("not expected of the canvas: {other:?}"),
         }
-        state.selection.keep(&state.document);
+        state.keep();
     }
 }
 

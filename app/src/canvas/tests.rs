@@ -719,3 +719,57 @@ fn the_search_opens_at_the_pointer_and_what_it_adds_is_in_sight() {
     let seen = desk.canvas.seen();
     assert!(seen.contains_rect(rect), "{rect:?} is beyond {seen:?}");
 }
+
+#[test]
+fn nodes_are_grouped_entered_left_and_taken_apart() {
+    let mut w = window(document("cornrows"));
+    let before = w.state().state.document.clone();
+    let act = |w: &mut Window, act: fn(&mut Canvas, &State) -> Vec<Event>| {
+        let desk = w.state_mut();
+        for event in act(&mut desk.canvas, &desk.state) {
+            desk.apply(event);
+        }
+        w.run_steps(3);
+    };
+    w.state_mut().apply(Event::Select(Select::Nodes(vec![id("rows"), id("braid")])));
+    act(&mut w, Canvas::group);
+    assert_eq!(w.state().said, Vec::<String>::new());
+    steps(&w, 1);
+    // Its name is asked for at once.
+    w.event(egui::Event::Text("Row".into()));
+    w.run_steps(2);
+    w.key_press(Key::Enter);
+    w.run_steps(3);
+    assert_eq!(w.state().state.document.name_of(&id("group")), "Row");
+    assert!(w.query_by_label("Row: curves output").is_some());
+    assert!(w.query_by_label("cornrows: source input").is_none(), "it is in the group");
+    // A double click shows what is in it, with its border; nodes that are added then are in it.
+    let title = place(&w, "Row");
+    click(&mut w, title, 2);
+    assert_eq!(w.state().state.group, Some(id("group")));
+    for name in ["cornrows: source input", "Inputs: scalp output", "Outputs: curves input", "Groom"]
+    {
+        assert!(w.query_by_label(name).is_some(), "{name}");
+    }
+    w.state_mut().apply(Event::Select(Select::Nodes(vec![id("group/rows")])));
+    act(&mut w, Canvas::duplicate);
+    assert!(w.state().state.document.nodes.contains_key(&id("group/rows_2")));
+    act(&mut w, Canvas::select_all);
+    let inside = |id: &NodeId| id.group().is_some_and(|group| group.as_str() == "group");
+    assert!(w.state().state.selection.nodes.iter().all(inside));
+    // The way back, and apart again.
+    w.get_by_label("Groom").click();
+    w.run_steps(3);
+    assert_eq!(w.state().state.group, None);
+    w.state_mut().apply(Event::Select(Select::Nodes(vec![id("group")])));
+    act(&mut w, Canvas::ungroup);
+    let document = &w.state().state.document;
+    assert_eq!(
+        document.links.get(&socket("braid.source")),
+        before.links.get(&socket("braid.source"))
+    );
+    assert_eq!(document.nodes["braid"], before.nodes["braid"]);
+    assert!(
+        document.nodes.contains_key(&id("rows_2")) && !document.nodes.contains_key(&id("group"))
+    );
+}

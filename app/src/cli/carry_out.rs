@@ -124,6 +124,38 @@ pub(crate) fn carry_out(
     exit
 }
 
+/// Writes all files of a command that makes no report, or none: what `write` writes is put in place together. What is wrong is told,
+/// and so is `nothing` where somebody asks it to end.
+pub(super) fn in_one_step<T>(
+    nothing: &'static str,
+    write: impl FnOnce(&mut Together, &CancelToken) -> Result<T, Vec<Stop>>,
+) -> Result<T, Exit> {
+    let (cancel, mut files) = (CancelToken::default(), Together::default());
+    let mut ending = Ending::default();
+    ending.when_asked(
+        {
+            let cancel = cancel.clone();
+            move || cancel.cancel()
+        },
+        move || complain(format_args!("interrupted; {nothing}")),
+    );
+    let ended = write(&mut files, &cancel).and_then(|written| {
+        if cancel.is_cancelled() {
+            return Err(vec![Stop::interrupted()]);
+        }
+        ending.begin();
+        let placed = files.place(&cancel);
+        placed.map_err(|(path, why)| vec![Stop::unwritten(&path, &why, &cancel)])?;
+        Ok(written)
+    });
+    ended.map_err(|stops| {
+        ending.begin();
+        files.drop_written();
+        stops.iter().flat_map(Stop::lines).for_each(complain);
+        stops.into_iter().map(|stop| stop.0).max().unwrap_or(Exit::Refused)
+    })
+}
+
 /// What is left to say and to write where a command is ended before it has come to its end.
 fn at_once(
     graph: &Path,

@@ -3,16 +3,17 @@
 //! Files that a graph names are opened and read as its nodes would read them. What only an evaluation finds is not found here.
 
 use super::carry_out::not_strict;
+use super::groom::take_said;
 use super::lines::Lines;
 use super::{Exit, complain, complain_of, ending, groom, print_plain, unreal};
 use clap::{Args, ValueEnum};
 use coif_graphs::document::Document;
 use coif_graphs::document::graph::{Severity, check, targets, upstream};
+use coif_graphs::file::Loaded;
 use coif_graphs::schedule::files::{DiskFiles, Files, named};
-use coif_nodes::define::short;
+use coif_nodes::define::{Holds, short};
 use coif_nodes::formats::picture_in::{Channel, read_picture};
 use coif_nodes::formats::read_mesh;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
@@ -42,20 +43,23 @@ pub(crate) enum Target {
 fn files(document: &Document, folder: &Path) -> Vec<(bool, String, String, String)> {
     let needed = upstream(document, &targets(document));
     let disk = DiskFiles::new(folder);
-    let fault = |kind: &str, path: &str| -> Option<String> {
+    let fault = |holds: Holds, path: &str| -> Option<String> {
         let file = match disk.read(path) {
             Ok(file) => file,
             Err(why) => return Some(why),
         };
         let side = |name: &str| file.sides.get(name).cloned();
-        match kind {
-            "texture_mask" => read_picture(&file.bytes, Channel::Luminance).err(),
-            _ => read_mesh(&file.extension, &file.bytes, &side).err().map(|err| err.to_string()),
+        match holds {
+            Holds::Picture => read_picture(&file.bytes, Channel::Luminance).err(),
+            Holds::Mesh => {
+                read_mesh(&file.extension, &file.bytes, &side).err().map(|err| err.to_string())
+            }
         }
     };
     let all = named(document).into_iter();
     let told = all.filter_map(|(node, input, path)| {
-        let why = fault(&document.node(node.as_str())?.kind, &path)?;
+        let def = coif_nodes::by_id(&document.node(node.as_str())?.kind)?;
+        let why = fault(def.input(input)?.1.holds?, &path)?;
         let text = format!("{}: {why}", short(&path));
         Some((needed.contains(node), node.to_string(), input.to_owned(), text))
     });
@@ -67,15 +71,17 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
     let mut exit = Exit::Done;
     for path in &args.graphs {
         let shown = path.display();
-        let mut warnings = vec![];
-        let (document, folder) = match groom::load(path, &mut warnings) {
-            Ok(loaded) => loaded,
+        let (loaded, folder) = match groom::read(path) {
+            Ok(read) => read,
             Err(stop) => {
                 complain_of(stop.lines().to_vec());
                 exit = Exit::Refused;
                 continue;
             }
         };
+        let Loaded { document, warnings, conflicts, dropped_comments: _ } = loaded;
+        let mut warnings: Vec<String> = warnings.iter().map(|w| w.of_file(&shown)).collect();
+        let conflicts: Vec<String> = conflicts.iter().map(|c| c.of_file(&shown)).collect();
         let problems = check(&document);
         let lines = Lines::of(&std::fs::read_to_string(path).unwrap_or_default());
         let told = problems.iter().map(|p| {
@@ -87,23 +93,21 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
                 (is_error, lines.of_input(&node, Some(&input)), format!("{node}.{input}: {text}"))
             });
         let told: Vec<(bool, Option<usize>, String)> = told.chain(of_files).collect();
-        // What is told of a place in the graph is not told of the same place in the file, too.
-        let places: BTreeSet<&str> =
-            told.iter().filter_map(|(.., problem)| problem.split(": ").next()).collect();
-        let of_file = shown.to_string();
-        warnings.retain(|warning| {
-            let place = warning.strip_prefix(&of_file).and_then(|said| said.split(": ").nth(1));
-            !place.is_some_and(|place| places.contains(place))
-        });
+        for (.., problem) in &told {
+            take_said(&mut warnings, &shown.to_string(), problem);
+        }
         let warned = warnings.iter().map(|warning| format!("warning: {warning}"));
-        let all = warned.chain(told.iter().map(|(is_error, line, problem)| {
-            let kind = if *is_error { "" } else { "warning: " };
-            let line = line.map_or(String::new(), |line| format!("{line}:"));
-            format!("{kind}{shown}:{line} {problem}")
-        }));
+        let all = conflicts.iter().cloned().chain(warned).chain(told.iter().map(
+            |(is_error, line, problem)| {
+                let kind = if *is_error { "" } else { "warning: " };
+                let line = line.map_or(String::new(), |line| format!("{line}:"));
+                format!("{kind}{shown}:{line} {problem}")
+            },
+        ));
         complain_of(all.collect());
-        let errors = told.iter().filter(|(is_error, ..)| *is_error).count();
-        let strict = args.strict && warnings.len() + told.len() > errors;
+        let wrong = told.iter().filter(|(is_error, ..)| *is_error).count();
+        let errors = wrong + conflicts.len();
+        let strict = args.strict && warnings.len() + told.len() > wrong;
         if strict && errors == 0 {
             complain(not_strict(path));
         }

@@ -4,8 +4,7 @@
 //! none; a file that is so already is not touched; no comment is lost: one that stands where none can be kept is told, and nothing
 //! is written.
 
-use super::carry_out::Stop;
-use super::ending::Ending;
+use super::carry_out::{Stop, in_one_step};
 use super::{Exit, complain, groom, print};
 use crate::files::{Role, Together};
 use clap::Args;
@@ -24,32 +23,11 @@ pub(crate) struct FmtArgs {
 }
 
 pub(crate) fn run(args: &FmtArgs) -> Exit {
-    let (cancel, mut files) = (CancelToken::default(), Together::default());
-    let mut ending = Ending::default();
-    ending.when_asked(
-        {
-            let cancel = cancel.clone();
-            move || cancel.cancel()
-        },
-        || complain("interrupted; no graph was written"),
-    );
-    let ended = write_all(args, &mut files, &cancel).and_then(|changed| {
-        if cancel.is_cancelled() {
-            return Err(vec![Stop::interrupted()]);
-        }
-        ending.begin();
-        let placed = files.place(&cancel);
-        placed.map_err(|(path, why)| vec![Stop::unwritten(&path, &why, &cancel)])?;
-        Ok(changed)
-    });
-    let changed = match ended {
+    let written =
+        in_one_step("no graph was written", |files, cancel| write_all(args, files, cancel));
+    let changed = match written {
         Ok(changed) => changed,
-        Err(stops) => {
-            ending.begin();
-            files.drop_written();
-            stops.iter().flat_map(Stop::lines).for_each(complain);
-            return stops.into_iter().map(|stop| stop.0).max().unwrap_or(Exit::Refused);
-        }
+        Err(exit) => return exit,
     };
     let printed = changed.iter().map(|path| print(&path.display().to_string())).max();
     let found = if args.check && !changed.is_empty() { Exit::Failed } else { Exit::Done };
@@ -100,7 +78,7 @@ fn formatted(path: &Path) -> Result<Option<String>, Vec<String>> {
     }
     let bytes = std::fs::read(path).map_err(|err| refused(err.to_string()))?;
     let loaded = file::read_bytes(&bytes).map_err(|err| vec![err.of_file(path.display())])?;
-    for warning in &loaded.warnings {
+    for warning in loaded.conflicts.iter().chain(&loaded.warnings) {
         complain(format_args!("warning: {}", warning.of_file(path.display())));
     }
     if !loaded.dropped_comments.is_empty() {

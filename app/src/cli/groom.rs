@@ -14,7 +14,7 @@ use crate::files::Together;
 use clap::{Args, ValueEnum};
 use coif_graphs::document::graph::{Fault, Severity, check_for, upstream};
 use coif_graphs::document::{Document, NodeId, Setting, Socket};
-use coif_graphs::file;
+use coif_graphs::file::{self, Loaded};
 use coif_graphs::grooms;
 use coif_graphs::schedule::files::{DiskFiles, read_by};
 use coif_graphs::schedule::request::plan;
@@ -22,6 +22,7 @@ use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
 use coif_nodes::data::attributes::DRIFT;
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
+use coif_nodes::declared::PARAMETERS;
 use coif_nodes::define::{NodeError, Type, Value, short};
 use coif_nodes::eval::{Host, Quality};
 use coif_nodes::formats::conform::{Conformed, FEW, conform, over_partings};
@@ -390,6 +391,14 @@ pub(crate) fn reads_all(
 
 /// The document of a file, or the shipped groom of that name, and the folder that its paths are relative to.
 pub(crate) fn load(path: &Path, warnings: &mut Vec<String>) -> Result<(Document, PathBuf), Stop> {
+    let (loaded, folder) = read(path)?;
+    let told = loaded.conflicts.iter().chain(&loaded.warnings);
+    warnings.extend(told.map(|w| w.of_file(path.display())));
+    Ok((loaded.document, folder))
+}
+
+/// The same, with all that is said of it.
+pub(super) fn read(path: &Path) -> Result<(Loaded, PathBuf), Stop> {
     let shown = path.display();
     let (bytes, folder) = match std::fs::metadata(path) {
         Ok(about) if !about.is_file() => {
@@ -418,38 +427,80 @@ pub(crate) fn load(path: &Path, warnings: &mut Vec<String>) -> Result<(Document,
         },
     };
     let loaded = file::read_bytes(&bytes).map_err(|err| Stop::refused(err.of_file(&shown)))?;
-    warnings.extend(loaded.warnings.iter().map(|w| w.of_file(&shown)));
-    Ok((loaded.document, folder))
+    Ok((loaded, folder))
 }
 
 /// The largest document that is read: strokes take 30 bytes a sample, so this holds millions.
 pub(super) const MOST_DOCUMENT: u64 = 256 << 20;
 
-/// `NODE.INPUT=VALUE`.
+/// `NODE.INPUT=VALUE`, or `PARAMETER=VALUE`.
 fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {
     let fault = |reason: String| Stop::refused(format!("--set {}: {reason}", short(set)));
-    let (socket, text) =
-        set.split_once('=').ok_or_else(|| fault("write it as NODE.INPUT=VALUE".to_owned()))?;
-    let socket: Socket = socket.trim().parse().map_err(|err| fault(format!("{err}")))?;
+    let (name, text) = set
+        .split_once('=')
+        .ok_or_else(|| fault("write it as NODE.INPUT=VALUE or PARAMETER=VALUE".to_owned()))?;
+    set_value(document, name.trim(), text.trim()).map_err(fault)
+}
+
+/// Sets an input of a node, written `node.input`, or a parameter of the graph, written as its name.
+///
+/// # Errors
+/// There is no such input or parameter, or the text is no value of its type.
+pub(super) fn set_value(document: &mut Document, name: &str, text: &str) -> Result<(), String> {
+    let socket = match name.contains('.') {
+        true => name.parse::<Socket>().map_err(|err| err.to_string())?,
+        false => parameter(document, name)?,
+    };
+    let def = document.def(&socket.node);
     let node = document
         .nodes
         .get_mut(&socket.node)
-        .ok_or_else(|| fault(format!("there is no node {:?}", short(socket.node.as_str()))))?;
-    let def = coif_nodes::by_id(&node.kind)
-        .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
+        .ok_or_else(|| format!("there is no node {:?}", short(socket.node.as_str())))?;
+    let def = def.ok_or_else(|| format!("its kind {:?} is not known", node.kind))?;
     let (_, input) = def.input(&socket.name).ok_or_else(|| {
         let known: Vec<&str> = def.inputs.iter().map(|i| i.name).collect();
-        fault(format!(
+        format!(
             "{} has no input {:?}; it has {}",
             def.told(),
             short(&socket.name),
             known.join(", ")
-        ))
+        )
     })?;
-    let value = file::parse_value(input.ty, text.trim()).map_err(&fault)?;
+    let value = file::parse_value(input.ty, text)?;
     Arc::make_mut(node).inputs.insert(input.name.to_owned(), Setting::Known(value));
     document.links.remove(&Socket::new(socket.node, input.name));
     Ok(())
+}
+
+/// The input that a parameter of the graph is set by.
+fn parameter(document: &Document, name: &str) -> Result<Socket, String> {
+    let all: Vec<Socket> = document
+        .nodes
+        .iter()
+        .filter(|(id, node)| node.kind == PARAMETERS && id.group().is_none())
+        .flat_map(|(id, node)| {
+            let ports = node.interface.unwrap_or_default().inputs().iter();
+            ports.map(|port| Socket::new(id.clone(), &port.name))
+        })
+        .collect();
+    let mut found = all.iter().filter(|socket| *socket.name == *name);
+    match (found.next(), found.next()) {
+        (Some(one), None) => Ok(one.clone()),
+        (Some(one), Some(other)) => {
+            Err(format!("{one} and {other} are parameters of this name: write one of these"))
+        }
+        _ if all.is_empty() => {
+            Err("the graph has no parameters: write NODE.INPUT=VALUE".to_owned())
+        }
+        _ => {
+            let known: Vec<&str> = all.iter().map(|socket| &*socket.name).collect();
+            Err(format!(
+                "the graph has no parameter {:?}; it has {}",
+                short(name),
+                known.join(", ")
+            ))
+        }
+    }
 }
 
 /// `[NODE=]FILE` of an option; gives the node.
@@ -523,7 +574,8 @@ pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Wante
             let node = document.node(socket.node.as_str()).ok_or_else(|| {
                 fault(format!("there is no node {:?}", short(socket.node.as_str())))
             })?;
-            let def = coif_nodes::by_id(&node.kind)
+            let def = document
+                .def(&socket.node)
                 .ok_or_else(|| fault(format!("its kind {:?} is not known", node.kind)))?;
             let known: Vec<&str> = def.outputs.iter().map(|o| o.name).collect();
             match def.output(&socket.name) {
@@ -564,18 +616,41 @@ impl Opened {
         let targets = targets.map(|socket| socket.node.clone()).collect();
         let mut errors = vec![];
         for problem in check_for(&self.document, &targets).into_iter().filter(|p| p.needed) {
-            match problem.severity {
-                Severity::Error => errors.push(problem.to_string()),
-                // The node clamps such a value and says so itself, where it comes to run.
-                Severity::Warning if problem.fault == Fault::OutOfRange && !self.strict => {}
-                Severity::Warning => warnings.push(problem.to_string()),
+            // The node clamps such a value and says so itself, where it comes to run.
+            let is_warning = problem.severity == Severity::Warning;
+            if is_warning && problem.fault == Fault::OutOfRange && !self.strict {
+                continue;
             }
+            let problem = problem.to_string();
+            let told = match take_said(warnings, &self.graph, &problem) {
+                Some(at) => format!("{at}: {problem}"),
+                None => problem,
+            };
+            if is_warning { warnings.push(told) } else { errors.push(told) }
         }
         if errors.is_empty() && self.strict && !warnings.is_empty() {
             errors.push(not_strict(&self.graph));
         }
         if errors.is_empty() { Ok(()) } else { Err(Stop(Exit::Refused, errors)) }
     }
+}
+
+/// Takes what the reader of the graph's file said of a problem's place (`node.input`, before the first colon) out of its warnings,
+/// so that it is told once, and gives where in the file that is.
+pub(super) fn take_said(warnings: &mut Vec<String>, file: &str, problem: &str) -> Option<String> {
+    let (place, _) = problem.split_once(": ")?;
+    let mut at = None;
+    warnings.retain(|warning| {
+        let said = warning.strip_prefix(file).and_then(|said| said.split_once(": "));
+        match said {
+            Some((position, said)) if said.split_once(": ").is_some_and(|(of, _)| of == place) => {
+                at.get_or_insert_with(|| format!("{file}{position}"));
+                false
+            }
+            _ => true,
+        }
+    });
+    at
 }
 
 /// Names of sections by id. Where a section goes on through several cuts, it is called as the last calls it.

@@ -5,6 +5,7 @@
 
 pub(crate) mod carry_out;
 mod check;
+mod diff;
 #[cfg(feature = "editor")]
 mod edit;
 mod ending;
@@ -15,6 +16,7 @@ pub(crate) mod groom;
 mod lines;
 mod measure;
 pub(crate) mod memory;
+mod merge;
 mod nodes;
 pub(crate) mod progress;
 #[cfg(feature = "render")]
@@ -22,6 +24,7 @@ pub(crate) mod render;
 pub(crate) mod report;
 mod schema;
 pub(crate) mod signals;
+mod template;
 mod unreal;
 
 use crate::words::{first_of, plain};
@@ -59,6 +62,15 @@ enum Command {
     Check(check::CheckArgs),
     /// Write graphs as the editor would save them: one fact a line, in the order that git merges
     Fmt(fmt::FmtArgs),
+    /// Say what differs between two graphs, as a groomer says it: exit code 0 nothing, 1 something, 2 one cannot be read
+    Diff(diff::DiffArgs),
+    /// Merge what two people made of one graph: exit code 0 clean, 1 with conflicts, 2 nothing was written
+    ///
+    /// What both changed, each otherwise, stays as OURS has it, with a comment before it that names the other; `coif check` lets none
+    /// of these pass. The result is written over OURS, as git's merge drivers do; --install-driver lets git merge so.
+    Merge(merge::MergeArgs),
+    /// Templates: groups that travel between grooms and shows
+    Template(template::TemplateArgs),
     /// Print the manual of all nodes, or of one
     Nodes(nodes::NodesArgs),
     /// Measure exported strands: the laws of hair, from the file alone
@@ -104,6 +116,9 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Fmt(args)) => fmt::run(&args),
+        Some(Command::Diff(args)) => diff::run(&args),
+        Some(Command::Merge(args)) => merge::run(&args),
+        Some(Command::Template(args)) => template::run(&args),
         Some(Command::Nodes(args)) => nodes::run(args),
         Some(Command::Measure(args)) => measure::run(args),
         None => start_up(),

@@ -84,7 +84,7 @@ fn takes(input: &InputDef) -> String {
         }
         ty => ty.name().to_owned(),
     };
-    let how = match (input.arity, input.default.is_some()) {
+    let how = match (input.arity, input.has_default()) {
         (Arity::Optional, _) => ", optional",
         (Arity::Many, _) => ", any number of wires",
         (Arity::One, false) => ", needed",
@@ -94,7 +94,7 @@ fn takes(input: &InputDef) -> String {
 }
 
 fn default_of(input: &InputDef) -> Option<String> {
-    let value = input.default?();
+    let value = input.default()?;
     let unit = match value {
         Value::Float(_) | Value::Int(_) => input.unit.suffix(),
         _ => "",
@@ -154,7 +154,7 @@ fn as_json(stage: &str, node: &NodeDef) -> Json {
                     Arity::Optional => "optional",
                     Arity::Many => "many",
                 },
-                "default": input.default.map(|d| coif_graphs::file::write_value(&d())),
+                "default": input.default().map(|d| coif_graphs::file::write_value(&d)),
                 "hard": input.hard.map(|(a, b)| [a, b]),
                 "soft": input.soft.map(|(a, b)| [a, b]),
                 "unit": input.unit.suffix().trim(),

@@ -3,11 +3,16 @@
 //! RON has no language of schemas, so it describes the JSON of the same shape; `x-ron` says how each part is written in RON:
 //! a `struct` as `(name: value)`, a `map` as `{"name": value}`, a `tuple` as `(1, 2)`, a `variant` as `Name(value)`, a `word` bare;
 //! lists, texts, numbers and truth values are as in JSON. `x-ascending`: the first numbers of the entries do not fall.
-//! `x-same-length`: these lists are equally long. `x-wires`: inputs and outputs that a wire may end at, with their types.
+//! `x-same-length`: these lists are equally long. `x-deepest`: what refers to itself does so at most so many times.
+//! `x-shorter-than`: as a vector it is shorter. `x-not-one-place`: the entries are not all the same.
+//! `x-wires`: inputs and outputs that a wire may end at, with their types.
 
-use coif_graphs::file::FORMAT;
+use coif_graphs::document::values::DEEPEST_FIELD;
+use coif_graphs::file::{FORMAT, PORT_TYPES, PORT_UNITS};
 use coif_nodes::data::gestures::{Layer, Tool};
+use coif_nodes::data::shapes::Section;
 use coif_nodes::data::strokes::Mode;
+use coif_nodes::declared;
 use coif_nodes::define::{Arity, InputDef, NodeDef, Type};
 use serde_json::{Map, Value as Json, json};
 
@@ -21,6 +26,12 @@ pub(super) fn schema() -> Json {
             reference(&name)
         })
         .collect();
+    let declared = declared::KINDS.into_iter().map(|kind| {
+        let name = format!("node_{kind}");
+        defs.insert(name.clone(), declared_node(kind));
+        reference(&name)
+    });
+    let kinds: Vec<Json> = kinds.into_iter().chain(declared).collect();
     defs.insert("node".to_owned(), json!({"oneOf": kinds}));
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -93,6 +104,17 @@ fn words<'a>(of: impl Iterator<Item = &'a str>) -> Json {
     json!({"type": "string", "enum": of.collect::<Vec<_>>()})
 }
 
+/// The points of a drawn section.
+fn corners() -> Json {
+    let (low, high) = (f64::from(-Section::FARTHEST), f64::from(Section::FARTHEST));
+    let mut point = tuple(&[number(low, high), number(low, high)]);
+    point["x-shorter-than"] = json!(high);
+    let mut corners = list(point, Section::CORNERS.0);
+    corners["maxItems"] = json!(Section::CORNERS.1);
+    corners["x-not-one-place"] = json!(true);
+    corners
+}
+
 /// What is the same for all kinds of nodes.
 fn shared() -> Map<String, Json> {
     let any = || json!({"type": "number"});
@@ -104,12 +126,13 @@ fn shared() -> Map<String, Json> {
     let ramps = ["Linear", "Smooth", "Step"].map(|name| variant(name, reference("stops")));
     let with = |first: &[Json]| json!({"oneOf": first.iter().chain(&ramps).collect::<Vec<_>>()});
     let text = || json!({"type": "string"});
-    let field = with(&[
+    let mut field = with(&[
         any(),
         variant("Attribute", text()),
         variant("Mask", text()),
-        variant("Product", list(any(), 0)),
+        variant("Product", list(reference("field"), 0)),
     ]);
+    field["x-deepest"] = json!(DEEPEST_FIELD);
     let tier = |words: &[&str]| json!({"x-ron": "word", "enum": words});
     let rose = structure(
         &["petals", "depth"],
@@ -121,9 +144,10 @@ fn shared() -> Map<String, Json> {
         variant("Lame", number(0.3, 20.0)),
         variant("Polygon", json!({"type": "integer", "minimum": 3, "maximum": 12})),
         variant("Rose", rose),
+        variant("Custom", corners()),
     ]});
     let mut shapes = list(tuple(&[tier(&["A", "B", "C"]), section.clone()]), 1);
-    shapes["prefixItems"] = json!([tuple(&[tier(&["A"]), section])]);
+    shapes["contains"] = tuple(&[tier(&["A"]), section]);
     let point = |counts: std::ops::RangeInclusive<usize>| {
         let all = [
             number(-1e5, 1e5),
@@ -189,8 +213,13 @@ fn shared() -> Map<String, Json> {
             .concat();
     let mut gesture = structure(&needed, gesture.into());
     gesture["x-same-length"] = json!(moved);
-    let name = json!({"type": "string", "pattern": "^[a-z][a-z0-9_]*$", "maxLength": 64});
-    let socket = json!({"type": "string", "pattern": "^[a-z][a-z0-9_]*\\..+$"});
+    let port_name = json!({"type": "string", "pattern": "^[a-z][a-z0-9_]*$", "maxLength": 64});
+    let name = json!({
+        "type": "string",
+        "pattern": "^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*$",
+        "maxLength": 16 * 65,
+    });
+    let socket = json!({"type": "string", "pattern": "^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*\\..+$"});
     let place = tuple(&[any(), any()]);
     let frame = json!({
         "at": reference("place"),
@@ -214,6 +243,8 @@ fn shared() -> Map<String, Json> {
     });
     let all = [
         ("id", name),
+        ("word", port_name),
+        ("port", port()),
         ("socket", socket),
         ("wires", wires),
         ("into", into),
@@ -272,6 +303,60 @@ fn node(def: &NodeDef) -> Json {
     node
 }
 
+/// One input or output of a group, or one parameter.
+fn port() -> Json {
+    let mut range = tuple(&[json!({"type": "number"}), json!({"type": "number"})]);
+    range["x-rising"] = json!(true);
+    let text = || json!({"type": "string"});
+    let properties = json!({
+        "name": reference("word"),
+        "was": list(reference("word"), 0),
+        "type": words(PORT_TYPES.iter().map(|(word, _)| *word)),
+        "doc": text(),
+        "default": {"x-any": true, "description": "a value of the port's type, as an input would have it"},
+        "range": range,
+        "slider": range,
+        "unit": words(PORT_UNITS.iter().map(|(word, _)| *word)),
+        "section": text(),
+        "choices": list(tuple(&[text(), text()]), 0),
+        "needed": {"type": "boolean"},
+        "many": {"type": "boolean"},
+    });
+    structure(&["name", "type"], properties)
+}
+
+/// A node whose ports the document declares.
+fn declared_node(kind: &str) -> Json {
+    let def = declared::Interface::default().def(kind);
+    let mut node = def.map_or(Json::Null, node);
+    let mut has = |name: &str, of: Json| node["properties"][name] = of;
+    if [declared::GROUP, declared::PARAMETERS].contains(&kind) {
+        has(
+            "inputs",
+            json!({"x-ron": "map", "type": "object", "description": "values by port, each of its port's type"}),
+        );
+        let side = || list(reference("port"), 0);
+        has("interface", structure(&[], json!({"inputs": side(), "outputs": side()})));
+    }
+    if kind == declared::GROUP {
+        let text = || json!({"type": "string"});
+        let template = json!({
+            "name": text(),
+            "version": text(),
+            "hash": text(),
+            "locked": {"type": "boolean"},
+            "author": text(),
+            "licence": text(),
+            "tags": list(text(), 0),
+            "source": text(),
+            "needs": list(text(), 0),
+        });
+        has("template", structure(&["name"], template));
+        has("nodes", map_by("id", reference("node")));
+    }
+    node
+}
+
 /// What an input may be set to; none where only a wire can give it.
 fn value(input: &InputDef) -> Option<Json> {
     let mut of = match input.ty {
@@ -294,8 +379,8 @@ fn value(input: &InputDef) -> Option<Json> {
         (of["minimum"], of["maximum"]) = (bound(low), bound(high));
     }
     of["description"] = json!(input.doc());
-    if let Some(default) = input.default {
-        of["x-default"] = json!(coif_graphs::file::write_value(&default()));
+    if let Some(default) = input.default() {
+        of["x-default"] = json!(coif_graphs::file::write_value(&default));
     }
     Some(of)
 }

@@ -332,8 +332,7 @@ fn follow(
     let order = graph::order(document).unwrap_or_default();
     let gives = |id: &NodeId| {
         let socket = first_output(document, id)?;
-        let (_, output) =
-            coif_nodes::by_id(&document.node(id.as_str())?.kind)?.output(&socket.name)?;
+        let (_, output) = document.def(id)?.output(&socket.name)?;
         (output.ty == Type::Curves).then_some(socket)
     };
     let targets: Vec<Socket> =
@@ -456,7 +455,7 @@ pub fn displayed(document: &Document) -> Vec<Socket> {
 
 /// The output of a node that can be looked at: its first curves, else its scalp.
 pub fn first_output(document: &Document, id: &NodeId) -> Option<Socket> {
-    let def = coif_nodes::by_id(&document.node(id.as_str())?.kind)?;
+    let def = document.def(id)?;
     let of = |ty: Type| def.outputs.iter().find(|output| output.ty == ty);
     let output = of(Type::Curves).or_else(|| of(Type::Scalp))?;
     Some(Socket::new(id.clone(), output.name))

@@ -34,6 +34,8 @@ pub enum Event {
     Jump(usize),
     /// The selection changes.
     Select(Select),
+    /// The canvas shows what is in a group, or what is in none.
+    Enter(Option<NodeId>),
     /// Where does this displayed curve come from? The answer is `State::traced`.
     Trace(u64),
     /// Another node is displayed.

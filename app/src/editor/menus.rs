@@ -115,8 +115,7 @@ pub(crate) fn key_sheet(editor: &mut Editor, ctx: &egui::Context) {
                     }
                 });
                 let state = &editor.state;
-                let active = state.active().and_then(|id| state.document.node(id.as_str()));
-                if let Some(def) = active.and_then(|node| coif_nodes::by_id(&node.kind)) {
+                if let Some(def) = state.active().and_then(|id| state.document.def(id)) {
                     manual(def, ui);
                 }
             });

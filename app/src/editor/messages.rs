@@ -165,7 +165,7 @@ fn of_note(document: &Document, note: &Note) -> Message {
 
 /// The file input that a refusal is about: it begins with the input's name.
 fn file_input(document: &Document, id: &NodeId, reason: &str) -> Option<String> {
-    let def = coif_nodes::by_id(&document.node(id.as_str())?.kind)?;
+    let def = document.def(id)?;
     let files = def.inputs.iter().filter(|input| input.ty == Type::File);
     let named = files.map(|input| input.name).find(|name| reason.starts_with(&format!("{name}: ")));
     named.map(str::to_owned)

@@ -320,6 +320,18 @@ impl Editor {
             }
             Event::Select(select) => {
                 state.selection.change(select);
+                state.keep();
+                // What is selected elsewhere is shown where it is.
+                if let Some(active) = state.active() {
+                    state.group = active.group();
+                }
+            }
+            Event::Enter(group) => {
+                let left = std::mem::replace(&mut state.group, group);
+                state.keep();
+                // Going out, the group that was left is selected.
+                let left = left.filter(|left| left.group() == state.group);
+                state.selection.change(state::Select::Nodes(left.into_iter().collect()));
                 state.selection.keep(&state.document);
             }
             Event::Trace(id) => {
@@ -409,7 +421,7 @@ impl Editor {
                 if means_something {
                     state.revision += 1;
                 }
-                state.selection.keep(&state.document);
+                state.keep();
                 if state.pinned.as_ref().is_some_and(|id| !state.document.nodes.contains_key(id)) {
                     state.pinned = None;
                 }

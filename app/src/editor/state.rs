@@ -7,7 +7,7 @@ use super::rooms::Room;
 use super::settings::Settings;
 use super::visibility::Visibility;
 use coif_graphs::document::history::History;
-use coif_graphs::document::{Document, NodeId, Socket};
+use coif_graphs::document::{Document, Node, NodeId, Socket};
 use coif_nodes::define::NodeError;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -28,6 +28,8 @@ pub struct State {
     pub file: OpenFile,
     /// What is selected. No undo step.
     pub selection: Selection,
+    /// The group whose nodes the canvas shows; none for those in none. No undo step.
+    pub group: Option<NodeId>,
     /// The node that the pen works on, whatever is displayed.
     pub pinned: Option<NodeId>,
     /// Inputs that the canvas shows as sockets although they have no wire.
@@ -64,6 +66,7 @@ impl State {
             changes: 0,
             file,
             selection: Selection::default(),
+            group: None,
             pinned: None,
             exposed: BTreeSet::new(),
             visibility: Visibility::default(),
@@ -83,6 +86,15 @@ impl State {
     pub fn called<'a>(&'a self, id: &'a str) -> Cow<'a, str> {
         let id = self.document.nodes.get_key_value(id).map(|(id, _)| id);
         id.map_or_else(Cow::default, |id| self.document.name_of(id))
+    }
+
+    /// Forgets what is gone: a selection, and the group that is shown.
+    pub fn keep(&mut self) {
+        self.selection.keep(&self.document);
+        let is_there = |id: &NodeId| self.document.node(id.as_str()).is_some_and(Node::is_group);
+        while self.group.as_ref().is_some_and(|id| !is_there(id)) {
+            self.group = self.group.as_ref().and_then(NodeId::group);
+        }
     }
 
     /// Whether something is dragged that changes hair: previews are enough. A node that is moved on the canvas changes none.

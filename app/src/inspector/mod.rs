@@ -7,6 +7,7 @@
 mod colours;
 pub(crate) mod field;
 pub(crate) mod number;
+mod ports;
 pub(crate) mod ramp;
 mod row;
 pub(crate) mod shapes;
@@ -29,6 +30,7 @@ use coif_graphs::document::graph::{self, Problem, Severity};
 use coif_graphs::document::{Node, NodeId, Setting};
 use coif_graphs::file::write_value;
 use coif_nodes::data::attributes::{Column, DECLARED};
+use coif_nodes::declared;
 use coif_nodes::define::{Group, InputDef, NodeDef, NodeError, Type};
 use egui::{Color32, Label, RichText, ScrollArea, TextEdit, Ui};
 use field::Known;
@@ -104,8 +106,8 @@ impl Inspector {
     }
 
     fn node(&mut self, state: &State, ui: &mut Ui, id: &NodeId, node: &Node, out: &mut Vec<Event>) {
-        let def = coif_nodes::by_id(&node.kind);
-        let nodes = alike(state, id, &node.kind);
+        let def = state.document.def(id);
+        let nodes = alike(state, id, &node.kind, def);
         header(state, ui, (id, node), def, &nodes, out);
         ui.separator();
         let Some(def) = def else {
@@ -163,6 +165,9 @@ impl Inspector {
         }
         let unknown = node.inputs.keys().filter(|name| def.input(name).is_none());
         kept(ui, id, node, unknown, out);
+        if [declared::GROUP, declared::PARAMETERS].contains(&node.kind.as_str()) {
+            ports::show(state, ui, id, node, out);
+        }
     }
 
     /// What there is to say about a node, the worst first, each with its remedy: one line under the inputs, which opens. It
@@ -312,9 +317,15 @@ impl Said {
 }
 
 /// The selected nodes of a kind, the active one first.
-fn alike(state: &State, active: &NodeId, kind: &str) -> Vec<NodeId> {
+fn alike(state: &State, active: &NodeId, kind: &str, def: Option<&'static NodeDef>) -> Vec<NodeId> {
+    // Two groups are alike when they declare the same.
+    let same_def = |id: &NodeId| match (def, state.document.def(id)) {
+        (Some(one), Some(other)) => std::ptr::eq(one, other),
+        (one, other) => one.is_none() && other.is_none(),
+    };
     let same = |id: &&NodeId| {
-        *id != active && state.document.node(id.as_str()).is_some_and(|node| node.kind == kind)
+        let node = state.document.node(id.as_str());
+        *id != active && node.is_some_and(|node| node.kind == kind) && same_def(id)
     };
     let others = state.selection.nodes.iter().filter(same);
     std::iter::once(active).chain(others).cloned().collect()

@@ -173,6 +173,7 @@ fn menu(ui: &mut Ui, target: &mut Target, input: &'static InputDef) {
         target.unset(input);
         ui.close();
     }
+    super::ports::menu(ui, target, input);
     if let super::target::Held::Value(value) = target.held(input)
         && ui.button("Copy as text").clicked()
     {

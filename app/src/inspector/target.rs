@@ -119,7 +119,7 @@ impl Target<'_> {
     /// Why the input counts for nothing beside what else the active node is set to.
     pub(crate) fn idle(&self, input: &InputDef) -> Option<&'static str> {
         let (idle, node) = (input.idle?, self.nodes.first()?);
-        let def = coif_nodes::by_id(&self.state.document.node(node.as_str())?.kind)?;
+        let def = self.state.document.def(node)?;
         idle(&|name| {
             let (_, other) = def.input(name)?;
             match self.held(other) {
@@ -223,5 +223,5 @@ impl Target<'_> {
 
 /// The default of an input in the form that documents hold; none where unset means something of its own.
 pub(crate) fn default_of(input: &InputDef) -> Option<Value> {
-    input.default.and_then(|default| fit(input.ty, default()).ok())
+    input.default().and_then(|default| fit(input.ty, default).ok())
 }

@@ -156,7 +156,7 @@ fn every_input_of_every_kind_has_a_widget() {
         assert_eq!(unwired, wires, "{}", def.id);
         let wired = |i: &&coif_nodes::define::InputDef| matches!(i.ty, Type::Curves | Type::Scalp);
         let needs = def.inputs.iter().filter(wired);
-        let needs = needs.filter(|i| i.default.is_none() && i.arity == Arity::One);
+        let needs = needs.filter(|i| !i.has_default() && i.arity == Arity::One);
         let said = hands.query_all_by_label_contains("wire it on the canvas").count();
         assert_eq!(said, needs.count(), "{}", def.id);
     }

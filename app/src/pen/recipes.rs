@@ -213,7 +213,7 @@ impl Recipe {
             }
         }
         let shift = shift(document, &recipe, &known);
-        let (edit, ids) = part::insert(document, &recipe, Some(shift), &known)?;
+        let (edit, ids) = part::insert(document, &recipe, Some(shift), &known, None)?;
         let hair = out.and_then(|out| {
             let from = recipe.links.iter().find(|(to, _)| to.node == out)?.1.first()?;
             ids.get(&from.node).cloned()

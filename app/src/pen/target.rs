@@ -92,7 +92,7 @@ pub(crate) fn choice(document: &Document, id: &NodeId, input: &str) -> Option<St
         None => {
             let def = coif_nodes::by_id(&node.kind)?;
             let (_, input) = def.input(input)?;
-            input.default.and_then(|default| word(&default()))
+            input.default().and_then(|default| word(&default))
         }
     }
 }

@@ -156,6 +156,7 @@ pub(crate) const ACTIONS: &[Action] = &[
     view!("view.from_right", "right", "From the right"),
     view!("view.from_back", "back", "From the back"),
     view!("view.from_top", "top", "From above"),
+    view!("view.from_under", "under", "From below"),
     view!("view.from_three_quarter", "three-quarter", "Three quarters"),
     view!("view.from_crown", "crown", "Close to the crown"),
     view!("view.from_nape", "nape", "Close to the nape"),

@@ -268,7 +268,7 @@ fn number(document: &Document, node: &NodeId, input: &InputDef) -> Option<Number
     let value = match set {
         Some(Setting::Known(value)) => value.clone(),
         Some(Setting::Raw(_)) => return None,
-        None => input.default?(),
+        None => input.default()?,
     };
     match value {
         Value::Float(x) => Some(Number::One(x)),
@@ -280,8 +280,7 @@ fn number(document: &Document, node: &NodeId, input: &InputDef) -> Option<Number
 
 /// The grips of a node, in the order of its inputs.
 fn grips(document: &Document, shown: &Shown, node: &NodeId, view: &Projection) -> Vec<Grip> {
-    let kind = document.node(node.as_str()).and_then(|node| coif_nodes::by_id(&node.kind));
-    let Some(def) = kind else { return vec![] };
+    let Some(def) = document.def(node) else { return vec![] };
     let on_head = def
         .inputs
         .iter()

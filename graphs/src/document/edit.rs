@@ -11,14 +11,18 @@ use super::{
 };
 use coif_nodes::data::gestures::Gesture;
 use coif_nodes::data::strokes::Stroke;
-use coif_nodes::define::Arity;
+use coif_nodes::declared;
+use coif_nodes::define::{Arity, NodeDef};
 use std::sync::Arc;
 use wires::{
     bends_of, kept_bends, one, remove_node, restoring, set_wires, settle_names, wired_with, wires,
 };
 
+mod between;
 mod lists;
 mod wires;
+
+pub use between::between;
 
 /// A change of a document.
 #[derive(Clone, Debug, PartialEq)]
@@ -332,7 +336,7 @@ impl Edit {
                 if document.nodes.contains_key(id) {
                     return Err(EditError::IdTaken(id.clone()));
                 }
-                let node = checked_node(id, node)?;
+                let node = checked_node(document, id, node)?;
                 place(document, id, *at)?;
                 document.nodes.insert(id.clone(), node);
                 // A broken file can hold wires of a node that is not there; they outlive this one.
@@ -345,7 +349,7 @@ impl Edit {
             }
             Edit::RemoveNode { id } => remove_node(document, id),
             Edit::ReplaceNode { id, node } => {
-                let node = checked_node(id, node)?;
+                let node = checked_node(document, id, node)?;
                 let old = std::mem::replace(slot(document, id)?, node);
                 let mut undo = vec![Edit::ReplaceNode { id: id.clone(), node: old }];
                 undo.extend(settle_names(document, id));
@@ -353,8 +357,10 @@ impl Edit {
             }
             Edit::SetInput { node, input, setting } => {
                 let kind = slot(document, node)?.kind.clone();
-                let input = present_name(&kind, input);
-                let setting = checked(&kind, &Socket::new(node.clone(), &input), setting)?;
+                let def = document.def(node);
+                let input = present_name(def, input);
+                let at = Socket::new(node.clone(), &input);
+                let setting = checked((&kind, def), &at, setting)?;
                 let old = node_mut(document, node)?.inputs.insert(input.clone(), setting);
                 let node = node.clone();
                 Ok(match old {
@@ -363,7 +369,7 @@ impl Edit {
                 })
             }
             Edit::UnsetInput { node, input } => {
-                let input = present_name(&slot(document, node)?.kind, input);
+                let input = present_name(document.def(node), input);
                 let old = node_mut(document, node)?.inputs.remove(&input);
                 let node = node.clone();
                 Ok(match old {
@@ -600,18 +606,24 @@ fn place(
 
 /// Inputs of unknown kinds take what they are given.
 fn takes_many(document: &Document, to: &Socket) -> bool {
-    let def = document.node(to.node.as_str()).and_then(|node| coif_nodes::by_id(&node.kind));
+    let def = document.def(&to.node);
     def.and_then(|def| def.input(&to.name)).is_none_or(|(_, input)| input.arity == Arity::Many)
 }
 
 /// The setting as documents hold it, which is as a file of it would be read, or why the input of
 /// that kind cannot have it.
-fn checked(kind: &str, at: &Socket, setting: &Setting) -> Result<Setting, EditError> {
+fn checked(
+    (kind, def): (&str, Option<&'static NodeDef>),
+    at: &Socket,
+    setting: &Setting,
+) -> Result<Setting, EditError> {
     let bad = |reason: String| EditError::BadValue { at: at.clone(), reason };
     if let Setting::Raw(text) = setting {
         crate::file::prove_raw(text).map_err(bad)?;
     }
-    let Some(def) = coif_nodes::by_id(kind) else {
+    // What goes out of a group comes by wire.
+    let def = def.filter(|_| kind != declared::GROUP_OUTPUT);
+    let Some(def) = def else {
         // Nothing says what it is.
         return Ok(match setting {
             Setting::Known(value) => Setting::Raw(crate::file::write_value(value).into()),
@@ -636,24 +648,28 @@ fn checked(kind: &str, at: &Socket, setting: &Setting) -> Result<Setting, EditEr
 }
 
 /// The name of an input today.
-fn present_name(kind: &str, input: &str) -> String {
-    let def = coif_nodes::by_id(kind).and_then(|def| def.input(input));
-    def.map_or(input, |(_, def)| def.name).to_owned()
+fn present_name(def: Option<&'static NodeDef>, input: &str) -> String {
+    def.and_then(|def| def.input(input)).map_or(input, |(_, def)| def.name).to_owned()
 }
 
 fn present_socket(document: &Document, to: &Socket) -> Socket {
-    let kind = document.node(to.node.as_str()).map_or("", |node| &node.kind);
-    Socket::new(to.node.clone(), &present_name(kind, &to.name))
+    Socket::new(to.node.clone(), &present_name(document.def(&to.node), &to.name))
 }
 
-fn checked_node(id: &NodeId, node: &Arc<Node>) -> Result<Arc<Node>, EditError> {
+fn checked_node(
+    document: &Document,
+    id: &NodeId,
+    node: &Arc<Node>,
+) -> Result<Arc<Node>, EditError> {
+    let def = document.def_of(id, node);
     let mut inputs = std::collections::BTreeMap::new();
     for (name, setting) in &node.inputs {
-        let present = present_name(&node.kind, name);
+        let present = present_name(def, name);
         if present != *name && node.inputs.contains_key(&present) {
             continue;
         }
-        let kept = checked(&node.kind, &Socket::new(id.clone(), &present), setting)?;
+        let at = Socket::new(id.clone(), &present);
+        let kept = checked((&node.kind, def), &at, setting)?;
         inputs.insert(present, kept);
     }
     let label = node.label.clone().filter(|label| !label.is_empty());

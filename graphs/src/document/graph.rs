@@ -4,8 +4,9 @@
 //! Nothing here recurses: a chain of a hundred thousand nodes is as good as one of three.
 
 use super::suggest::nearest;
-use super::{Document, Node, NodeId, Setting, Socket, values};
+use super::{Document, Node, NodeId, Setting, Socket, groups, values};
 use coif_nodes::data::field::Field;
+use coif_nodes::declared;
 use coif_nodes::define::{Arity, InputDef, NodeDef, OutputDef, Type, Unit, Value, short};
 use coif_nodes::formats::usd::groom::identifier;
 use std::collections::{BTreeMap, BTreeSet};
@@ -45,6 +46,8 @@ pub enum Fault {
     OutOfRange,
     /// An output has the name of another.
     SameName,
+    /// A group, or its border, is not whole, or a wire crosses it.
+    Border,
 }
 
 /// Something wrong with a document.
@@ -86,20 +89,36 @@ fn circle(nodes: &[NodeId]) -> String {
     names.join(" -> ")
 }
 
-/// The nodes that feed a node directly, in the order of its inputs' names and wires. Nodes that are
-/// not there are left out.
+/// The nodes that feed a node directly, in the order of its inputs' names and wires; of a group also
+/// the node that its outputs come from, and of what comes into a group those that feed the group. Nodes
+/// that are not there are left out.
 pub fn feeders<'a>(document: &'a Document, id: &NodeId) -> impl Iterator<Item = &'a NodeId> {
+    all_feeders(document, id).filter(|node| document.nodes.contains_key(*node))
+}
+
+/// The same, with nodes that are not there.
+pub(crate) fn all_feeders<'a>(
+    document: &'a Document,
+    id: &NodeId,
+) -> impl Iterator<Item = &'a NodeId> + use<'a> {
+    let (within, outside) = match document.node(id.as_str()).map(|node| node.kind.as_str()) {
+        Some(declared::GROUP) => (document.outputs_of(id), None),
+        Some(declared::GROUP_INPUT) => (None, id.group()),
+        _ => (None, None),
+    };
+    let outside = outside.into_iter().flat_map(|group| inputs_of(document, &group));
     inputs_of(document, id)
+        .chain(outside)
         .flat_map(|(_, from)| from)
         .map(|from| &from.node)
-        .filter(|node| document.nodes.contains_key(*node))
+        .chain(within)
 }
 
 /// The wired inputs of a node with their wires.
 pub fn inputs_of<'a>(
     document: &'a Document,
     id: &NodeId,
-) -> impl Iterator<Item = (&'a Socket, &'a Vec<Socket>)> {
+) -> impl Iterator<Item = (&'a Socket, &'a Vec<Socket>)> + use<'a> {
     let id = id.clone();
     document.links.range(Socket::new(id.clone(), "")..).take_while(move |(to, _)| to.node == id)
 }
@@ -107,12 +126,9 @@ pub fn inputs_of<'a>(
 /// For each node those it feeds, each once.
 fn fed(document: &Document) -> BTreeMap<&NodeId, BTreeSet<&NodeId>> {
     let mut fed: BTreeMap<&NodeId, BTreeSet<&NodeId>> = BTreeMap::new();
-    for (to, from) in &document.links {
-        if !document.nodes.contains_key(&to.node) {
-            continue;
-        }
-        for from in from.iter().filter(|from| document.nodes.contains_key(&from.node)) {
-            fed.entry(&from.node).or_default().insert(&to.node);
+    for to in document.nodes.keys() {
+        for from in feeders(document, to) {
+            fed.entry(from).or_default().insert(to);
         }
     }
     fed
@@ -261,8 +277,10 @@ pub fn check_for(document: &Document, targets: &BTreeSet<NodeId>) -> Vec<Problem
         problems.push(problem(Fault::Cycle, &nodes[0], None, text, "remove one of these wires"));
     }
     for (id, node) in &document.nodes {
-        match coif_nodes::by_id(&node.kind) {
+        groups::check(document, id, node, &mut problems);
+        match document.def(id) {
             Some(def) => check_node(document, id, node, def, &mut problems),
+            None if declared::KINDS.contains(&node.kind.as_str()) => {}
             None => problems.push(unknown_kind(id, &node.kind)),
         }
     }
@@ -323,7 +341,7 @@ pub(super) fn near_input(def: &NodeDef, name: &str) -> String {
     }
 }
 
-fn problem(
+pub(super) fn problem(
     fault: Fault,
     node: &NodeId,
     socket: Option<&str>,
@@ -381,12 +399,12 @@ fn check_node(
 ) {
     for input in def.inputs {
         let wired = document.links.contains_key(&Socket::new(id.clone(), input.name));
-        let set = node.inputs.get(input.name);
+        let set = node.inputs.get(input.name).filter(|_| node.kind != declared::GROUP_OUTPUT);
         let is_empty = input.ty == Type::File
             && matches!(set, Some(Setting::Known(Value::Text(path))) if path.is_empty());
         if let Some(setting) = set.filter(|_| !is_empty) {
             check_value(id, input, setting, problems);
-        } else if !wired && input.arity == Arity::One && input.default.is_none() {
+        } else if !wired && input.arity == Arity::One && !input.has_default() {
             if input.ty == Type::File {
                 let text = "no file is named, and one is needed".to_owned();
                 let remedy = format!("set {} to the path of a file", input.name);
@@ -404,6 +422,10 @@ fn check_node(
     }
     for (name, setting) in &node.inputs {
         if def.inputs.iter().any(|input| input.name == name) {
+            if node.kind == declared::GROUP_OUTPUT {
+                let text = format!("it is set to {}, and takes wires alone", shown(setting));
+                problems.push(problem(Fault::BadValue, id, Some(name), text, "remove the value"));
+            }
             continue;
         }
         let value = shown(setting);
@@ -420,9 +442,11 @@ fn check_node(
 /// from `id`.
 fn fitting(document: &Document, id: &NodeId, ty: Type) -> Option<Socket> {
     let below = downstream(document, [id]);
-    document.nodes.iter().filter(|(other, _)| !below.contains(*other)).find_map(|(other, node)| {
-        let def = coif_nodes::by_id(&node.kind)?;
-        let output = def.outputs.iter().find(|output| output.ty.fits(ty))?;
+    let group = id.group();
+    let mut others =
+        document.nodes.keys().filter(|other| !below.contains(*other) && other.group() == group);
+    others.find_map(|other| {
+        let output = document.def(other)?.outputs.iter().find(|output| output.ty.fits(ty))?;
         Some(Socket::new(other.clone(), output.name))
     })
 }
@@ -495,8 +519,8 @@ fn example(input: &InputDef) -> String {
         (Some((lo, hi)), Unit::None | Unit::Ratio | Unit::Count) => format!(" from {lo} to {hi}"),
         (Some((lo, hi)), unit) => format!(" from {lo} to {hi}{}", unit.suffix()),
     };
-    let like = match input.default {
-        Some(default) => format!(", such as {}", short(&crate::file::write_value(&default()))),
+    let like = match input.default() {
+        Some(default) => format!(", such as {}", short(&crate::file::write_value(&default))),
         None => String::new(),
     };
     format!("a {}{range}{like}", input.ty.name())
@@ -507,11 +531,11 @@ fn list<'a>(words: impl Iterator<Item = &'a str>) -> String {
 }
 
 fn check_wires(document: &Document, to: &Socket, from: &[Socket], problems: &mut Vec<Problem>) {
-    let Some(node) = document.node(to.node.as_str()) else {
+    if !document.nodes.contains_key(&to.node) {
         problems.push(no_node(to, &to.node));
         return;
-    };
-    let def = coif_nodes::by_id(&node.kind);
+    }
+    let def = document.def(&to.node);
     let input = def.and_then(|def| def.inputs.iter().find(|input| input.name == &*to.name));
     if let (Some(def), None) = (def, input) {
         let text = format!("{} has no input of this name, but a wire ends there", def.id);
@@ -538,12 +562,18 @@ fn check_wire(
     from: &Socket,
     problems: &mut Vec<Problem>,
 ) {
-    let Some(node) = document.node(from.node.as_str()) else {
+    if !document.nodes.contains_key(&from.node) {
         problems.push(no_node(to, &from.node));
         return;
-    };
+    }
+    if from.node.group() != to.node.group() {
+        let text = format!("a wire from {from} crosses the border of a group");
+        let remedy = "give the group an input or an output, and wire these";
+        problems.push(problem(Fault::Border, &to.node, Some(&to.name), text, remedy));
+        return;
+    }
     // Unknown kinds have been told of; nobody knows their outputs.
-    let Some(def) = coif_nodes::by_id(&node.kind) else { return };
+    let Some(def) = document.def(&from.node) else { return };
     let Some((_, output)) = def.output(&from.name) else {
         let text = format!("{from} is no output: {} gives {}", def.id, names(def.outputs));
         let remedy = match nearest(&from.name, def.outputs.iter().map(|output| output.name)) {

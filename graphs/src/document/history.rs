@@ -5,7 +5,7 @@
 //! one entry. Changes that are no steps (what is displayed) are applied to the document directly.
 
 use super::edit::{Edit, EditError};
-use super::{Document, Frame, NodeId, Setting};
+use super::{Document, Frame, Node, NodeId, Setting};
 use coif_nodes::define::{Value, short};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -281,6 +281,9 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
             Some(new) if new.kind != node.kind => {
                 format!("{}: {} to {}", name(id), kind(&node.kind), kind(&new.kind))
             }
+            Some(new) if new.interface != node.interface => {
+                format!("{}: {}", name(id), ports_in_words(node, new))
+            }
             _ => format!("{}: several values", name(id)),
         },
         E::SetInput { node, input, setting } => {
@@ -291,9 +294,9 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
         E::UnsetInput { node, input } => {
             let new = document.node(node.as_str()).and_then(|n| n.inputs.get(input));
             let default = document
-                .node(node.as_str())
-                .and_then(|n| coif_nodes::by_id(&n.kind)?.input(input)?.1.default)
-                .map(|default| Setting::Known(default()));
+                .def(node)
+                .and_then(|def| def.input(input)?.1.default())
+                .map(Setting::Known);
             match new {
                 Some(new) => {
                     let (before, after) = (said(default.as_ref()), said(Some(new)));
@@ -349,7 +352,7 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
         E::Several(edits) => match &edits[..] {
             // What went with a node or with a wire is no news of its own.
             [first @ E::AddNode { .. }, rest @ ..]
-                if !rest.iter().any(|edit| matches!(edit, E::AddNode { .. } | E::Several(_))) =>
+                if !rest.iter().any(|edit| is_news(first, edit)) =>
             {
                 one_in_words(document, first)
             }
@@ -363,6 +366,34 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
     }
 }
 
+/// Whether an edit is more than what comes back with the node that `first` adds.
+fn is_news(first: &Edit, edit: &Edit) -> bool {
+    match (first, edit) {
+        (Edit::AddNode { id: group, .. }, Edit::AddNode { id, .. }) => !id.is_inside(group),
+        (_, edit) => matches!(edit, Edit::Several(_)),
+    }
+}
+
+/// What became of the ports of a group or of parameters.
+fn ports_in_words(old: &Node, new: &Node) -> String {
+    let of = |node: &Node| {
+        let (inputs, outputs) =
+            node.interface.map_or((&[][..], &[][..]), |i| (i.inputs(), i.outputs()));
+        inputs.iter().chain(outputs).map(|port| port.name.clone()).collect::<Vec<_>>()
+    };
+    let (old, new) = (of(old), of(new));
+    let gone = old.iter().find(|name| !new.contains(name));
+    let come = new.iter().find(|name| !old.contains(name));
+    match (gone, come) {
+        (None, Some(come)) => format!("{} added to its ports", spoken(come)),
+        (Some(gone), None) => format!("{} removed from its ports", spoken(gone)),
+        (Some(gone), Some(come)) if old.len() == new.len() => {
+            format!("port {} renamed to {}", spoken(gone), spoken(come))
+        }
+        _ => "ports".to_owned(),
+    }
+}
+
 /// The unit of a number that an input is set to; nothing for what is no number.
 fn unit(document: &Document, id: &NodeId, input: &str) -> &'static str {
     let node = document.node(id.as_str());
@@ -371,7 +402,7 @@ fn unit(document: &Document, id: &NodeId, input: &str) -> &'static str {
         Setting::Known(Value::Field(field)) => field.constant().is_some(),
         _ => false,
     });
-    let def = node.filter(|_| is_number).and_then(|node| coif_nodes::by_id(&node.kind));
+    let def = document.def(id).filter(|_| is_number);
     def.and_then(|def| def.input(input)).map_or("", |(_, input)| input.unit.suffix())
 }
 

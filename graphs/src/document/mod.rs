@@ -8,7 +8,8 @@
 //! Documents know nothing of evaluation or windows, and open no files.
 
 use coif_nodes::data::strokes::Strokes;
-use coif_nodes::define::{Arity, Value, short};
+use coif_nodes::declared::{self, Interface, is_name};
+use coif_nodes::define::{Arity, NodeDef, Value, short};
 use coif_nodes::maths::hash::KeyBuilder;
 use std::borrow::{Borrow, Cow};
 use std::collections::{BTreeMap, BTreeSet};
@@ -18,6 +19,7 @@ use std::sync::Arc;
 pub mod edit;
 pub mod gestures;
 pub mod graph;
+pub mod groups;
 pub mod history;
 mod layout;
 pub mod part;
@@ -100,6 +102,34 @@ pub struct Node {
     pub bypass: bool,
     /// The inputs that are set; others have their defaults. A wire goes before a setting.
     pub inputs: BTreeMap<String, Setting>,
+    /// What a group takes and gives, or the parameters there are; of other kinds none.
+    pub interface: Option<Interface>,
+    /// Of a group that was made of a template: which.
+    pub template: Option<Arc<Origin>>,
+}
+
+/// The template that a group was made of. The group holds all of it, so this is a mark: what it is compared with, and
+/// where a newer one is looked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Origin {
+    /// The name that libraries know it by.
+    pub name: String,
+    /// Its version, for people.
+    pub version: String,
+    /// The hash of its meaning when the group was made or upgraded, in hexadecimal.
+    pub hash: String,
+    /// Stays at this version for good.
+    pub locked: bool,
+    /// Who made it.
+    pub author: String,
+    /// Under which licence it is given, as an SPDX identifier where there is one.
+    pub licence: String,
+    /// Words that it is found by.
+    pub tags: Vec<String>,
+    /// Where the style comes from.
+    pub source: String,
+    /// What it needs of a head besides a scalp: names of landmarks and regions.
+    pub needs: Vec<String>,
 }
 
 /// What an input is set to.
@@ -138,31 +168,56 @@ fn drawn_alike(a: &Value, b: &Value) -> bool {
 }
 
 /// The name of a node within its document: a short word made once, never changed, never shown where
-/// a label can be.
+/// a label can be. Of a node in a group it is the group's, a slash and the word: `row/braid`.
 ///
-/// **Invariant:** `[a-z][a-z0-9_]*`, at most 64 bytes.
+/// **Invariant:** words of `[a-z][a-z0-9_]*`, at most 64 bytes each and 16 of them.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(Arc<str>);
 
 /// The most bytes of a node's id: it is a word that people read in messages and merges.
 const LONGEST_ID: usize = 64;
+/// The most groups within groups, and the node in them.
+pub const DEEPEST_GROUP: usize = 16;
 
 /// Why a text is no id.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{0:?} is no node id: use a lower case letter, then letters, digits and underscores, at most 64"
+    "{0:?} is no node id: use a lower case letter, then letters, digits and underscores, at most 64, and within groups / \
+     between up to 16 of these"
 )]
 pub struct BadId(pub String);
 
 impl NodeId {
     /// The id that reads `text`.
     pub fn new(text: &str) -> Result<Self, BadId> {
-        let first = text.starts_with(|c: char| c.is_ascii_lowercase());
-        let rest = text.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_');
-        if !first || !rest || text.len() > LONGEST_ID {
+        // The names of ports are words of the same form.
+        let words = text.split('/').take(DEEPEST_GROUP + 1);
+        if text.len() > DEEPEST_GROUP * (LONGEST_ID + 1)
+            || !words.clone().all(is_name)
+            || words.count() > DEEPEST_GROUP
+        {
             return Err(BadId(text.chars().take(LONGEST_ID).collect()));
         }
         Ok(Self(text.into()))
+    }
+    /// The group that it is in; none where it is in none.
+    pub fn group(&self) -> Option<NodeId> {
+        self.0.rsplit_once('/').map(|(group, _)| Self(group.into()))
+    }
+    /// Its own word, without the groups that it is in.
+    pub fn word(&self) -> &str {
+        self.0.rsplit_once('/').map_or(&self.0, |(_, word)| word)
+    }
+    /// The node of that id in `group`, or in none.
+    pub fn within(group: Option<&NodeId>, id: &str) -> Result<Self, BadId> {
+        match group {
+            Some(group) => Self::new(&format!("{group}/{id}")),
+            None => Self::new(id),
+        }
+    }
+    /// Whether it is in `group`, or in groups in it.
+    pub fn is_inside(&self, group: &NodeId) -> bool {
+        self.0.strip_prefix(group.as_str()).is_some_and(|rest| rest.starts_with('/'))
     }
     /// As text.
     pub fn as_str(&self) -> &str {
@@ -275,6 +330,22 @@ impl Place {
     }
 }
 
+impl Node {
+    /// Whether it holds others.
+    pub fn is_group(&self) -> bool {
+        self.kind == declared::GROUP
+    }
+    /// What its kind declares, or the node itself.
+    pub(crate) fn own_def(&self) -> Option<&'static NodeDef> {
+        match self.kind.as_str() {
+            declared::GROUP | declared::PARAMETERS => {
+                self.interface.unwrap_or_default().def(&self.kind)
+            }
+            kind => coif_nodes::by_id(kind),
+        }
+    }
+}
+
 impl Document {
     /// The node of that id.
     pub fn node(&self, id: &str) -> Option<&Node> {
@@ -290,29 +361,82 @@ impl Document {
     /// many go in, so that what two people wire to it merges. Not where one output is wired to it twice, nor
     /// where a node is missing.
     pub(crate) fn is_said_by_sources(&self, to: &Socket) -> bool {
-        let def = self.node(to.node.as_str()).and_then(|node| coif_nodes::by_id(&node.kind));
-        let input = def.and_then(|def| def.input(&to.name));
+        let input = self.def(&to.node).and_then(|def| def.input(&to.name));
         let Some(from) = self.links.get(to) else { return false };
         let all: BTreeSet<&Socket> = from.iter().collect();
         input.is_some_and(|(_, input)| input.arity == Arity::Many)
             && all.len() == from.len()
             && all.iter().all(|wire| {
-                self.nodes.contains_key(&wire.node) && !wire.name.contains(char::is_whitespace)
+                self.nodes.contains_key(&wire.node)
+                    && wire.node.group() == to.node.group()
+                    && !wire.name.contains(char::is_whitespace)
             })
+    }
+
+    /// What is declared of a node: by its kind, or by the document where that is a group's or its border's. None for
+    /// kinds that this version does not know, and for the border of what is no group.
+    pub fn def(&self, id: &NodeId) -> Option<&'static NodeDef> {
+        self.def_of(id, self.node(id.as_str())?)
+    }
+
+    /// The same of a node that is to be called `id`.
+    pub(crate) fn def_of(&self, id: &NodeId, node: &Node) -> Option<&'static NodeDef> {
+        match node.kind.as_str() {
+            declared::GROUP_INPUT | declared::GROUP_OUTPUT => {
+                let group = id.group()?;
+                let group = self.node(group.as_str()).filter(|group| group.is_group())?;
+                group.interface.unwrap_or_default().def(&node.kind)
+            }
+            _ => node.own_def(),
+        }
+    }
+
+    /// The group in whose entry a file has a node; none where it stands by itself.
+    pub(crate) fn written_in(&self, id: &NodeId) -> Option<NodeId> {
+        id.group().filter(|group| self.node(group.as_str()).is_some_and(Node::is_group))
+    }
+
+    /// The nodes in a group and in groups in it, in order.
+    pub fn inside<'a>(
+        &'a self,
+        group: &NodeId,
+    ) -> impl Iterator<Item = (&'a NodeId, &'a Arc<Node>)> {
+        let group = group.clone();
+        let all = self.nodes.range(group.clone()..).skip(1);
+        all.take_while(move |(id, _)| id.is_inside(&group))
+    }
+
+    /// The node of a group that its outputs come from: the first of its kind.
+    pub fn outputs_of(&self, group: &NodeId) -> Option<&NodeId> {
+        self.inside(group)
+            .find(|(id, node)| {
+                node.kind == declared::GROUP_OUTPUT && id.group().as_ref() == Some(group)
+            })
+            .map(|(id, _)| id)
+    }
+
+    /// Whether the wires of an input are written apart from nodes: where its node is not there, or where a wire crosses
+    /// the border of a group.
+    pub(crate) fn is_apart(&self, to: &Socket, from: &[Socket]) -> bool {
+        let group = to.node.group();
+        !self.nodes.contains_key(&to.node) || from.iter().any(|wire| wire.node.group() != group)
     }
 
     /// What people call a node: its label, else the label of its kind. Copies have their number behind it: "Head 2". Where nodes
     /// of its kind have ids that somebody chose, so that the label tells none from the other, it is the id with spaces.
     pub fn name_of<'a>(&'a self, id: &'a NodeId) -> Cow<'a, str> {
-        let spoken = || id.as_str().replace('_', " ").into();
+        let spoken = || id.word().replace('_', " ").into();
         let Some(node) = self.node(id.as_str()) else { return spoken() };
-        match (&node.label, coif_nodes::by_id(&node.kind)) {
+        match (&node.label, self.def_of(id, node)) {
             (Some(label), _) => label.into(),
             (None, Some(def)) => {
-                let (stem, number) = numbered(id.as_str());
-                let mut others =
-                    self.nodes.iter().filter(|(other, n)| *other != id && n.kind == node.kind);
-                match others.any(|(other, _)| numbered(other.as_str()).0 != stem) {
+                let (stem, number) = numbered(id.word());
+                // Those beside it: other groups have names of their own.
+                let group = id.group();
+                let mut others = self.nodes.iter().filter(|(other, n)| {
+                    *other != id && n.kind == node.kind && other.group() == group
+                });
+                match others.any(|(other, _)| numbered(other.word()).0 != stem) {
                     true => spoken(),
                     false => {
                         number.map_or(def.label.into(), |n| format!("{} {n}", def.label).into())
@@ -323,9 +447,14 @@ impl Document {
         }
     }
 
-    /// An id that no node has yet, made of `stem`: itself, else with the first free number behind
-    /// it.
+    /// An id that no node has yet, in no group, made of `stem`: itself, else with the first free number
+    /// behind it.
     pub fn free_id(&self, stem: &str) -> NodeId {
+        self.free_id_in(None, stem)
+    }
+
+    /// The same in a group.
+    pub fn free_id_in(&self, group: Option<&NodeId>, stem: &str) -> NodeId {
         let letters = stem.chars().map(|c| c.to_ascii_lowercase());
         let mut stem: String = letters
             .map(|c| if c.is_ascii_lowercase() || c.is_ascii_digit() { c } else { '_' })
@@ -334,12 +463,16 @@ impl Document {
         if !stem.starts_with(|c: char| c.is_ascii_lowercase()) {
             stem.insert_str(0, "node");
         }
-        let mut id = stem.clone();
+        let path = |word: &str| match group {
+            Some(group) => format!("{group}/{word}"),
+            None => word.to_owned(),
+        };
+        let mut id = path(&stem);
         for n in 2u32.. {
             if !self.nodes.contains_key(id.as_str()) {
                 break;
             }
-            id = format!("{stem}_{n}");
+            id = path(&format!("{stem}_{n}"));
         }
         NodeId(id.into())
     }
@@ -377,6 +510,17 @@ impl Document {
         node
     }
 
+    /// Drops what has nothing to stand on: places, bends and comments of what is not there.
+    pub(crate) fn settle(&mut self) {
+        self.layout.retain(|id, _| self.nodes.contains_key(id));
+        self.collapsed.retain(|id| self.nodes.contains_key(id));
+        self.bends.retain(|to, _| self.links.contains_key(to));
+        let lost: Vec<Place> =
+            self.comments.keys().filter(|place| !self.has(place)).cloned().collect();
+        lost.iter().for_each(|place| drop(self.comments.remove(place)));
+        self.display = self.display.take().filter(|id| self.nodes.contains_key(id));
+    }
+
     /// Whether a file of this document has an entry at `place`. Comments elsewhere have nothing to
     /// stand before.
     pub fn has(&self, place: &Place) -> bool {
@@ -386,7 +530,7 @@ impl Document {
                 "format" | "title" | "seed" | "nodes" => true,
                 "note" => !self.note.is_empty(),
                 "display" => self.display.is_some(),
-                "links" => self.links.keys().any(|to| !self.nodes.contains_key(&to.node)),
+                "links" => self.links.iter().any(|(to, from)| self.is_apart(to, from)),
                 "frames" => !self.frames.is_empty(),
                 "bends" => !self.bends.is_empty(),
                 "views" => !self.views.is_empty(),
@@ -401,9 +545,12 @@ impl Document {
                     "note" => !node.note.is_empty(),
                     "bypass" => node.bypass,
                     "inputs" => !node.inputs.is_empty(),
-                    "links" => {
-                        self.links.keys().any(|to| to.node == *id && !self.is_said_by_sources(to))
-                    }
+                    "interface" => node.interface.is_some(),
+                    "template" => node.template.is_some(),
+                    "nodes" => self.inside(id).next().is_some(),
+                    "links" => self.links.iter().any(|(to, from)| {
+                        to.node == *id && !self.is_apart(to, from) && !self.is_said_by_sources(to)
+                    }),
                     "into" => self.links.iter().any(|(to, from)| {
                         from.iter().any(|wire| wire.node == *id) && self.is_said_by_sources(to)
                     }),

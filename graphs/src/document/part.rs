@@ -10,7 +10,7 @@
 
 use super::edit::Edit;
 use super::wiring::output_type;
-use super::{Document, Frame, Node, NodeId, Point, Socket};
+use super::{Document, Frame, Node, NodeId, Point, Socket, groups};
 use crate::file;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -20,8 +20,12 @@ const LONGEST_STEM: usize = 40;
 
 /// Nodes as text, with the wires that end at them. Nodes that are not there are left out.
 pub fn copy(document: &Document, nodes: &BTreeSet<NodeId>) -> String {
-    let there: BTreeSet<NodeId> =
+    let chosen: BTreeSet<NodeId> =
         nodes.iter().filter(|id| document.nodes.contains_key(*id)).cloned().collect();
+    let there = groups::with_inside(document, &chosen);
+    // What is copied out of a group stands by itself.
+    let group = chosen.first().and_then(NodeId::group);
+    let group = group.filter(|group| chosen.iter().all(|id| id.group().as_ref() == Some(group)));
     let holds = |frame: &Frame| {
         let inside = |at: &Point| {
             let (x, y) = (at.0 - frame.at.0, at.1 - frame.at.1);
@@ -45,6 +49,13 @@ pub fn copy(document: &Document, nodes: &BTreeSet<NodeId>) -> String {
         collapsed: document.collapsed.intersection(&there).cloned().collect(),
         ..Document::default()
     };
+    let part = match group {
+        Some(group) => groups::renamed(&part, |id| {
+            let word = id.as_str().strip_prefix(group.as_str()).and_then(|id| id.strip_prefix('/'));
+            word.and_then(|word| NodeId::new(word).ok()).unwrap_or_else(|| id.clone())
+        }),
+        None => part,
+    };
     file::write_part(&part)
 }
 
@@ -52,8 +63,8 @@ fn of<K: Ord + Clone, V: Clone>(map: &BTreeMap<K, V>, keep: impl Fn(&K) -> bool)
     map.iter().filter(|(key, _)| keep(key)).map(|(key, v)| (key.clone(), v.clone())).collect()
 }
 
-/// The edit that adds the nodes of a text under ids of their own, and these ids. `at` is where the
-/// upper left of them comes to lie; none leaves them where they were copied.
+/// The edit that adds the nodes of a text under ids of their own to a group, or to none, and the ids of those
+/// that stand there. `at` is where the upper left of them comes to lie; none leaves them where they were copied.
 ///
 /// # Errors
 /// What is wrong with the text, with line and column, on one line.
@@ -61,19 +72,21 @@ pub fn paste(
     document: &Document,
     text: &str,
     at: Option<Point>,
+    group: Option<&NodeId>,
 ) -> Result<(Edit, Vec<NodeId>), String> {
     let part = file::read_part(text).map_err(|err| err.to_string())?.document;
-    let corner = part.layout.values().copied().reduce(|a, b| Point(a.0.min(b.0), a.1.min(b.1)));
+    let tops = part.layout.iter().filter(|(id, _)| id.group().is_none());
+    let corner = tops.map(|(_, at)| *at).reduce(|a, b| Point(a.0.min(b.0), a.1.min(b.1)));
     let shift = match (at, corner) {
         (Some(at), Some(corner)) => Some(Point(at.0 - corner.0, at.1 - corner.1)),
         _ => None,
     };
-    let (edit, ids) = insert(document, &part, shift, &BTreeMap::new())?;
-    Ok((edit, ids.into_values().collect()))
+    let (edit, ids) = insert(document, &part, shift, &BTreeMap::new(), group)?;
+    Ok((edit, ids.into_values().filter(|id| id.group().as_ref() == group).collect()))
 }
 
-/// The edit that adds the nodes of another document under ids of their own, `shift` from where they lie there, and these ids by
-/// the ones they had. For nodes of it that are named in `known` a node of this document stands: it is not added, keeps its inputs
+/// The edit that adds the nodes of another document under ids of their own to a group, or to none, `shift` from where they lie
+/// there, and these ids by the ones they had. For nodes of it that are named in `known` a node of this document stands: it is not added, keeps its inputs
 /// and feeds what the other fed.
 ///
 /// # Errors
@@ -83,11 +96,12 @@ pub fn insert(
     part: &Document,
     shift: Option<Point>,
     known: &BTreeMap<NodeId, NodeId>,
+    group: Option<&NodeId>,
 ) -> Result<(Edit, BTreeMap<NodeId, NodeId>), String> {
     if part.nodes.keys().all(|id| known.contains_key(id)) {
         return Err("there are no nodes in it".to_owned());
     }
-    let mut ids = fresh_ids(document, part);
+    let mut ids = fresh_ids(document, part, group)?;
     ids.extend(known.iter().map(|(old, id)| (old.clone(), id.clone())));
     let moved = |point: &Point| {
         let to = shift.map_or(*point, |by| Point(point.0 + by.0, point.1 + by.1));
@@ -99,7 +113,11 @@ pub fn insert(
         document.nodes.values().filter_map(|node| node.label.clone()).collect();
     let mut taken = there.clone();
     for (old, node) in part.nodes.iter().filter(|(old, _)| !known.contains_key(*old)) {
-        let at = part.layout.get(old).and_then(moved);
+        // Within a group all stay where they are.
+        let at = match part.nodes.contains_key(old) && old.group().is_some() {
+            true => part.layout.get(old).copied().filter(|at| at.is_finite()),
+            false => part.layout.get(old).and_then(moved),
+        };
         let node = match &node.label {
             Some(label) if there.contains(label) => {
                 let label = Some(free_label(&taken, label));
@@ -119,7 +137,11 @@ pub fn insert(
         for (i, wire) in wires.iter().enumerate() {
             let source = match ids.get(&wire.node) {
                 Some(node) => Some(Socket::new(node.clone(), &wire.name)),
-                None => Some(wire.clone()).filter(|wire| output_type(document, wire).is_some()),
+                None => {
+                    let beside = NodeId::within(group, wire.node.as_str()).ok();
+                    let beside = beside.map(|node| Socket::new(node, &wire.name));
+                    beside.filter(|wire| output_type(document, wire).is_some())
+                }
             };
             if let Some(source) = source {
                 bends.push(part.bends_of(to, i).iter().filter_map(moved).collect::<Vec<Point>>());
@@ -168,9 +190,16 @@ fn free_label(taken: &BTreeSet<String>, label: &str) -> String {
     }
 }
 
-/// For each node of a part an id that the document does not use: its own, else its stem with the
-/// first free number.
-fn fresh_ids(document: &Document, part: &Document) -> BTreeMap<NodeId, NodeId> {
+/// For each node of a part an id in `group` that the document does not use: its own, else its stem with the
+/// first free number. Nodes in groups go with them.
+///
+/// # Errors
+/// Groups would be nested too deeply.
+fn fresh_ids(
+    document: &Document,
+    part: &Document,
+    group: Option<&NodeId>,
+) -> Result<BTreeMap<NodeId, NodeId>, String> {
     let mut scratch = Document { nodes: document.nodes.clone(), ..Document::default() };
     // Wires that wait for a node of that id are not meant for this one.
     for (to, wires) in &document.links {
@@ -180,27 +209,37 @@ fn fresh_ids(document: &Document, part: &Document) -> BTreeMap<NodeId, NodeId> {
     }
     let mut numbers: BTreeMap<String, u32> = BTreeMap::new();
     let mut ids = BTreeMap::new();
+    let within = |group: Option<&NodeId>, id: &str| {
+        NodeId::within(group, id).map_err(|_| "groups would be nested too deeply".to_owned())
+    };
     for old in part.nodes.keys() {
-        let id = if scratch.nodes.contains_key(old) {
-            let stem = old.as_str().trim_end_matches(|c: char| c.is_ascii_digit());
+        if let Some(inside) = old.group().and_then(|group| ids.get(&group)) {
+            let id = within(Some(inside), old.word())?;
+            scratch.nodes.insert(id.clone(), Arc::default());
+            ids.insert(old.clone(), id);
+            continue;
+        }
+        let own = within(group, old.word())?;
+        let id = if scratch.nodes.contains_key(&own) {
+            let stem = old.word().trim_end_matches(|c: char| c.is_ascii_digit());
             let stem = stem.trim_end_matches('_');
             let stem = stem.get(..LONGEST_STEM).unwrap_or(stem);
             // Remembered, so that a thousand nodes of one stem do not count from 2 each.
             let number = numbers.entry(stem.to_owned()).or_insert(1);
             loop {
                 *number += 1;
-                let id = scratch.free_id(&format!("{stem}_{number}"));
-                if !part.nodes.contains_key(&id) {
+                let id = scratch.free_id_in(group, &format!("{stem}_{number}"));
+                if !part.nodes.contains_key(id.word()) {
                     break id;
                 }
             }
         } else {
-            old.clone()
+            own
         };
         scratch.nodes.insert(id.clone(), Arc::default());
         ids.insert(old.clone(), id);
     }
-    ids
+    Ok(ids)
 }
 
 #[cfg(test)]
@@ -270,7 +309,7 @@ mod tests {
     fn a_duplicate_has_ids_of_its_own_the_same_values_and_the_wires_that_came_in() {
         let mut document = braids();
         let text = copy(&document, &ids("rows thin new"));
-        let (edit, made) = paste(&document, &text, Some(Point(1000.0, 500.0))).unwrap();
+        let (edit, made) = paste(&document, &text, Some(Point(1000.0, 500.0)), None).unwrap();
         let before = document.clone();
         let undo = edit.apply(&mut document).unwrap();
         assert_eq!(
@@ -298,11 +337,11 @@ mod tests {
     fn a_part_pasted_into_another_groom_keeps_ids_and_loses_the_wires_from_elsewhere() {
         let text = copy(&braids(), &ids("rows thin"));
         let mut document = Document::default();
-        paste(&document, &text, None).unwrap().0.apply(&mut document).unwrap();
+        paste(&document, &text, None, None).unwrap().0.apply(&mut document).unwrap();
         assert_eq!(document.layout["rows"], Point(100.0, 50.0));
         let wired: Vec<String> = document.links.keys().map(Socket::to_string).collect();
         assert_eq!(wired, ["thin.curves"]);
-        let (_, made) = paste(&document, &file::write(&braids()), None).unwrap();
+        let (_, made) = paste(&document, &file::write(&braids()), None, None).unwrap();
         assert_eq!(made.len(), 4);
     }
 
@@ -313,7 +352,7 @@ mod tests {
             let document = random.document();
             let all: BTreeSet<NodeId> = document.nodes.keys().cloned().collect();
             let text = copy(&document, &all);
-            match paste(&document, &text, None) {
+            match paste(&document, &text, None, None) {
                 Err(why) => assert!(all.is_empty(), "{why}\n{text}"),
                 Ok((edit, made)) => {
                     let mut after = document.clone();
@@ -322,7 +361,7 @@ mod tests {
                     undo.apply(&mut after).unwrap();
                     assert_eq!(after, document, "seed {seed}");
                     let mut alone = Document::default();
-                    paste(&alone, &text, None).unwrap().0.apply(&mut alone).unwrap();
+                    paste(&alone, &text, None, None).unwrap().0.apply(&mut alone).unwrap();
                     assert_eq!(alone.nodes, document.nodes, "seed {seed}");
                     assert_eq!(alone.layout, document.layout, "seed {seed}");
                 }
@@ -332,7 +371,7 @@ mod tests {
 
     #[test]
     fn what_is_no_part_is_refused_in_one_line() {
-        let refused = |text: &str| paste(&braids(), text, None).unwrap_err();
+        let refused = |text: &str| paste(&braids(), text, None, None).unwrap_err();
         expect![[r#"
             1:1: these are no nodes: they begin with `(coif_nodes: 1`
             1:1: these are no nodes: they begin with `(coif_nodes: 1`
@@ -361,17 +400,17 @@ mod tests {
                 a.min(b)..a.max(b).min(a.min(b) + 20),
                 random.pick(&["", "(", "\"", "}", ",", "0"]),
             );
-            if let Err(why) = paste(&braids(), &broken, None) {
+            if let Err(why) = paste(&braids(), &broken, None, None) {
                 assert!(!why.contains('\n') && !why.is_empty(), "{why}");
             }
         }
         let begin = std::time::Instant::now();
         let many: String = (2..4000).map(|n| format!("\"rows_{n}\": (kind: \"head\"),")).collect();
         let many = format!("(coif_nodes: 1, nodes: {{{many}}})");
-        let (edit, _) = paste(&braids(), &many, None).unwrap();
+        let (edit, _) = paste(&braids(), &many, None, None).unwrap();
         let mut document = braids();
         edit.apply(&mut document).unwrap();
-        assert_eq!(paste(&document, &many, None).unwrap().1.len(), 3998);
+        assert_eq!(paste(&document, &many, None, None).unwrap().1.len(), 3998);
         assert!(begin.elapsed().as_secs() < 20, "{:?}", begin.elapsed());
     }
 }

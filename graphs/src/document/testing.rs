@@ -2,15 +2,16 @@
 
 use super::edit::Edit;
 use super::{
-    Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket, gestures,
-    strokes, values,
+    Document, Frame, Node, NodeId, Origin, Place, Point, SavedLook, SavedView, Setting, Socket,
+    gestures, strokes, values,
 };
 use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
 use coif_nodes::data::ramp::{Blend, Ramp};
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};
 use coif_nodes::data::strokes::{Brush, Mode, Sample, Stroke, Strokes};
-use coif_nodes::define::{Type, Value};
+use coif_nodes::declared::{self, Interface, Port};
+use coif_nodes::define::{Arity, NodeDef, Type, Unit, Value};
 use coif_nodes::maths::hash::Dice;
 use glam::{Vec2, Vec3};
 
@@ -227,7 +228,12 @@ impl Random {
     }
 
     fn id(&mut self) -> NodeId {
-        NodeId::new(self.pick(&["a", "b", "c", "d", "e_1", "far_away"])).unwrap()
+        NodeId::new(
+            self.pick(&[
+                "a", "b", "c", "d", "e_1", "far_away", "a/in", "a/out", "a/b", "a/b/c", "c/d",
+            ]),
+        )
+        .unwrap()
     }
     fn input(&mut self) -> String {
         self.pick(&["count", "spacing", "by", "of_tomorrow", "odd \"name\"\n", "curves", "cuont"])
@@ -238,7 +244,10 @@ impl Random {
         Socket::new(self.id(), name)
     }
     fn setting(&mut self, kind: &str, input: &str) -> Setting {
-        match coif_nodes::by_id(kind).and_then(|def| def.input(input)) {
+        self.setting_of(coif_nodes::by_id(kind), input)
+    }
+    fn setting_of(&mut self, def: Option<&'static NodeDef>, input: &str) -> Setting {
+        match def.and_then(|def| def.input(input)) {
             Some((_, def)) if !matches!(def.ty, Type::Curves | Type::Scalp) => {
                 Setting::Known(self.value(def.ty))
             }
@@ -248,7 +257,8 @@ impl Random {
     }
     fn node(&mut self) -> Node {
         let all: Vec<&str> = coif_nodes::all().map(|def| def.id).collect();
-        let kind = match self.below(5) {
+        let kind = match self.below(6) {
+            5 => self.pick(&declared::KINDS),
             0 => "of_tomorrow",
             1 => self.pick(&all),
             // What holds strokes or gestures.
@@ -264,14 +274,67 @@ impl Random {
             bypass: self.chance(4),
             ..Node::default()
         };
+        if declared::KINDS.contains(&kind) && !self.chance(3) {
+            node.interface = Some(self.interface());
+        }
+        if self.chance(4) {
+            let mut text = || self.text();
+            let origin = Origin {
+                name: text(),
+                version: text(),
+                hash: text(),
+                locked: false,
+                author: text(),
+                licence: text(),
+                tags: vec![text(), text()],
+                source: text(),
+                needs: vec![text()],
+            };
+            node.template = Some(Origin { locked: self.chance(2), ..origin }.into());
+        }
+        let def = node.own_def();
         let mut names = vec![self.input(), self.input()];
-        let inputs = coif_nodes::by_id(kind).map_or(&[][..], |def| def.inputs).iter();
+        let inputs = def.map_or(&[][..], |def| def.inputs).iter();
         names.extend(inputs.map(|input| input.name.to_owned()).filter(|_| self.chance(2)));
         for name in names {
-            let setting = self.setting(kind, &name);
+            let setting = self.setting_of(def, &name);
             node.inputs.insert(name, setting);
         }
         node
+    }
+    fn interface(&mut self) -> Interface {
+        let side = |random: &mut Self, names: &[&str]| -> Vec<Port> {
+            let some =
+                names.iter().filter_map(|name| (!random.chance(3)).then(|| random.port(name)));
+            some.collect()
+        };
+        let inputs = side(self, &["in", "curves", "scalp", "count", "spacing"]);
+        Interface::new(inputs, side(self, &["curves", "scalp", "in"])).unwrap()
+    }
+    fn port(&mut self, name: &str) -> Port {
+        let words = [("low".to_owned(), self.text()), ("high".to_owned(), String::new())];
+        let ty = match self.below(8) {
+            0 => declared::choice(&words),
+            1 => Type::Int,
+            2 => Type::Float,
+            3 => Type::Field,
+            4 => Type::Ramp,
+            5 => Type::Strokes,
+            _ => Type::Curves,
+        };
+        let by_wire = matches!(ty, Type::Curves | Type::Scalp);
+        let range =
+            |random: &mut Self| random.chance(2).then(|| (0.0, f64::from(1.0 + random.unit())));
+        Port {
+            doc: self.text(),
+            arity: self.pick(&[Arity::One, Arity::Optional, Arity::Many]),
+            default: (!by_wire && self.chance(2)).then(|| self.value(ty)),
+            hard: range(self),
+            soft: range(self),
+            unit: self.pick(&[Unit::None, Unit::Ratio, Unit::Length, Unit::PerCm2]),
+            section: self.text(),
+            ..Port::new(name, ty)
+        }
     }
     fn point(&mut self) -> Option<Point> {
         (!self.chance(4)).then(|| Point(self.number(), self.number()))
@@ -303,7 +366,17 @@ impl Random {
             }
             2 => Place::Node(id),
             3 => {
-                let names = ["kind", "label", "note", "inputs", "bypass", "links", "into"];
+                let names = [
+                    "kind",
+                    "label",
+                    "note",
+                    "inputs",
+                    "bypass",
+                    "links",
+                    "into",
+                    "interface",
+                    "template",
+                ];
                 Place::NodeField(id, field(self, &names))
             }
             4 => Place::Input(id, input),

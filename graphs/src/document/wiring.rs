@@ -6,20 +6,18 @@
 
 use super::edit::Edit;
 use super::graph::{self, wire_ends_problem};
-use super::{Document, Node, NodeId, Setting, Socket, values};
+use super::{Document, Node, NodeId, Setting, Socket, groups, values};
 use coif_nodes::define::{Arity, InputDef, NodeDef, OutputDef, Type};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What an output gives; none where there is no such output or nobody knows.
 pub fn output_type(document: &Document, from: &Socket) -> Option<Type> {
-    let def = coif_nodes::by_id(&document.node(from.node.as_str())?.kind)?;
-    def.output(&from.name).map(|(_, output)| output.ty)
+    document.def(&from.node)?.output(&from.name).map(|(_, output)| output.ty)
 }
 
 /// The declaration of an input; none where there is no such input or nobody knows.
 pub fn input_def(document: &Document, to: &Socket) -> Option<&'static InputDef> {
-    let def = coif_nodes::by_id(&document.node(to.node.as_str())?.kind)?;
-    def.input(&to.name).map(|(_, input)| input)
+    document.def(&to.node)?.input(&to.name).map(|(_, input)| input)
 }
 
 /// Whether an output can feed an input, as far as their types say.
@@ -100,6 +98,7 @@ impl<'a> LooseWire<'a> {
 /// Removes nodes; what their first outputs fed is fed by what fed them, where types fit. A removed
 /// display goes to what fed it.
 pub fn remove_healed(document: &Document, nodes: &BTreeSet<NodeId>) -> Edit {
+    let nodes = &groups::with_inside(document, nodes);
     let mut edits = healed(document, nodes);
     if let Some(id) = document.display.as_ref().filter(|id| nodes.contains(*id)) {
         let shown = first_output(document, id).and_then(|from| {
@@ -111,7 +110,8 @@ pub fn remove_healed(document: &Document, nodes: &BTreeSet<NodeId>) -> Edit {
         });
         edits.extend(shown.map(|from| Edit::SetDisplay(Some(from.node))));
     }
-    let there = nodes.iter().filter(|id| document.nodes.contains_key(*id));
+    // From within outwards: what comes back begins with the group.
+    let there = nodes.iter().rev().filter(|id| document.nodes.contains_key(*id));
     edits.extend(there.map(|id| Edit::RemoveNode { id: id.clone() }));
     Edit::Several(edits)
 }
@@ -148,8 +148,7 @@ fn healed(document: &Document, nodes: &BTreeSet<NodeId>) -> Vec<Edit> {
 }
 
 fn first_output(document: &Document, id: &NodeId) -> Option<Socket> {
-    let def = coif_nodes::by_id(&document.node(id.as_str())?.kind)?;
-    Some(Socket::new(id.clone(), def.outputs.first()?.name))
+    Some(Socket::new(id.clone(), document.def(id)?.outputs.first()?.name))
 }
 
 /// What feeds an output of one of `nodes` from outside of them, through first outputs and first
@@ -166,7 +165,7 @@ fn source(
         if !nodes.contains(&at.node) {
             return Some(at.clone());
         }
-        let def = document.node(at.node.as_str()).and_then(|node| coif_nodes::by_id(&node.kind));
+        let def = document.def(&at.node);
         if def.is_some_and(|def| def.outputs.first().is_none_or(|first| *first.name != *at.name)) {
             return None;
         }
@@ -202,7 +201,7 @@ pub fn insert_on_wire(
     }
     let kind =
         &document.node(node.as_str()).ok_or_else(|| format!("there is no node {node}"))?.kind;
-    let def = coif_nodes::by_id(kind).ok_or_else(|| format!("nobody knows what {kind:?} takes"))?;
+    let def = document.def(node).ok_or_else(|| format!("nobody knows what {kind:?} takes"))?;
     let given =
         output_type(document, from).ok_or_else(|| format!("nobody knows what {from} gives"))?;
     let taken = input_def(document, to).map_or(given, |input| input.ty);
@@ -232,7 +231,7 @@ pub fn change_kind(document: &Document, id: &NodeId, kind: &str) -> Result<Edit,
     let old = document.node(id.as_str()).ok_or_else(|| format!("there is no node {id}"))?;
     let def =
         coif_nodes::by_id(kind).ok_or_else(|| format!("there are no nodes of kind {kind:?}"))?;
-    let old_def = coif_nodes::by_id(&old.kind);
+    let old_def = document.def(id);
     let mut node = Node {
         label: old.label.clone(),
         note: old.note.clone(),

@@ -19,13 +19,13 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 /// A repository of one file in a folder of its own.
-struct Repository(PathBuf);
+pub(crate) struct Repository(PathBuf);
 
 /// The text of a file, and what two people made of it.
-type Branches = [String; 3];
+pub(crate) type Branches = [String; 3];
 
 impl Repository {
-    fn new(name: &str) -> Option<Self> {
+    pub(crate) fn new(name: &str) -> Option<Self> {
         if Command::new("git").arg("--version").output().is_err() {
             println!("skipped: {name} needs git");
             return None;
@@ -70,7 +70,7 @@ impl Repository {
         self.git(&["fast-import", "--quiet"], &stream).unwrap();
     }
     /// What merging each pair gives: b into a, and a into b; none where git finds a conflict.
-    fn merge_all(&self, all: &[Branches]) -> Vec<[Option<String>; 2]> {
+    pub(crate) fn merge_all(&self, all: &[Branches]) -> Vec<[Option<String>; 2]> {
         self.commit(all);
         let pairs: String =
             (0..all.len()).map(|n| format!("ours{n} theirs{n}\ntheirs{n} ours{n}\n")).collect();
@@ -344,7 +344,7 @@ fn edit(
 }
 
 /// The hash of all that a groom puts out.
-fn hash(evaluator: &Evaluator, text: &str) -> String {
+pub(crate) fn hash(evaluator: &Evaluator, text: &str) -> String {
     let loaded = read(text).unwrap_or_else(|err| panic!("{err}\n{text}"));
     assert!(
         loaded.dropped_comments.is_empty() && loaded.warnings.is_empty(),
@@ -361,6 +361,38 @@ fn hash(evaluator: &Evaluator, text: &str) -> String {
     }
 }
 
+/// A groom, and what each of two people makes of it by these edits and then so many of any kind, where they keep `apart` none about
+/// what the other's are about; with what each one's are about.
+pub(crate) fn pair(
+    seed: u64,
+    first: &[usize],
+    more: usize,
+    apart: bool,
+) -> ([Document; 3], Vec<BTreeSet<String>>) {
+    let mut random = Random::new(seed);
+    let base = base(&mut random);
+    let mut all = vec![BTreeSet::new()];
+    let both = ["a", "b"].map(|who| {
+        let (mut document, mut mine) = (base.clone(), BTreeSet::new());
+        let taken = if apart { all.last().unwrap() } else { &BTreeSet::new() };
+        let mut one = |random: &mut Random, what| {
+            edit(random, &base, &mut document, (who, what), taken, &mut mine)
+        };
+        for what in first {
+            while !one(&mut random, *what) {}
+        }
+        let mut made = 0;
+        for _ in 0..100 {
+            let what = random.below(11);
+            made += usize::from(made < more && one(&mut random, what));
+        }
+        all.push(mine);
+        document
+    });
+    let [ours, theirs] = both;
+    ([base, ours, theirs], all)
+}
+
 /// How many of `pairs` merge clean, where each of two people makes these edits and then so many of any
 /// kind.
 fn clean(name: &str, pairs: u64, first: &[usize], more: usize) -> Option<usize> {
@@ -368,27 +400,8 @@ fn clean(name: &str, pairs: u64, first: &[usize], more: usize) -> Option<usize> 
     let evaluator = Evaluator::new(1, 64 << 20).unwrap();
     let (mut branches, mut edits) = (vec![], vec![]);
     for seed in 0..pairs {
-        let mut random = Random::new(seed);
-        let base = base(&mut random);
-        let mut all = vec![BTreeSet::new()];
-        let mut texts = vec![write(&base)];
-        for who in ["a", "b"] {
-            let (mut document, mut mine) = (base.clone(), BTreeSet::new());
-            let mut one = |random: &mut Random, what| {
-                edit(random, &base, &mut document, (who, what), all.last().unwrap(), &mut mine)
-            };
-            for what in first {
-                while !one(&mut random, *what) {}
-            }
-            let mut made = 0;
-            for _ in 0..100 {
-                let what = random.below(11);
-                made += usize::from(made < more && one(&mut random, what));
-            }
-            texts.push(write(&document));
-            all.push(mine);
-        }
-        branches.push(<Branches>::try_from(texts).unwrap());
+        let (documents, all) = pair(seed, first, more, true);
+        branches.push(documents.map(|document| write(&document)));
         edits.push(all);
     }
     let merged = repository.merge_all(&branches);

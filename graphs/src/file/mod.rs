@@ -17,9 +17,10 @@ use std::path::Path;
 mod columns;
 mod gestures;
 #[cfg(test)]
-mod merges;
+pub(crate) mod merges;
 mod order;
 mod points;
+mod ports;
 mod read;
 mod scan;
 mod strokes;
@@ -29,6 +30,8 @@ mod upgrade;
 mod values;
 mod write;
 
+pub(crate) use order::lot;
+pub use ports::{TYPES as PORT_TYPES, UNITS as PORT_UNITS};
 pub(crate) use read::prove_raw;
 pub(crate) use values::proven_value;
 pub use values::{parse_value, read_value, write_value};
@@ -46,6 +49,8 @@ pub struct Loaded {
     pub document: Document,
     /// What this version does not know or cannot use; it is kept unless the message says otherwise.
     pub warnings: Vec<FileError>,
+    /// What a merge could not decide and nobody has since: comments that begin with [`CONFLICT`](crate::compare::CONFLICT). Each message says what to do.
+    pub conflicts: Vec<FileError>,
     /// Comments that stand where they cannot be kept: saving drops them. Each message is the
     /// comment.
     pub dropped_comments: Vec<FileError>,

@@ -18,7 +18,7 @@ pub(super) const ITEMS: usize = 16;
 pub(super) const FRAMES: usize = 8;
 
 /// Where a name stands among others.
-pub(super) fn lot(name: &str) -> u32 {
+pub(crate) fn lot(name: &str) -> u32 {
     KeyBuilder::new("lot").text(name).finish().0 as u32
 }
 

@@ -1,12 +1,15 @@
 //! Text to documents: the structs of formats 1 and 2, and their conversion.
 
 use super::order::in_order;
+use super::ports::{self, FileInterface, FileOrigin};
 use super::scan::{Scan, error_at, errors_at, scan, trimmed};
 use super::values::{Wrong, placed_value};
 use super::{FORMAT, FileError, Loaded, OLDEST, PART, upgrade};
+use crate::compare::CONFLICT;
 use crate::document::{
-    Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
+    BadId, Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
 };
+use coif_nodes::declared;
 use coif_nodes::define::{NodeDef, short};
 use ron::value::RawValue;
 use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
@@ -18,11 +21,11 @@ use std::ops::Range;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// The deepest nesting of brackets in a file: ours has 8; what is deeper is an attack on a
+/// The deepest nesting of brackets in a file: ours has 8, and 2 more for each group within a group; what is deeper is an attack on a
 /// recursive reader.
-const DEEPEST: usize = 64;
-/// What of it is left within the value of an input.
-const DEEPEST_VALUE: usize = DEEPEST - 8;
+const DEEPEST: usize = 128;
+/// What of it is left within the value of an input: groups within groups have two brackets each.
+const DEEPEST_VALUE: usize = 56;
 
 #[derive(Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, rename = "Groom")]
@@ -93,6 +96,12 @@ struct FileNode<'a> {
     at: Option<(f32, f32)>,
     #[serde(default)]
     collapsed: bool,
+    #[serde(borrow, default, deserialize_with = "there")]
+    interface: Option<FileInterface<'a>>,
+    #[serde(default, deserialize_with = "there")]
+    template: Option<FileOrigin>,
+    #[serde(borrow, default)]
+    nodes: Entries<NodeId, FileNode<'a>>,
 }
 
 /// The name of an input.
@@ -286,7 +295,7 @@ pub(super) fn read(text: &str) -> Result<Loaded, FileError> {
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
     refuse_conflicts(text)?;
     match parse::<FileGroom>(text) {
-        Ok(groom) if (OLDEST..=FORMAT).contains(&groom.format) => Ok(convert(text, groom)),
+        Ok(groom) if (OLDEST..=FORMAT).contains(&groom.format) => convert(text, groom),
         parsed => match upgrade::format_of(text) {
             Some((format, at)) if format > FORMAT => Err(error_at(
                 text,
@@ -339,15 +348,15 @@ pub(super) fn read_part(text: &str) -> Result<Loaded, FileError> {
         layout,
         ..FileGroom::default()
     };
-    Ok(convert(text, groom))
+    convert(text, groom)
 }
 
 /// Reads what an upgrade made. Places in it mean nothing to the user, who has the old file.
 fn read_upgraded(old: &str, new: &str, format: u32, at: usize) -> Result<Loaded, FileError> {
     let here = |message: String| error_at(old, at, format!("read as format {format}: {message}"));
     let groom = parse(new).map_err(|err| here(err.message))?;
-    let mut loaded = convert(new, groom);
-    for said in &mut loaded.warnings {
+    let mut loaded = convert(new, groom).map_err(|err| here(err.message))?;
+    for said in loaded.warnings.iter_mut().chain(&mut loaded.conflicts) {
         *said = here(std::mem::take(&mut said.message));
     }
     let kept: BTreeSet<String> = loaded.document.comments.values().flatten().cloned().collect();
@@ -419,6 +428,8 @@ struct Reader<'a> {
     warnings: Vec<(usize, String)>,
     /// Text that is kept as it is, comments in it too.
     raw: Vec<Range<usize>>,
+    /// Why the file is not read, found late.
+    refused: Option<(usize, String)>,
 }
 
 impl Reader<'_> {
@@ -431,18 +442,43 @@ impl Reader<'_> {
     }
 }
 
-fn convert(text: &str, groom: FileGroom) -> Loaded {
-    let mut reader = Reader { text, scan: scan(text), warnings: vec![], raw: vec![] };
+fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
+    let mut reader =
+        Reader { text, scan: scan(text), warnings: vec![], raw: vec![], refused: None };
     let mut document =
         Document { title: groom.title, note: groom.note, seed: groom.seed, ..Document::default() };
     let mut links: Vec<(Socket, Vec<Socket>)> = vec![];
     let mut into: BTreeMap<Socket, Vec<(Socket, Option<Socket>)>> = BTreeMap::new();
-    for (id, mut node) in groom.nodes.0 {
+    // Groups before what is in them: what they declare says what their border is.
+    let mut open: Vec<(NodeId, FileNode)> = groom.nodes.0.into_iter().rev().collect();
+    while let Some((id, mut node)) = open.pop() {
+        if document.nodes.contains_key(&id) {
+            let message = format!("{id}: it stands elsewhere in the file too: dropped");
+            reader.warn(&Place::Node(id), message);
+            continue;
+        }
+        for (inner, node) in std::mem::take(&mut node.nodes.0).into_iter().rev() {
+            match NodeId::within(Some(&id), inner.as_str()) {
+                Ok(inner) => open.push((inner, node)),
+                Err(_) => {
+                    let most = crate::document::DEEPEST_GROUP;
+                    let message =
+                        format!("{inner} in {id}: groups are nested deeper than {most}: dropped");
+                    reader.warn(&Place::Node(id.clone()), message);
+                }
+            }
+        }
+        let group = id.group();
+        // Within a group what is wired has the group's id before its own: it is left out.
+        let beside = |socket: Socket| within(group.as_ref(), socket.clone()).unwrap_or(socket);
         let wired = std::mem::take(&mut node.links.0).into_iter();
-        links.extend(wired.map(|(input, from)| (Socket::new(id.clone(), &input.0), from.0)));
+        links.extend(wired.map(|(input, from)| {
+            let from = from.0.into_iter().map(beside).collect();
+            (Socket::new(id.clone(), &input.0), from)
+        }));
         for FileInto(Wire { output, to, after }) in std::mem::take(&mut node.into) {
             let from = Socket::new(id.clone(), &output);
-            into.entry(to).or_default().push((from, after));
+            into.entry(beside(to)).or_default().push((from, after.map(beside)));
         }
         if let Some((x, y)) = node.at {
             reader.place(&mut document, &id, Point(x, y));
@@ -450,7 +486,7 @@ fn convert(text: &str, groom: FileGroom) -> Loaded {
         if node.collapsed {
             document.collapsed.insert(id.clone());
         }
-        let node = reader.node(&id, node);
+        let node = reader.node(&document, &id, node);
         document.nodes.insert(id, Arc::new(node));
     }
     links.extend(groom.links.0.into_iter().map(|(to, FileWires(from))| (to, from)));
@@ -516,19 +552,35 @@ impl Reader<'_> {
         self.warn(&Place::Layout(id.clone()), format!("layout of {id}: {why}: dropped"));
     }
 
-    fn node(&mut self, id: &NodeId, file: FileNode) -> Node {
-        let def = coif_nodes::by_id(&file.kind);
-        if def.is_none() {
-            let message = format!("{id}: unknown node kind {:?}: kept as it is", file.kind);
-            self.warn(&Place::NodeField(id.clone(), "kind".to_owned()), message);
-        }
+    fn node(&mut self, document: &Document, id: &NodeId, file: FileNode) -> Node {
         let mut node = Node {
             kind: file.kind,
             label: Some(file.label).filter(|label| !label.is_empty()),
             note: file.note,
             bypass: file.bypass,
+            template: file.template.map(|origin| Arc::new(origin.into())),
             ..Node::default()
         };
+        if let Some(declared) = file.interface {
+            let (interface, said) = ports::interface(declared);
+            node.interface = Some(interface);
+            for what in said {
+                let place = Place::NodeField(id.clone(), "interface".to_owned());
+                self.warn(&place, format!("{id}: {what}"));
+            }
+        }
+        let def = document.def_of(id, &node);
+        if def.is_none() && !declared::KINDS.contains(&node.kind.as_str()) {
+            let message = format!("{id}: unknown node kind {:?}: kept as it is", node.kind);
+            self.warn(&Place::NodeField(id.clone(), "kind".to_owned()), message);
+        }
+        if node.kind == declared::GROUP_OUTPUT && !file.inputs.0.is_empty() {
+            let message = format!(
+                "{id}: what goes out of a group comes by wire: its values are kept as they are"
+            );
+            self.warn(&Place::NodeField(id.clone(), "inputs".to_owned()), message);
+        }
+        let def = def.filter(|_| node.kind != declared::GROUP_OUTPUT);
         let written: BTreeSet<String> =
             file.inputs.0.iter().map(|(name, _)| name.clone()).collect();
         for (name, raw) in file.inputs.0 {
@@ -576,6 +628,10 @@ impl Reader<'_> {
             }
         }
         let at = self.at(place);
+        if let Err(why) = prove_raw(text) {
+            // Nested so deeply that it could not be read back from within groups.
+            self.refused.get_or_insert((at, why));
+        }
         self.raw.push(at..at + text.len());
         Setting::Raw(text.into())
     }
@@ -652,8 +708,7 @@ impl Reader<'_> {
         written: &Socket,
         place: fn(Socket) -> Place,
     ) -> Socket {
-        let node = document.node(written.node.as_str());
-        let def = node.and_then(|node| coif_nodes::by_id(&node.kind));
+        let def = document.def(&written.node);
         let to = Socket::new(written.node.clone(), &present_name(def, &written.name));
         if to != *written
             && let Some(lines) = self.scan.comments.remove(&place(written.clone()))
@@ -663,8 +718,19 @@ impl Reader<'_> {
         to
     }
 
-    fn finish(mut self, mut document: Document) -> Loaded {
+    fn finish(mut self, mut document: Document) -> Result<Loaded, FileError> {
+        if let Some((at, why)) = self.refused {
+            return Err(error_at(self.text, at, why));
+        }
         let mut dropped = std::mem::take(&mut self.scan.dropped);
+        let conflicts = self.scan.comments.values().flatten().chain(&dropped);
+        let conflicts = conflicts.filter_map(|comment| {
+            let left = comment.text.strip_prefix(CONFLICT)?;
+            let message =
+                format!("a merge left this to decide:{left}; choose, then remove this comment");
+            Some((comment.at, message))
+        });
+        let conflicts = conflicts.collect();
         for (place, lines) in std::mem::take(&mut self.scan.comments) {
             // What is written with nodes now had tables of its own, and where many go in the wires
             // may be typed with the node that they go to.
@@ -693,11 +759,20 @@ impl Reader<'_> {
             after == 0 || !raw[after - 1].contains(&comment.at)
         });
         let dropped = dropped.into_iter().map(|comment| (comment.at, comment.text)).collect();
-        Loaded {
+        Ok(Loaded {
             document,
             warnings: errors_at(self.text, self.warnings),
+            conflicts: errors_at(self.text, conflicts),
             dropped_comments: errors_at(self.text, dropped),
-        }
+        })
+    }
+}
+
+/// A socket that is written in a group, under the ids of the document.
+pub(super) fn within(group: Option<&NodeId>, socket: Socket) -> Result<Socket, BadId> {
+    match group {
+        Some(_) => Ok(Socket { node: NodeId::within(group, socket.node.as_str())?, ..socket }),
+        None => Ok(socket),
     }
 }
 

@@ -31,11 +31,12 @@ pub(super) struct Comment {
 #[derive(Clone, Copy)]
 enum Inside<'a> {
     Document,
-    Nodes,
+    /// In a group, or in none.
+    Nodes(Option<&'a NodeId>),
     Node(&'a NodeId),
     Inputs(&'a NodeId),
     Wired(&'a NodeId),
-    Into,
+    Into(&'a NodeId),
     Links,
     Frames,
     Bends,
@@ -291,7 +292,7 @@ impl<'a> Scanner<'a> {
                 Some(place) => self.attach(place.clone()),
                 None => self.found.dropped.append(&mut self.pending),
             }
-            if matches!(inside, Inside::Collapsed | Inside::Into) {
+            if matches!(inside, Inside::Collapsed | Inside::Into(_)) {
                 // Of a list: the entry is its own value.
                 self.at = start;
             } else {
@@ -318,7 +319,7 @@ impl<'a> Scanner<'a> {
     fn child(&mut self, place: &Place) {
         match place {
             Place::Field(name) => match name.as_str() {
-                "nodes" => self.entries(Inside::Nodes),
+                "nodes" => self.entries(Inside::Nodes(None)),
                 "links" => self.entries(Inside::Links),
                 "frames" => self.entries(Inside::Frames),
                 "bends" => self.entries(Inside::Bends),
@@ -335,7 +336,8 @@ impl<'a> Scanner<'a> {
             Place::NodeField(id, name) => match name.as_str() {
                 "inputs" => self.entries(Inside::Inputs(id)),
                 "links" => self.entries(Inside::Wired(id)),
-                "into" => self.entries(Inside::Into),
+                "into" => self.entries(Inside::Into(id)),
+                "nodes" => self.entries(Inside::Nodes(Some(id))),
                 _ => self.value(),
             },
             _ => self.value(),
@@ -376,7 +378,7 @@ fn key(token: &str) -> String {
 fn place(inside: Inside, key: &str) -> Option<Place> {
     Some(match inside {
         Inside::Document => Place::Field(key.to_owned()),
-        Inside::Nodes => Place::Node(NodeId::new(key).ok()?),
+        Inside::Nodes(group) => Place::Node(NodeId::within(group, key).ok()?),
         Inside::Node(id) => match key {
             "at" => Place::Layout(id.clone()),
             "collapsed" => Place::Collapsed(id.clone()),
@@ -384,7 +386,10 @@ fn place(inside: Inside, key: &str) -> Option<Place> {
         },
         Inside::Inputs(id) => Place::Input(id.clone(), key.to_owned()),
         Inside::Wired(id) => Place::Link(Socket::new(id.clone(), key)),
-        Inside::Into => Place::Link(key.parse::<super::read::Wire>().ok()?.to),
+        Inside::Into(id) => {
+            let wire: super::read::Wire = key.parse().ok()?;
+            Place::Link(super::read::within(id.group().as_ref(), wire.to).ok()?)
+        }
         Inside::Links => Place::Link(key.parse::<Socket>().ok()?),
         Inside::Frames => Place::Frame(key.to_owned()),
         Inside::Bends => Place::Bends(key.parse::<Socket>().ok()?),

@@ -337,7 +337,7 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
     said(
         &node("kind: \"resample\", knid: 3"),
         expect![
-            "x.ron:4:33: unexpected field named `knid` in `Node`, expected one of `kind`, `label`, `note`, `bypass`, `inputs`, `links`, `into`, `at`, or `collapsed` instead"
+            "x.ron:4:33: unexpected field named `knid` in `Node`, expected one of `kind`, `label`, `note`, `bypass`, `inputs`, `links`, `into`, `at`, `collapsed`, `interface`, `template`, or `nodes` instead"
         ],
     );
     said(&node("label: \"x\""), expect!["x.ron:4:25: the field `kind` is missing"]);
@@ -356,7 +356,7 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
     said(
         &node("kind: \"resample\"),\n        \"A b\": (kind: \"resample\""),
         expect![[
-            r#"x.ron:5:10: "A b" is no node id: use a lower case letter, then letters, digits and underscores, at most 64"#
+            r#"x.ron:5:10: "A b" is no node id: use a lower case letter, then letters, digits and underscores, at most 64, and within groups / between up to 16 of these"#
         ]],
     );
     said(

@@ -526,8 +526,8 @@ mod tests {
     #[test]
     fn the_default_of_every_input_of_every_node_comes_back() {
         for input in coif_nodes::all().flat_map(|def| def.inputs) {
-            if let Some(default) = input.default {
-                let value = fit(input.ty, default()).unwrap();
+            if let Some(default) = input.default() {
+                let value = fit(input.ty, default).unwrap();
                 let back = read_value(input.ty, &write_value(&value)).unwrap();
                 assert_eq!(back.key(), value.key(), "{}", input.name);
             }

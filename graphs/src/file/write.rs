@@ -1,13 +1,16 @@
 //! Documents to text.
 
 use super::order::{FRAMES, NODES, after, by_lot, lot};
+use super::ports::{origin_fields, write_port};
 use super::values::{new_line, quoted, write_to};
 use super::{FORMAT, PART};
 use crate::document::{
     Document, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
 };
+use coif_nodes::declared::Port;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 pub(super) fn write(document: &Document) -> String {
     let mut out = Writer::new(document, NODES);
@@ -63,6 +66,9 @@ impl<'a> Writer<'a> {
     fn new(document: &'a Document, paragraphs: usize) -> Self {
         let (mut wired, mut into) = (BTreeMap::<_, Vec<_>>::new(), BTreeMap::<_, Vec<_>>::new());
         for (to, wires) in &document.links {
+            if document.is_apart(to, wires) {
+                continue;
+            }
             if !document.is_said_by_sources(to) {
                 wired.entry(&to.node).or_default().push((to, &wires[..]));
                 continue;
@@ -83,16 +89,15 @@ impl Writer<'_> {
     fn nodes_and_more(&mut self) {
         let document = self.document;
         let out = self;
-        out.field("nodes", |out| out.nodes());
-        let apart = |to: &&Socket| !document.nodes.contains_key(&to.node);
-        if document.links.keys().any(|to| apart(&to)) {
+        out.field("nodes", |out| out.nodes(None));
+        if document.links.iter().any(|(to, from)| document.is_apart(to, from)) {
             out.field("links", |out| {
-                let links = document.links.iter().filter(|(to, _)| apart(to));
+                let links = document.links.iter().filter(|(to, from)| document.is_apart(to, from));
                 let links = links.map(|(to, from)| (Place::Link(to.clone()), (to, from)));
                 out.map(None, links, |out, (to, from)| {
                     out.quoted(&to.to_string());
                     out.text(": ");
-                    out.wires(from);
+                    out.wires(None, from);
                 });
             });
         }
@@ -209,11 +214,20 @@ impl Writer<'_> {
     fn point(&mut self, Point(x, y): Point) {
         let _ = write!(self.out, "({x:?}, {y:?})");
     }
-    fn nodes(&mut self) {
-        let nodes = self.document.nodes.iter();
-        let nodes = nodes.map(|(id, node)| (Place::Node(id.clone()), (id, node)));
-        self.map(Some(self.paragraphs), nodes, |out, (id, node)| {
-            out.quoted(id.as_str());
+    /// The nodes in a group, or those in none.
+    fn nodes(&mut self, group: Option<&NodeId>) {
+        let document = self.document;
+        let nodes: Vec<(&NodeId, &Arc<Node>)> = match group {
+            Some(group) => document.inside(group).collect(),
+            None => document.nodes.iter().collect(),
+        };
+        let nodes = nodes
+            .into_iter()
+            .filter(|(id, _)| document.written_in(id).as_ref() == group)
+            .map(|(id, node)| (Place::Node(id.clone()), (id, node)));
+        let paragraphs = if group.is_some() { self.besides() } else { Some(self.paragraphs) };
+        self.map(paragraphs, nodes, |out, (id, node)| {
+            out.quoted(if group.is_some() { id.word() } else { id.as_str() });
             out.text(": ");
             out.node(id, node);
         });
@@ -249,6 +263,34 @@ impl Writer<'_> {
         if node.bypass {
             self.node_field(id, "bypass", |out| out.text("true"));
         }
+        if let Some(origin) = &node.template {
+            self.node_field(id, "template", |out| {
+                out.out.push('(');
+                out.indent += 4;
+                for line in origin_fields(origin) {
+                    out.line(|out| out.text(&line));
+                }
+                out.indent -= 4;
+                new_line(&mut out.out, out.indent);
+                out.out.push(')');
+            });
+        }
+        if let Some(interface) = node.interface {
+            self.node_field(id, "interface", |out| {
+                out.out.push('(');
+                out.indent += 4;
+                for (side, ports) in
+                    [("inputs", interface.inputs()), ("outputs", interface.outputs())]
+                {
+                    if !ports.is_empty() {
+                        out.line(|out| out.ports(side, ports));
+                    }
+                }
+                out.indent -= 4;
+                new_line(&mut out.out, out.indent);
+                out.out.push(')');
+            });
+        }
         if !node.inputs.is_empty() {
             self.node_field(id, "inputs", |out| {
                 let inputs = node.inputs.iter();
@@ -271,7 +313,7 @@ impl Writer<'_> {
                 out.map(None, wired, |out, (to, from)| {
                     out.quoted(&to.name);
                     out.text(": ");
-                    out.wires(from);
+                    out.wires(id.group().as_ref(), from);
                 });
             });
         }
@@ -280,9 +322,10 @@ impl Writer<'_> {
                 out.out.push('[');
                 out.indent += 4;
                 for Into { from, to, after, is_first } in into {
-                    let mut line = format!("{} to {to}", from.name);
+                    let said = |socket: &Socket| format!("{}.{}", socket.node.word(), socket.name);
+                    let mut line = format!("{} to {}", from.name, said(to));
                     if let Some(after) = after {
-                        let _ = write!(line, " after {after}");
+                        let _ = write!(line, " after {}", said(after));
                     }
                     // What stands before the wires of an input stands before the first of them.
                     let place = Place::Link(to.clone());
@@ -296,9 +339,24 @@ impl Writer<'_> {
                 out.out.push(']');
             });
         }
+        if node.is_group() && self.document.inside(id).next().is_some() {
+            self.node_field(id, "nodes", |out| out.nodes(Some(id)));
+        }
         self.indent -= 4;
         new_line(&mut self.out, self.indent);
         self.out.push(')');
+    }
+    /// One side of an interface, a port a line.
+    fn ports(&mut self, side: &str, ports: &[Port]) {
+        self.text(side);
+        self.text(": [");
+        self.indent += 4;
+        for port in ports {
+            self.line(|out| write_port(&mut out.out, port));
+        }
+        self.indent -= 4;
+        new_line(&mut self.out, self.indent);
+        self.out.push(']');
     }
     fn node_field(&mut self, id: &NodeId, name: &str, what: impl FnOnce(&mut Self)) {
         self.entry(&Place::NodeField(id.clone(), name.to_owned()), |out| {
@@ -307,15 +365,20 @@ impl Writer<'_> {
             what(out);
         });
     }
-    /// Outputs that are wired to an input: one, or each on its line.
-    fn wires(&mut self, from: &[Socket]) {
+    /// Outputs that are wired to an input of a node of `group`: one, or each on its line.
+    fn wires(&mut self, group: Option<&NodeId>, from: &[Socket]) {
+        // Within a group all have its id before theirs: it is left out.
+        let said = |socket: &Socket| match group {
+            Some(_) => format!("{}.{}", socket.node.word(), socket.name),
+            None => socket.to_string(),
+        };
         if let [one] = from {
-            return self.quoted(&one.to_string());
+            return self.quoted(&said(one));
         }
         self.out.push('[');
         self.indent += 4;
         for wire in from {
-            self.line(|out| out.quoted(&wire.to_string()));
+            self.line(|out| out.quoted(&said(wire)));
         }
         self.indent -= 4;
         new_line(&mut self.out, self.indent);

@@ -5,7 +5,8 @@
 
 use super::files::Files;
 use super::plan::{Plan, Source, Step};
-use crate::document::{Document, NodeId, Setting, Socket, graph};
+use crate::document::{Document, Node, NodeId, Setting, Socket, graph, values};
+use coif_nodes::declared::{self, Port};
 use coif_nodes::define::{Arity, Type, Value};
 use coif_nodes::eval::Quality;
 use std::collections::BTreeMap;
@@ -51,7 +52,8 @@ pub fn plan_possible(
     quality: Quality,
     files: &dyn Files,
 ) -> (Plan, Vec<Option<BadRequest>>) {
-    let mut planner = Planner { document, files, known: BTreeMap::new(), steps: vec![] };
+    let mut planner =
+        Planner { document, files, known: BTreeMap::new(), steps: vec![], has_groups: false };
     let found: Vec<Result<(usize, usize), BadRequest>> =
         targets.iter().map(|target| planner.target(target)).collect();
     let mut plan = Plan {
@@ -61,7 +63,8 @@ pub fn plan_possible(
         steps: planner.steps,
         targets: found.iter().flatten().copied().collect(),
     };
-    if plan.targets.len() < targets.len() {
+    // What is wired to a group may feed nothing in it.
+    if plan.targets.len() < targets.len() || planner.has_groups {
         drop_unneeded(&mut plan);
     }
     (plan, found.into_iter().map(Result::err).collect())
@@ -109,8 +112,19 @@ enum Known {
     Visited,
     /// It is this step.
     Step(usize),
+    /// It is not run: each of its outputs comes from elsewhere.
+    Through(BTreeMap<&'static str, Result<Led, BadRequest>>),
     /// It cannot be, or something that it needs cannot.
     Bad(BadRequest),
+}
+
+/// The most wires that lead to one port: borders of groups could double them at each step.
+const MOST_LED: usize = 10_000;
+
+/// What an output of a group, of its border or of parameters comes from: nothing, one, or many where many are taken.
+#[derive(Clone)]
+struct Led {
+    from: Vec<(Source, Type)>,
 }
 
 /// Steps in an order in which each comes after what it reads.
@@ -119,13 +133,27 @@ struct Planner<'a> {
     files: &'a dyn Files,
     known: BTreeMap<NodeId, Known>,
     steps: Vec<Step>,
+    has_groups: bool,
 }
 
 impl Planner<'_> {
     /// Step and output of a target, planned with all that it needs.
     fn target(&mut self, target: &Socket) -> Result<(usize, usize), BadRequest> {
         self.visit(&target.node);
-        self.output(target).map(|(step, output, _)| (step, output))
+        match &self.output(target)?[..] {
+            [(Source::Wire { step, output }, _)] => Ok((*step, *output)),
+            [] => Err(bad(
+                &target.node,
+                format!("{} gives nothing: nothing leads to it", target.name),
+            )),
+            [(Source::Value(_), _)] => {
+                Err(bad(&target.node, format!("{} is a value, not hair or a head", target.name)))
+            }
+            many => {
+                let count = many.len();
+                Err(bad(&target.node, format!("{} is {count} wires: merge them", target.name)))
+            }
+        }
     }
 
     /// Walks upstream without recursion: a chain may be as long as a document allows.
@@ -133,6 +161,11 @@ impl Planner<'_> {
         let mut stack = vec![(target.clone(), false)];
         while let Some((id, sources_done)) = stack.pop() {
             if sources_done {
+                if let Some(through) = self.through(&id) {
+                    self.has_groups = true;
+                    self.known.insert(id, Known::Through(through));
+                    continue;
+                }
                 let known = match self.step(&id) {
                     Ok(step) => {
                         self.steps.push(step);
@@ -152,18 +185,25 @@ impl Planner<'_> {
                 continue;
             }
             self.known.insert(id.clone(), Known::Visited);
-            let sources: Vec<&Socket> =
-                graph::inputs_of(self.document, &id).flat_map(|(_, from)| from).collect();
+            let sources: Vec<&NodeId> = graph::all_feeders(self.document, &id).collect();
             stack.push((id, true));
-            let new = sources.into_iter().rev().filter(|from| !self.known.contains_key(&from.node));
-            stack.extend(new.map(|from| (from.node.clone(), false)));
+            let new = sources.into_iter().rev().filter(|from| !self.known.contains_key(*from));
+            stack.extend(new.map(|from| (from.clone(), false)));
         }
     }
 
-    /// Step, number and type of an output of a node that was visited.
-    fn output(&self, socket: &Socket) -> Result<(usize, usize, Type), BadRequest> {
+    /// What an output of a node that was visited comes from: itself, or where a group leads to.
+    fn output(&self, socket: &Socket) -> Result<Vec<(Source, Type)>, BadRequest> {
         let step = match self.known.get(&socket.node) {
             Some(Known::Step(step)) => *step,
+            Some(Known::Through(outputs)) => {
+                let known = || outputs.keys().copied().collect::<Vec<_>>().join(", ");
+                let found = outputs.get(&*socket.name).cloned().unwrap_or_else(|| {
+                    let name = &*socket.name;
+                    Err(bad(&socket.node, format!("has no output {name:?}; it gives {}", known())))
+                });
+                return found.map(|led| led.from);
+            }
             Some(Known::Bad(bad)) => return Err(bad.clone()),
             Some(Known::Visited) | None => return Err(bad(&socket.node, "is wired in a circle")),
         };
@@ -173,7 +213,89 @@ impl Planner<'_> {
             let (name, known) = (&*socket.name, known.join(", "));
             bad(&socket.node, format!("has no output {name:?}; {} gives {known}", def.told()))
         })?;
-        Ok((step, found.0, found.1.ty))
+        Ok(vec![(Source::Wire { step, output: found.0 }, found.1.ty)])
+    }
+
+    /// Where each output of a group, of its border or of parameters leads to; none for nodes that run.
+    fn through(&self, id: &NodeId) -> Option<BTreeMap<&'static str, Result<Led, BadRequest>>> {
+        let node = self.document.node(id.as_str())?;
+        let group = id.group();
+        let outputs =
+            |ports: &'static [Port], one: &dyn Fn(&'static Port) -> Result<Led, BadRequest>| {
+                Some(ports.iter().map(|port| (port.name.as_str(), one(port))).collect())
+            };
+        let interface = node.interface.unwrap_or_default();
+        match node.kind.as_str() {
+            declared::GROUP if node.bypass => outputs(interface.outputs(), &|port| {
+                let same = interface.inputs().iter().filter(|input| input.ty == port.ty);
+                for input in same {
+                    let led = self.led(id, node, input)?;
+                    if !led.from.is_empty() {
+                        return Ok(led);
+                    }
+                }
+                Err(bad(
+                    id,
+                    format!("is bypassed, and nothing that comes in is {}", port.ty.name()),
+                ))
+            }),
+            declared::GROUP => outputs(interface.outputs(), &|port| {
+                let out = self.document.outputs_of(id);
+                let out = out.ok_or_else(|| {
+                    bad(id, "nothing in it says what it gives: add a group_output")
+                })?;
+                let inside =
+                    self.document.node(out.as_str()).ok_or_else(|| bad(out, "is not there"))?;
+                self.led(out, inside, &Port { default: None, ..port.clone() })
+            }),
+            declared::GROUP_INPUT => {
+                let group = group.as_ref()?;
+                let outside = self.document.node(group.as_str()).filter(|node| node.is_group())?;
+                let ports = outside.interface.unwrap_or_default().inputs();
+                outputs(ports, &|port| self.led(group, outside, port))
+            }
+            declared::GROUP_OUTPUT => Some(BTreeMap::new()),
+            declared::PARAMETERS => outputs(interface.inputs(), &|port| self.led(id, node, port)),
+            _ => None,
+        }
+    }
+
+    /// What comes in by a port of a node: what is wired to it, else what it is set to, else its default.
+    fn led(&self, id: &NodeId, node: &Node, port: &Port) -> Result<Led, BadRequest> {
+        let wires = self.document.wires(id, &port.name);
+        if !wires.is_empty() {
+            let mut from = vec![];
+            for socket in wires {
+                for (source, ty) in self.output(socket)? {
+                    from.push((fitting(id, &port.name, port.ty, socket, (source, ty))?, port.ty));
+                }
+            }
+            if from.len() > MOST_LED {
+                let count = from.len();
+                return Err(bad(
+                    id,
+                    format!("{count} wires lead to {}: merge some before", port.name),
+                ));
+            }
+            if from.len() > 1 && port.arity != Arity::Many {
+                return Err(bad(id, format!("{} takes one wire, not {}", port.name, from.len())));
+            }
+            return Ok(Led { from });
+        }
+        let set = match node.inputs.get(&port.name) {
+            Some(setting) => self.value(id, &port.name, port.ty, setting)?,
+            None => match &port.default {
+                Some(value) => {
+                    self.value(id, &port.name, port.ty, &Setting::Known(value.clone()))?
+                }
+                None => None,
+            },
+        };
+        let clamped = set.map(|source| match source {
+            Source::Value(value) => Source::Value(port.clamped(value)),
+            wire => wire,
+        });
+        Ok(Led { from: clamped.into_iter().map(|source| (source, port.ty)).collect() })
     }
 
     /// The step of a node whose sources were visited.
@@ -188,18 +310,15 @@ impl Planner<'_> {
         for (to, from) in graph::inputs_of(self.document, id) {
             let (at, input) =
                 def.input(&to.name).ok_or_else(|| unknown_input(id, def, &to.name))?;
-            if input.arity != Arity::Many && from.len() > 1 {
-                return Err(bad(id, format!("{} takes one wire, not {}", to.name, from.len())));
-            }
             inputs[at].clear();
             for socket in from {
-                let (step, output, ty) = self.output(socket)?;
-                if !ty.fits(input.ty) {
-                    let (takes, gives) = (input.ty.name(), ty.name());
-                    let reason = format!("{} takes {takes}, but {socket} gives {gives}", to.name);
-                    return Err(bad(id, reason));
+                for led in self.output(socket)? {
+                    inputs[at].push(fitting(id, &to.name, input.ty, socket, led)?);
                 }
-                inputs[at].push(Source::Wire { step, output });
+            }
+            let count = from.len().max(inputs[at].len());
+            if input.arity != Arity::Many && count > 1 {
+                return Err(bad(id, format!("{} takes one wire, not {count}", to.name)));
             }
         }
         Ok(Step { name: id.to_string(), def, bypass: node.bypass, inputs })
@@ -231,6 +350,27 @@ impl Planner<'_> {
             _ => value,
         };
         Ok(Some(Source::Value(value)))
+    }
+}
+
+/// What leads to an input, as it takes it.
+fn fitting(
+    id: &NodeId,
+    name: &str,
+    takes: Type,
+    from: &Socket,
+    (source, gives): (Source, Type),
+) -> Result<Source, BadRequest> {
+    if !gives.fits(takes) {
+        let (takes, gives) = (takes.name(), gives.name());
+        return Err(bad(id, format!("{name} takes {takes}, but {from} gives {gives}")));
+    }
+    match source {
+        Source::Value(value) if takes != Type::File => {
+            let fitted = values::fit(takes, value);
+            fitted.map(Source::Value).map_err(|why| bad(id, format!("{name}: {why}")))
+        }
+        source => Ok(source),
     }
 }
 

@@ -4,6 +4,7 @@ use crate::document::{Document, Setting};
 use coif_nodes::data::attributes::{Attribute, Column, Domain, Item, default_of};
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::gestures::Replayed;
+use coif_nodes::declared::Interface;
 use coif_nodes::define::{NodeError, Value};
 use coif_nodes::eval::Message;
 use coif_nodes::maths::hash::canonical;
@@ -114,6 +115,8 @@ pub fn document_hash(document: &Document) -> String {
         let node = Arc::make_mut(node);
         node.note.clear();
         node.label = None;
+        node.template = None;
+        node.interface = node.interface.map(Interface::without_words);
         for setting in node.inputs.values_mut() {
             if let Setting::Known(Value::Strokes(strokes)) = setting
                 && strokes.0.iter().any(|stroke| !stroke.drawn.is_empty())

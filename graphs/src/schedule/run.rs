@@ -377,7 +377,7 @@ fn node_key(
             continue;
         }
         // A value that says what the default says is the same value.
-        let default = def.default.map(|default| default().key());
+        let default = def.default().map(|default| default.key());
         if values.len() == 1 && default == Some(values[0].key()) {
             continue;
         }

@@ -7,7 +7,8 @@
 //! patterns, and hair that is led within its section: that needs the map.
 
 use super::chart::cross;
-use super::outline::{Joined, Line, Net, Piece, edge, for_middles, in_triangle, within};
+use super::links::{Joined, edge};
+use super::outline::{Line, Piece, for_middles, in_triangle, within};
 use super::scalp::Scalp;
 use super::sections::{NONE, Parting, Section, ids};
 use crate::maths::closest::Surface;
@@ -36,8 +37,7 @@ impl MeshCut {
         scalp: &Scalp,
         partings: &[Parting],
     ) -> (Self, Vec<Section>, usize, Option<String>) {
-        let surface = scalp.surface();
-        let net = Net::new(surface);
+        let (surface, net) = (scalp.surface(), scalp.net());
         let lines: Vec<Line> = partings.iter().map(|line| net.line(&line.points, false)).collect();
         let crossed: BTreeSet<(u32, u32)> =
             lines.iter().flat_map(|line| line.crossed.iter().copied()).collect();
@@ -45,7 +45,7 @@ impl MeshCut {
         for (t, corners) in (0u32..).zip(&surface.triangles) {
             for side in (0..3).map(|k| edge(corners, k)) {
                 if !surface.is_gone(t) && !crossed.contains(&side) {
-                    joined.join(side, false);
+                    joined.join(side);
                 }
             }
         }
@@ -59,11 +59,11 @@ impl MeshCut {
         let mut label = |v: u32| {
             let piece = net.piece(v);
             if touched.contains(&piece) {
-                return joined.root(v).0;
+                return joined.root(v);
             }
             *known.entry(piece).or_insert_with(|| {
                 near.find(surface.points[v as usize], 1, &mut found);
-                found.first().map_or(0, |(_, i)| joined.root(beside[*i as usize]).0)
+                found.first().map_or(0, |(_, i)| joined.root(beside[*i as usize]))
             })
         };
         let labels = (0..surface.points.len() as u32).map(&mut label).collect();

@@ -9,13 +9,13 @@
 //! skin that hangs together with the line is inside; the same sides for any order of triangles. Not promised: anything useful of a
 //! line that does not part the piece of mesh that it lies on, which is told ([`Outline::is_torn`]).
 
+use super::links::{Links, NONE, edge};
 use crate::maths::closest::{Hit, Surface, closest_on_triangle};
 use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+use std::sync::Arc;
 
-/// No triangle; no side.
-const NONE: u32 = u32::MAX;
 /// Crossings keep off corners by this share of an edge, and points off edges by this share of a triangle.
 const OFF: f32 = 1e-3;
 /// A straight way is given up where it has become so many times longer than it should be.
@@ -23,13 +23,10 @@ const TOO_LONG: f32 = 3.0;
 /// The most triangles that are looked at for a way where none is straight.
 const LOOKS: usize = 100_000;
 
-/// How the triangles of a surface hang together.
+/// A surface and how its triangles hang together.
 pub(crate) struct Net<'a> {
     surface: &'a Surface,
-    /// Over the side from each corner to the next: the triangle there, or [`NONE`].
-    beside: Vec<[u32; 3]>,
-    /// A number for each vertex, the same for what hangs together.
-    pieces: Vec<u32>,
+    links: Arc<Links>,
 }
 
 /// A straight piece of a line, in one triangle.
@@ -56,34 +53,24 @@ pub(crate) struct Line {
 
 impl<'a> Net<'a> {
     pub(crate) fn new(surface: &'a Surface) -> Self {
-        let mut sides: Vec<((u32, u32), u32)> = vec![];
-        for (t, corners) in (0u32..).zip(&surface.triangles) {
-            if !surface.is_gone(t) {
-                sides.extend((0..3).map(|k| (edge(corners, k), 3 * t + k as u32)));
-            }
-        }
-        sides.sort_unstable();
-        let mut beside = vec![[NONE; 3]; surface.triangles.len()];
-        let mut joined = Joined::new(surface.points.len());
-        for same in sides.chunk_by(|a, b| a.0 == b.0) {
-            joined.join(same[0].0, false);
-            for pair in same.chunks_exact(2) {
-                for [a, b] in [[pair[0].1, pair[1].1], [pair[1].1, pair[0].1]] {
-                    beside[a as usize / 3][a as usize % 3] = b / 3;
-                }
-            }
-        }
-        let pieces = (0..surface.points.len() as u32).map(|v| joined.root(v).0).collect();
-        Self { surface, beside, pieces }
+        Self::of(surface, Arc::new(Links::new(surface)))
+    }
+    /// The same where it is known how the surface hangs together.
+    pub(crate) fn of(surface: &'a Surface, links: Arc<Links>) -> Self {
+        Self { surface, links }
     }
 
     /// The surface.
     pub(crate) fn surface(&self) -> &'a Surface {
         self.surface
     }
+    /// How it hangs together.
+    pub(crate) fn links(&self) -> Arc<Links> {
+        self.links.clone()
+    }
     /// A number for the vertices of each piece of the mesh that hangs together.
     pub(crate) fn piece(&self, vertex: u32) -> u32 {
-        self.pieces[vertex as usize]
+        self.links.pieces[vertex as usize]
     }
     /// The pieces of the mesh that a line runs over.
     pub(super) fn touched<'p>(&self, line: impl IntoIterator<Item = &'p Piece>) -> BTreeSet<u32> {
@@ -92,15 +79,27 @@ impl<'a> Net<'a> {
     }
     /// The triangles over the sides of one.
     pub(crate) fn beside(&self, triangle: u32) -> impl Iterator<Item = u32> {
-        self.beside[triangle as usize].into_iter().filter(|t| *t != NONE)
+        self.links.beside[triangle as usize].into_iter().filter(|t| *t != NONE)
+    }
+
+    /// Whether the ends of all edges are on one side each, and those of crossed ones on two.
+    fn is_parted(&self, odd: &BTreeSet<(u32, u32)>, sides: &[bool]) -> bool {
+        let differ = |(a, b): (u32, u32)| sides[a as usize] != sides[b as usize];
+        let sound = |t: u32, corners: &[u32; 3]| {
+            let [a, b, c] = corners.map(|v| sides[v as usize]);
+            (a == b && b == c)
+                || self.surface.is_gone(t)
+                || (0..3).map(|k| edge(corners, k)).all(|edge| !differ(edge) || odd.contains(&edge))
+        };
+        odd.iter().all(|edge| differ(*edge))
+            && (0u32..).zip(&self.surface.triangles).all(|(t, corners)| sound(t, corners))
     }
 
     /// The line through points near the skin, closed or not. It stays on one piece of the mesh, that which most points are on.
     pub(crate) fn line(&self, points: &[Vec3], closed: bool) -> Line {
         let mut line = Line::default();
         let hits: Vec<Option<Hit>> = points.iter().map(|p| self.surface.closest(*p)).collect();
-        let piece =
-            |hit: &Hit| self.pieces[self.surface.triangles[hit.triangle as usize][0] as usize];
+        let piece = |hit: &Hit| self.piece(self.surface.triangles[hit.triangle as usize][0]);
         let mut votes: BTreeMap<u32, usize> = BTreeMap::new();
         for hit in hits.iter().flatten() {
             *votes.entry(piece(hit)).or_default() += 1;
@@ -143,7 +142,7 @@ impl<'a> Net<'a> {
     fn closest_on(&self, p: Vec3, piece: u32) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         for (triangle, corners) in (0u32..).zip(&self.surface.triangles) {
-            if self.pieces[corners[0] as usize] != piece || self.surface.is_gone(triangle) {
+            if self.piece(corners[0]) != piece || self.surface.is_gone(triangle) {
                 continue;
             }
             let (bary, point) = closest_on_triangle(p, self.surface.corners(triangle));
@@ -212,7 +211,7 @@ impl<'a> Net<'a> {
 
     /// The triangle over a side, and which of its sides that is.
     fn over(&self, triangle: u32, k: usize) -> Option<(u32, usize)> {
-        let next = self.beside[triangle as usize][k];
+        let next = self.links.beside[triangle as usize][k];
         let edge_of = |t: u32, k: usize| edge(&self.surface.triangles[t as usize], k);
         let entered = (next != NONE)
             .then(|| (0..3).find(|other| edge_of(next, *other) == edge_of(triangle, k)))??;
@@ -279,12 +278,6 @@ pub(super) fn in_triangle(pieces: &[Piece], triangle: u32) -> &[Piece] {
     &pieces[from..from + count]
 }
 
-/// The edge from a corner of a triangle to the next.
-pub(super) fn edge(corners: &[u32; 3], k: usize) -> (u32, u32) {
-    let (a, b) = (corners[k], corners[(k + 1) % 3]);
-    (a.min(b), a.max(b))
-}
-
 /// Weights of the second and third corner at a share of the way from corner `k` to the next.
 fn on_side(k: usize, share: f32) -> Vec2 {
     match k {
@@ -303,43 +296,6 @@ fn carried(surface: &Surface, from: u32, bary: Vec2, to: u32) -> Vec2 {
         same.map_or(0.0, |k| weights[k].max(0.0))
     });
     Vec2::new(x, y)
-}
-
-/// Vertices joined, each on one of two sides of what it is joined to.
-pub(super) struct Joined {
-    to: Vec<(u32, bool)>,
-    /// Whether two were joined on the same side and on the other.
-    torn: bool,
-}
-
-impl Joined {
-    pub(super) fn new(count: usize) -> Self {
-        Self { to: (0..count as u32).map(|v| (v, false)).collect(), torn: false }
-    }
-    /// The one that a vertex is joined to, and whether it is on the other side.
-    pub(super) fn root(&mut self, v: u32) -> (u32, bool) {
-        let (mut root, mut other) = (v, false);
-        while self.to[root as usize].0 != root {
-            let (next, turned) = self.to[root as usize];
-            (root, other) = (next, other != turned);
-        }
-        // The way is shortened for whoever asks next.
-        let (mut at, mut side) = (v, other);
-        while at != root {
-            let (next, turned) = std::mem::replace(&mut self.to[at as usize], (root, side));
-            (at, side) = (next, side != turned);
-        }
-        (root, other)
-    }
-    pub(super) fn join(&mut self, (a, b): (u32, u32), other: bool) {
-        let ((a, on_a), (b, on_b)) = (self.root(a), self.root(b));
-        let turned = on_a != (on_b != other);
-        match a.cmp(&b) {
-            std::cmp::Ordering::Equal => self.torn |= turned,
-            std::cmp::Ordering::Less => self.to[b as usize] = (a, turned),
-            std::cmp::Ordering::Greater => self.to[a as usize] = (b, turned),
-        }
-    }
 }
 
 /// A closed line and its inside.
@@ -364,43 +320,27 @@ const SHARES: u32 = 24;
 impl Outline {
     /// What a closed line encloses: of its two sides the smaller. Distances to it are known up to `reach`, cm.
     pub(crate) fn new(net: &Net, line: &Line, reach: f32) -> Self {
-        let surface = net.surface;
         let mut crossed = line.crossed.clone();
         crossed.sort_unstable();
-        let mut odd = BTreeSet::new();
         let touched = net.touched(&line.pieces);
-        for same in crossed.chunk_by(|a, b| a == b) {
-            if same.len() % 2 == 1 {
-                odd.insert(same[0]);
-            }
-        }
-        let mut joined = Joined::new(surface.points.len());
-        for (t, corners) in (0u32..).zip(&surface.triangles) {
-            if !surface.is_gone(t) {
-                for k in 0..3 {
-                    let edge = edge(corners, k);
-                    joined.join(edge, odd.contains(&edge));
-                }
-            }
-        }
-        let side = |v: u32, joined: &mut Joined| {
-            touched.contains(&net.pieces[v as usize]) && joined.root(v).1
-        };
-        let inside: Vec<bool> =
-            (0..surface.points.len() as u32).map(|v| side(v, &mut joined)).collect();
+        let odd: BTreeSet<(u32, u32)> = crossed
+            .chunk_by(|a, b| a == b)
+            .filter(|same| same.len() % 2 == 1)
+            .map(|same| same[0])
+            .collect();
+        let inside = net.links.sides(&odd);
         let mut pieces = line.pieces.clone();
         pieces.sort_by_key(|piece| piece.triangle);
-        let torn = joined.torn || !line.gaps.is_empty();
+        let torn = !line.gaps.is_empty() || !net.is_parted(&odd, &inside);
         let length = |piece: &Piece| piece.ends[0].distance(piece.ends[1]);
         let side = pieces.iter().map(length).fold(reach, f32::max);
         let near = BTreeMap::new();
         let mut outline = Self { pieces, inside, area: 0.0, torn, near, side, reach };
-        let on = |t: u32| touched.contains(&net.pieces[surface.triangles[t as usize][0] as usize]);
-        let areas = outline.areas(surface, &on);
+        let areas = outline.areas(net, &touched);
         outline.area = areas[1];
         if areas[1] > areas[0] {
             outline.area = areas[0];
-            for (inside, piece) in outline.inside.iter_mut().zip(&net.pieces) {
+            for (inside, piece) in outline.inside.iter_mut().zip(&net.links.pieces) {
                 *inside = touched.contains(piece) && !*inside;
             }
         }
@@ -421,19 +361,23 @@ impl Outline {
     }
 
     /// The skin on which the line lies: of one side and of the other, cm2.
-    fn areas(&self, surface: &Surface, on: &dyn Fn(u32) -> bool) -> [f32; 2] {
+    fn areas(&self, net: &Net, touched: &BTreeSet<u32>) -> [f32; 2] {
+        let surface = net.surface;
         let mut areas = [0.0f64; 2];
+        let mut cut = self.pieces.chunk_by(|a, b| a.triangle == b.triangle).peekable();
         for (t, corners) in (0u32..).zip(&surface.triangles) {
-            if surface.is_gone(t) || !on(t) {
+            let pieces = cut.next_if(|pieces| pieces[0].triangle == t);
+            if surface.is_gone(t) || !touched.contains(&net.piece(corners[0])) {
                 continue;
             }
-            let area = 0.5 * f64::from(surface.area_vector(t).length());
-            if self.of(t).is_empty() {
-                areas[usize::from(self.inside[corners[0] as usize])] += area;
+            let area = 0.5 * f64::from(net.links.twice[t as usize]);
+            let inside = self.inside[corners[0] as usize];
+            let Some(pieces) = pieces else {
+                areas[usize::from(inside)] += area;
                 continue;
-            }
+            };
             for_middles(SHARES, |bary| {
-                areas[usize::from(self.holds(surface, t, bary))] +=
+                areas[usize::from(inside != is_beyond(pieces, bary))] +=
                     area / f64::from(SHARES * SHARES);
             });
         }
@@ -455,13 +399,11 @@ impl Outline {
     }
     /// Makes the other side of the line its inside.
     pub(crate) fn turn(&mut self, net: &Net) {
-        let surface = net.surface;
         let touched = net.touched(&self.pieces);
-        for (inside, piece) in self.inside.iter_mut().zip(&net.pieces) {
+        for (inside, piece) in self.inside.iter_mut().zip(&net.links.pieces) {
             *inside = touched.contains(piece) && !*inside;
         }
-        let on = |t: u32| touched.contains(&net.pieces[surface.triangles[t as usize][0] as usize]);
-        self.area = self.areas(surface, &on)[1];
+        self.area = self.areas(net, &touched)[1];
     }
     /// Its pieces, by triangle.
     pub(crate) fn pieces(&self) -> &[Piece] {
@@ -474,13 +416,7 @@ impl Outline {
     /// Whether a point of a triangle is inside.
     pub(crate) fn holds(&self, surface: &Surface, triangle: u32, bary: Vec2) -> bool {
         let Some(corners) = surface.triangles.get(triangle as usize) else { return false };
-        // Pieces end on the sides of their triangle: what lies on a side itself is taken for what lies beside it.
-        let to = within(bary, 0.01 * OFF);
-        let passed = self
-            .of(triangle)
-            .iter()
-            .filter(|piece| super::chart::cross(Vec2::ZERO, to, piece.bary[0], piece.bary[1]));
-        self.inside[corners[0] as usize] != (passed.count() % 2 == 1)
+        self.inside[corners[0] as usize] != is_beyond(self.of(triangle), bary)
     }
     /// Straight distance to the line, cm; at most the reach, and anything above 0 without one.
     pub(crate) fn distance(&self, p: Vec3) -> f32 {
@@ -501,6 +437,16 @@ impl Outline {
         let near: usize = self.near.values().map(|list| 4 * list.len() + 48).sum();
         self.pieces.len() * size_of::<Piece>() + self.inside.len() + near
     }
+}
+
+/// Whether a point of a triangle is on another side of the line than its first corner, by the line's pieces in it.
+fn is_beyond(pieces: &[Piece], bary: Vec2) -> bool {
+    // Pieces end on the sides of their triangle: what lies on a side itself is taken for what lies beside it.
+    let to = within(bary, 0.01 * OFF);
+    let passed = pieces
+        .iter()
+        .filter(|piece| super::chart::cross(Vec2::ZERO, to, piece.bary[0], piece.bary[1]));
+    passed.count() % 2 == 1
 }
 
 /// The middles of `n` times `n` equal parts of a triangle, as weights of its second and third corner.

@@ -6,25 +6,25 @@
 //! the head's frame.
 //!
 //! Guarantees: values are 0 to 1; a stroke changes nothing beyond its reach, and nothing on skin that faces away from it, such as
-//! the back of an ear that is painted in front. Not promised: that a closed line is right where skin lies over skin, seen from the
-//! middle of the head: there all layers are in or out.
+//! the back of an ear that is painted in front; what a closed stroke encloses is told along the skin ([`super::outline`]), exactly
+//! in each triangle. Not promised: anything useful of a closed stroke that does not part the skin, which is told
+//! ([`Painted::faults`]).
 
 mod dabs;
 mod even;
-mod ring;
 
 use super::attributes::{Domain, ROOT_BARY, ROOT_TRIANGLE};
 use super::curves::TuftBuilder;
 use super::field::{Field, FieldFault};
+use super::laid::{LEAST_POINTS, Laid};
 use super::scalp::{Root, Scalp};
-use super::strokes::{Brush, Mode, Stroke, Strokes};
+use super::strokes::{Brush, Mode, Sample, Stroke, Strokes};
 use crate::define::NodeError;
 use crate::maths::hash::{Key, KeyBuilder};
 use crate::scalp::region::soft;
 use dabs::{Dabs, Piece};
 pub use even::Even;
 use glam::{Vec2, Vec3};
-use ring::Ring;
 use std::cell::OnceCell;
 use std::sync::Arc;
 
@@ -56,7 +56,9 @@ struct Layer {
     /// Numbers of the sections that it and its twin on the other side keep to; empty: the head has no such section.
     sections: Option<[Vec<u32>; 2]>,
     /// The closed lines of it and its twin.
-    rings: Option<[Option<Ring>; 2]>,
+    lines: Option<[Option<Arc<Laid>>; 2]>,
+    /// How many points it has, where they are too few to be closed as it is to be.
+    too_few: Option<usize>,
     /// What a smooth stroke brings the mask to.
     even: Option<Arc<Even>>,
 }
@@ -65,17 +67,19 @@ struct Layer {
 const AWAY: (f32, f32) = (-0.5, 0.0);
 
 impl Painted {
-    /// What the strokes make of `base` on this head. `known` finds or makes what evens out a stroke, by its key.
+    /// What the strokes make of `base` on this head. `known` finds or makes what evens out a stroke, by its key, and `laid` a closed
+    /// line.
     ///
     /// # Errors
     /// When the base cannot be read on the scalp, and what `check` gives.
-    pub fn new(
+    pub(crate) fn new(
         scalp: Arc<Scalp>,
         strokes: &Strokes,
         base: Arc<Field>,
         edges: Edges,
         check: &dyn Fn() -> Result<(), NodeError>,
         known: &dyn Fn(Key, &dyn Fn() -> Result<Even, NodeError>) -> Result<Arc<Even>, NodeError>,
+        laid: &dyn Fn(Key, &dyn Fn() -> Laid) -> Arc<Laid>,
     ) -> Result<Self, NodeError> {
         let by_section = strokes.0.iter().filter_map(|stroke| stroke.brush.as_ref());
         let by_section = by_section.clone().any(|brush| !brush.section.is_empty());
@@ -91,34 +95,11 @@ impl Painted {
             check()?;
             keys.push(key);
             key = KeyBuilder::new("painted").key(key).key(stroke.key()).finish();
-            let usual = Brush::default();
-            let brush = stroke.brush.as_ref().unwrap_or(&usual);
-            let halves = [Some(false), brush.mirrored.then_some(true)];
-            let sides = halves.map(|half| half.map(|twin| on_skin(&scalp, stroke, twin)));
-            let closed = brush.closed && stroke.samples.len() >= 3 && brush.mode != Mode::Smooth;
-            let reach = if closed { 0.5 * edges.line } else { brush.radius * scalp.frame().unit() };
-            for (half, dabs) in (0u8..).zip(&sides) {
-                let dabs = dabs.as_deref().unwrap_or_default();
-                let loops = dabs.first().filter(|_| closed);
-                let next = dabs.iter().skip(1).chain(loops);
-                let ends = dabs.iter().zip(next).map(|(a, b)| [*a, *b]);
-                let dot = dabs.first().filter(|_| dabs.len() == 1).map(|dab| [*dab; 2]);
-                let whole = brush.mode != Mode::Flood || closed;
-                let ends = ends.chain(dot).filter(|_| whole);
-                pieces.extend(ends.map(|ends| Piece::new(ends, reach, number, half)));
-            }
-            let rings = closed
-                .then(|| sides.each_ref().map(|dabs| Some(Ring::new(&scalp, dabs.as_deref()?))));
-            if rings.is_some() || brush.mode == Mode::Flood {
+            let layer = Layer::new(&scalp, (number, stroke), &edges, &mut pieces, laid);
+            if layer.lines.is_some() || layer.mode == Mode::Flood {
                 wide.push(number);
             }
-            layers.push(Layer {
-                mode: brush.mode,
-                strength: brush.strength,
-                sections: sections_of(&scalp, brush, &sides),
-                rings,
-                even: None,
-            });
+            layers.push(layer);
         }
         let dabs = Dabs::new(pieces, scalp.surface().bounds(), check)?;
         let mut painted = Self { key, scalp, base, layers, dabs, wide, edges };
@@ -148,7 +129,24 @@ impl Painted {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let evened = self.layers.iter().filter_map(|layer| layer.even.as_ref());
-        self.dabs.bytes() + evened.map(|even| even.bytes()).sum::<usize>() + 64 * self.layers.len()
+        let evened: usize = evened.map(|even| even.bytes()).sum();
+        let lines = self.layers.iter().filter_map(|layer| layer.lines.as_ref()).flatten().flatten();
+        let lines: usize = lines.map(|laid| laid.bytes()).sum();
+        self.dabs.bytes() + evened + lines + 64 * self.layers.len()
+    }
+    /// What does not fit of closed strokes, in words, each with the stroke's number from 1.
+    pub(crate) fn faults(&self) -> impl Iterator<Item = String> {
+        (1..).zip(&self.layers).flat_map(|(number, layer): (u32, &Layer)| {
+            let few = layer
+                .too_few
+                .map(|count| format!("stroke {number} has {count} points and encloses nothing"));
+            let told = layer.lines.iter().flatten().zip(["", "the twin of "]);
+            let told = told.flat_map(move |(laid, twin)| {
+                let faults = laid.iter().flat_map(|laid| &laid.faults);
+                faults.map(move |fault| format!("{twin}stroke {number} {fault}"))
+            });
+            few.into_iter().chain(told)
+        })
     }
     /// Whether it asks where partings lie.
     pub fn reads_sections(&self) -> bool {
@@ -157,14 +155,14 @@ impl Painted {
 
     /// The value at a place of the skin, where `base` is what it begins with there, 0 to 1.
     pub fn at(&self, place: &Root, base: f32) -> f32 {
-        self.before(u32::MAX, place.point, || place.normal, base)
+        self.before(u32::MAX, (place.triangle, place.bary), place.point, || place.normal, base)
     }
 
     /// The value at a point of a triangle of its head.
     pub(super) fn on_triangle(&self, triangle: u32, bary: Vec2, base: f32) -> f32 {
         let surface = self.scalp.surface();
         let normal = || surface.smooth_normal(triangle, bary);
-        self.before(u32::MAX, surface.at(triangle, bary), normal, base)
+        self.before(u32::MAX, (triangle, bary), surface.at(triangle, bary), normal, base)
     }
 
     /// The values at places of the skin.
@@ -190,8 +188,15 @@ impl Painted {
         Ok((0..places.len()).map(|i| base.at(i, i, 0.0)).collect())
     }
 
-    /// The value at a point of the skin with this normal, which is asked for where it matters, after the first `count` strokes.
-    fn before(&self, count: u32, point: Vec3, normal: impl Fn() -> Vec3, base: f32) -> f32 {
+    /// The value at a point of a triangle with this normal, which is asked for where it matters, after the first `count` strokes.
+    fn before(
+        &self,
+        count: u32,
+        (triangle, bary): (u32, Vec2),
+        point: Vec3,
+        normal: impl Fn() -> Vec3,
+        base: f32,
+    ) -> f32 {
         let near = self.dabs.near(point);
         let (section, out) = (OnceCell::new(), OnceCell::new());
         let (mut value, mut k, mut w) = (base, 0, 0);
@@ -212,19 +217,20 @@ impl Painted {
                 k += 1;
                 let piece = self.dabs.piece(*i);
                 let half = usize::from(piece.half);
-                if layer.rings.is_some() {
+                if layer.lines.is_some() {
                     far[half] = far[half].min(piece.square(point).0.sqrt());
                 } else {
                     cover[half] =
                         cover[half].max(self.covered(piece, point, || *out.get_or_init(&normal)));
                 }
             }
-            match (&layer.rings, layer.mode) {
-                (Some(rings), _) => {
-                    for ((cover, far), ring) in cover.iter_mut().zip(far).zip(rings) {
-                        let Some(ring) = ring else { continue };
-                        let inside = if ring.holds(point) { far } else { -far };
-                        *cover = soft(inside, self.edges.line);
+            match (&layer.lines, layer.mode) {
+                (Some(lines), _) => {
+                    let surface = self.scalp.surface();
+                    for ((cover, far), laid) in cover.iter_mut().zip(far).zip(lines) {
+                        let Some(laid) = laid else { continue };
+                        let inside = laid.outline.holds(surface, triangle, bary);
+                        *cover = soft(if inside { far } else { -far }, self.edges.line);
                     }
                 }
                 (None, Mode::Flood) => cover = [1.0; 2],
@@ -273,6 +279,53 @@ impl Painted {
     }
 }
 
+impl Layer {
+    /// A stroke on this head; what lies between its samples goes to `pieces`.
+    fn new(
+        scalp: &Scalp,
+        (number, stroke): (u32, &Stroke),
+        edges: &Edges,
+        pieces: &mut Vec<Piece>,
+        laid: &dyn Fn(Key, &dyn Fn() -> Laid) -> Arc<Laid>,
+    ) -> Self {
+        let usual = Brush::default();
+        let brush = stroke.brush.as_ref().unwrap_or(&usual);
+        let halves = [Some(false), brush.mirrored.then_some(true)];
+        let sides = halves.map(|half| half.map(|twin| on_skin(scalp, stroke, twin)));
+        let to_close = brush.closed && brush.mode != Mode::Smooth;
+        let closed = to_close && stroke.samples.len() >= LEAST_POINTS;
+        let line = |twin: bool| {
+            let key = KeyBuilder::new("closed line").key(scalp.whole()).key(stroke.key());
+            laid(key.int(u64::from(twin)).finish(), &|| on_mesh(scalp, stroke, twin))
+        };
+        let lines = closed.then(|| halves.map(|half| half.map(line)));
+        for (half, side) in (0u8..).zip(&sides) {
+            let line = lines.as_ref().and_then(|lines| lines[usize::from(half)].as_ref());
+            let (ends, reach) = match line {
+                Some(laid) => {
+                    let pieces = laid.outline.pieces().iter();
+                    (pieces.map(|piece| piece.ends.map(Dab::at)).collect(), 0.5 * edges.line)
+                }
+                None if closed || brush.mode == Mode::Flood => continue,
+                None => {
+                    let dabs = side.as_deref().unwrap_or_default();
+                    (passes(dabs), brush.radius * scalp.frame().unit())
+                }
+            };
+            let made = ends.into_iter().map(|ends| Piece::new(ends, reach, number, half));
+            pieces.extend(made);
+        }
+        Self {
+            mode: brush.mode,
+            strength: brush.strength,
+            sections: sections_of(scalp, brush, &sides),
+            lines,
+            too_few: (to_close && !closed).then_some(stroke.samples.len()),
+            even: None,
+        }
+    }
+}
+
 /// A sample on the skin.
 #[derive(Clone, Copy)]
 struct Dab {
@@ -281,15 +334,42 @@ struct Dab {
     pressure: f32,
 }
 
-/// The samples of a stroke, or of its twin on the other side, on the skin.
-fn on_skin(scalp: &Scalp, stroke: &Stroke, twin: bool) -> Vec<Dab> {
+impl Dab {
+    /// Of a line, which has no side and no strength.
+    fn at(point: Vec3) -> Self {
+        Self { point, normal: Vec3::ZERO, pressure: 0.0 }
+    }
+}
+
+/// From each sample to the next; one alone is a dot.
+fn passes(dabs: &[Dab]) -> Vec<[Dab; 2]> {
+    match dabs {
+        [dot] => vec![[*dot; 2]],
+        _ => dabs.windows(2).map(|pair| [pair[0], pair[1]]).collect(),
+    }
+}
+
+/// Where a sample of a stroke, or of its twin on the other side, is, cm.
+fn place(scalp: &Scalp, sample: &Sample, twin: bool) -> Vec3 {
     let side = if twin { Vec3::new(-1.0, 1.0, 1.0) } else { Vec3::ONE };
-    let dab = |sample: &super::strokes::Sample| {
-        let root = scalp.closest_root(scalp.frame().point_from_head(sample.position * side))?;
+    scalp.frame().point_from_head(sample.position * side)
+}
+
+/// The samples of a stroke, or of its twin, on the skin.
+fn on_skin(scalp: &Scalp, stroke: &Stroke, twin: bool) -> Vec<Dab> {
+    let dab = |sample: &Sample| {
+        let root = scalp.closest_root(place(scalp, sample, twin))?;
         let pressure = sample.pressure.clamp(0.0, 1.0);
         Some(Dab { point: root.point, normal: root.normal, pressure })
     };
     stroke.samples.iter().filter_map(dab).collect()
+}
+
+/// The closed line of a stroke, or of its twin. How far a point is from it is told by dabs.
+fn on_mesh(scalp: &Scalp, stroke: &Stroke, twin: bool) -> Laid {
+    let points: Vec<Vec3> =
+        stroke.samples.iter().map(|sample| place(scalp, sample, twin)).collect();
+    Laid::new(&scalp.net(), scalp.space(), &points, 0.0)
 }
 
 /// The sections that a stroke and its twin keep to: that of its name, and that in which the twin begins.

@@ -8,6 +8,8 @@ use super::carry::Carry;
 use super::chart::Chart;
 use super::drawn::Drawn;
 use super::landmarks::Landmarks;
+use super::links::Links;
+use super::outline::Net;
 use super::rough::Rough;
 use super::sections::Sections;
 use super::spread::{Spread, highest};
@@ -163,6 +165,7 @@ struct Head {
     masks: BTreeMap<String, Vec<f32>>,
     /// Masks that are exact between vertices.
     drawn: Vec<(String, Drawn)>,
+    links: OnceLock<Arc<Links>>,
     field: OnceLock<DistanceField>,
     rough: OnceLock<Option<Rough>>,
     spread: OnceLock<Spread>,
@@ -210,6 +213,7 @@ impl Scalp {
                 space: HeadSpace::new(frame, None),
                 masks,
                 drawn: vec![],
+                links: OnceLock::new(),
                 field: OnceLock::new(),
                 rough: OnceLock::new(),
                 spread: OnceLock::new(),
@@ -219,18 +223,27 @@ impl Scalp {
         }
     }
 
-    /// The same scalp with regions that were drawn, by the names of their masks, whose values at vertices it has already.
+    /// The same scalp with regions that were drawn, by the names of their masks, whose values at vertices it has already, and how
+    /// its triangles hang together where that is known from it.
     ///
     /// # Panics
     /// When the scalp was handed out before.
-    pub(crate) fn with_drawn(mut self, drawn: Vec<(String, Drawn)>) -> Self {
+    pub(crate) fn with_drawn(
+        mut self,
+        drawn: Vec<(String, Drawn)>,
+        links: Option<Arc<Links>>,
+    ) -> Self {
         let key = KeyBuilder::new("drawn").key(self.key);
         let known =
             |key: KeyBuilder, (name, region): &(String, Drawn)| key.text(name).key(region.key());
         if !drawn.is_empty() {
             self.key = drawn.iter().fold(key, known).finish();
         }
-        Arc::get_mut(&mut self.head).expect("a fresh scalp").drawn = drawn;
+        let head = Arc::get_mut(&mut self.head).expect("a fresh scalp");
+        head.drawn = drawn;
+        if let Some(links) = links {
+            head.links = links.into();
+        }
         self
     }
 
@@ -383,6 +396,11 @@ impl Scalp {
     pub fn surface(&self) -> &Surface {
         &self.head.surface
     }
+    /// The triangles and how they hang together, which is found when first asked for.
+    pub(crate) fn net(&self) -> Net<'_> {
+        let surface = &self.head.surface;
+        Net::of(surface, self.head.links.get_or_init(|| Links::new(surface).into()).clone())
+    }
     /// Texture coordinates of each triangle's corners, when the mesh has them.
     pub fn uvs(&self) -> Option<&[[Vec2; 3]]> {
         self.head.uvs.as_deref()
@@ -495,6 +513,7 @@ impl Scalp {
         vertices
             + self.head.surface.triangles.len() * 150
             + self.head.field.get().map_or(0, DistanceField::bytes)
+            + self.head.links.get().map_or(0, |links| links.bytes())
             + self.head.drawn.iter().map(|(_, region)| region.bytes()).sum::<usize>()
             + self.head.spread.get().map_or(0, Spread::bytes)
             + self.head.chart.get().map_or(0, Chart::bytes)

@@ -28,6 +28,13 @@ pub enum Section {
     Custom(Vec<Vec2>),
 }
 
+impl Section {
+    /// The fewest and the most points of a drawn one.
+    pub const CORNERS: (usize, usize) = (3, 256);
+    /// Points of a drawn one are nearer to the middle than this.
+    pub const FARTHEST: f32 = 1e3;
+}
+
 /// How often a shape occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Tier {
@@ -67,12 +74,16 @@ impl ShapeList {
                     Some(format!("Rose({petals}, {depth}): 2 to 12 petals, depth from 0 to 0.95"))
                 }
                 Section::Custom(points) => {
-                    let usable = points.len() >= 3
-                        && points.len() <= 256
-                        && points.iter().all(|p| p.is_finite() && p.length() < 1e3)
+                    let (fewest, most) = Section::CORNERS;
+                    let usable = (fewest..=most).contains(&points.len())
+                        && points.iter().all(|p| p.is_finite() && p.length() < Section::FARTHEST)
                         && points.iter().any(|p| p.distance(points[0]) > 1e-4);
-                    (!usable)
-                        .then(|| "Custom: 3 to 256 finite points, not all at one place".to_owned())
+                    (!usable).then(|| {
+                        format!(
+                            "Custom: {fewest} to {most} finite points nearer than {} to (0, 0), not all at one place",
+                            Section::FARTHEST
+                        )
+                    })
                 }
             };
             if fault.is_some() {

@@ -4,21 +4,17 @@
 //! smaller of its two sides, unless a name's point stands on the other. Strokes inside another are holes.
 
 use crate::data::drawn::Drawn;
+use crate::data::laid::{LEAST_POINTS, Laid, place};
 use crate::data::outline::{Net, Outline};
 use crate::data::scalp::{HeadSpace, REGION};
 use crate::data::sections::named_points;
 use crate::data::strokes::Strokes;
 use crate::define::NodeError;
 use crate::eval::EvalCx;
-use crate::maths::closest::Surface;
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A drawn line that is farther from the skin was drawn on another head, or on none; cm on a head of average size.
-const MISSES: f32 = 0.5;
-/// The line that closes a stroke is longer than this share of it only where somebody forgot to close it.
-const OPEN: f32 = 0.2;
 /// The most named regions of a head.
 const MOST_NAMES: usize = 256;
 
@@ -36,73 +32,45 @@ pub(super) struct Wish<'a> {
 /// The region where hair grows, first, and the named ones.
 pub(super) fn regions(
     cx: &EvalCx,
-    surface: &Surface,
+    net: &Net,
     space: &HeadSpace,
     wish: Wish,
 ) -> Result<Vec<(String, Drawn)>, NodeError> {
-    let net = Net::new(surface);
+    let surface = net.surface();
     let mut outlines: Vec<Outline> = vec![];
-    let mut firsts: Vec<Vec<Vec3>> = vec![];
     for (number, stroke) in (1..).zip(&wish.strokes.0) {
         cx.check()?;
         let points: Vec<Vec3> = stroke.samples.iter().map(|s| space.place(s.position)).collect();
-        if points.len() < 3 {
+        if points.len() < LEAST_POINTS {
             cx.warn(format!("stroke {number} has {} points and encloses nothing", points.len()));
             continue;
         }
-        let at = |p: Vec3| place(space, p);
-        let gap = gap(&points);
-        if gap > OPEN {
-            let (from, to) = (at(points[0]), at(points[points.len() - 1]));
-            cx.warn(format!(
-                "stroke {number} is open: its ends, at {from} and {to}, were joined by a straight line"
-            ));
-        }
-        let line = net.line(&points, true);
-        if let Some((p, off)) = line.off.filter(|(_, off)| *off > MISSES * space.frame().unit()) {
-            cx.warn(format!(
-                "stroke {number} misses the skin: at {} it is {off:.1} cm away; it was laid on the nearest skin",
-                at(p)
-            ));
-        }
-        let outline = Outline::new(&net, &line, 0.5 * wish.softness);
-        if let Some([from, to]) = line.gaps.first() {
-            cx.warn(format!(
-                "stroke {number} cannot be led over the skin from {} to {}: what it encloses there is not known",
-                at(*from),
-                at(*to)
-            ));
-        } else if outline.is_torn() {
-            cx.warn(format!(
-                "stroke {number} does not part the skin in two: it runs over a hole of the mesh or round a handle"
-            ));
-        }
-        outlines.push(outline);
-        firsts.push(line.pieces.iter().map(|piece| piece.ends[0]).collect());
+        let laid = Laid::new(net, space, &points, 0.5 * wish.softness);
+        laid.faults.iter().for_each(|fault| cx.warn(format!("stroke {number} {fault}")));
+        outlines.push(laid.outline);
     }
     if outlines.is_empty() {
         return Err(NodeError::failed("no hairline is drawn: draw a closed stroke"));
     }
     // What lies inside what: the innermost has the most about it.
-    let holds = |outer: &Outline, points: &[Vec3]| {
-        let mut seen = points.iter().step_by(points.len().div_ceil(64).max(1));
-        seen.all(|p| {
-            surface.closest(*p).is_some_and(|hit| outer.holds(surface, hit.triangle, hit.bary))
-        })
+    let holds = |outer: &Outline, inner: &Outline| {
+        let pieces = inner.pieces();
+        let mut seen = pieces.iter().step_by(pieces.len().div_ceil(64).max(1));
+        seen.all(|piece| outer.holds(surface, piece.triangle, piece.bary[0]))
     };
     let about: Vec<Vec<usize>> = (0..outlines.len())
         .map(|i| {
             let other = |k: &usize| {
                 *k != i
                     && outlines[*k].area() > outlines[i].area()
-                    && !firsts[i].is_empty()
-                    && holds(&outlines[*k], &firsts[i])
+                    && !outlines[i].pieces().is_empty()
+                    && holds(&outlines[*k], &outlines[i])
             };
             (0..outlines.len()).filter(other).collect()
         })
         .collect();
     let is_hole = |i: usize| about[i].len() % 2 == 1;
-    let named = names(cx, &net, space, &mut outlines, &is_hole, wish.names);
+    let named = names(cx, net, space, &mut outlines, &is_hole, wish.names);
     let holes = (0..outlines.len()).filter(|i| is_hole(*i)).count();
     if holes > 0 {
         cx.remark(match holes {
@@ -116,7 +84,7 @@ pub(super) fn regions(
         let lines =
             (0..outlines.len()).filter(|i| chosen(*i) || about[*i].iter().any(|k| chosen(*k)));
         let lines = lines.map(|i| (outlines[i].clone(), is_hole(i)));
-        Drawn::new(&net, lines.collect(), wish.softness, may.clone())
+        Drawn::new(net, lines.collect(), wish.softness, may.clone())
     };
     let mut out = vec![(REGION.to_owned(), drawn(&|_| true))];
     for (name, lines) in named {
@@ -173,21 +141,6 @@ fn names(
         named.entry(name).or_default().push(chosen);
     }
     named
-}
-
-/// Length of the straight line that closes a stroke, against the stroke's own length.
-fn gap(positions: &[Vec3]) -> f32 {
-    let length: f32 = positions.windows(2).map(|w| w[0].distance(w[1])).sum();
-    match positions {
-        [first, .., last] if length > 0.0 => first.distance(*last) / length,
-        _ => 0.0,
-    }
-}
-
-/// A point as people type it, in head units.
-fn place(space: &HeadSpace, p: Vec3) -> String {
-    let p = space.given(p);
-    format!("({:.1}, {:.1}, {:.1})", p.x, p.y, p.z)
 }
 
 /// An area with three digits that count.

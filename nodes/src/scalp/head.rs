@@ -13,6 +13,7 @@ use super::parts::{self, Parts};
 use super::{bust, drawn, facing, hollow, landmarks, region};
 use crate::data::landmarks::Landmarks;
 use crate::data::mesh::Mesh;
+use crate::data::outline::Net;
 use crate::data::rough::{Rough, SCRAPS, WIDE};
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, HeadSpace, REGION, Scalp};
 use crate::data::strokes::Strokes;
@@ -37,7 +38,7 @@ node! {
         builtin: Builtin = Builtin::Adult, words("default bust");
         /// A mesh file (.obj, .gltf or .glb), used instead of the built-in head. Its uvs, materials and vertex colours are
         /// kept as uvs and masks.
-        mesh: Option<Arc<FileData>>, words("file import model");
+        mesh: Option<Arc<FileData>>, holds(Holds::Mesh), words("file import model");
         /// Parts of the mesh that are no head, such as hair, hats and glasses: they are no skin, no hair grows on them, and the
         /// sphere is not fitted to them. Names of meshes, nodes, groups or materials, or "piece 2" for the second largest piece of a
         /// mesh without names, separated by commas, in any case; `*` stands for any text, as in `hair*, *glasses`. What looks like
@@ -248,7 +249,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     if let Some(wall) = masks.get(INNER_WALL) {
         grows.iter_mut().zip(wall).for_each(|(grows, wall)| *grows *= 1.0 - wall);
     }
-    let mut drawn = vec![];
+    let (mut drawn, mut links) = (vec![], None);
     if inputs.region == Region::Hairline {
         let wish = drawn::Wish {
             strokes: &inputs.hairline,
@@ -256,7 +257,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             softness: inputs.edge * frame.unit(),
             may: grows,
         };
-        drawn = drawn::regions(cx, &surface, &space, wish)?;
+        let net = Net::new(&surface);
+        drawn = drawn::regions(cx, &net, &space, wish)?;
+        links = Some(net.links());
         grows = drawn[0].1.values().to_vec();
         for (name, region) in &drawn[1..] {
             masks.insert(name.clone(), region.values().to_vec());
@@ -269,7 +272,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let area = drawn.first().map_or_else(|| area(&surface, &grows), |(_, region)| region.area());
     tell_region(cx, &inputs, &surface, &frame, everywhere, area);
     masks.insert(REGION.to_owned(), grows);
-    let scalp = Scalp::new(surface, uvs, frame, masks).with_drawn(drawn);
+    let scalp = Scalp::new(surface, uvs, frame, masks).with_drawn(drawn, links);
     let scalp = scalp.carried(space).with_landmarks(landmarks);
     if let Some(rough) = scalp.rough() {
         let why = match rough {

@@ -6,6 +6,7 @@
 //! one; how much hair reads the mask changes nothing of it.
 
 use crate::data::field::Field;
+use crate::data::laid::Laid;
 use crate::data::painted::{Edges, Even, Painted};
 use crate::data::scalp::Scalp;
 use crate::data::strokes::Strokes;
@@ -65,9 +66,18 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let known = |key: Key, make: &dyn Fn() -> Result<Even, NodeError>| {
         cx.fold::<Even, ()>((key, make), &[], |_, ()| make(), Even::bytes)
     };
+    let laid = |key: Key, make: &dyn Fn() -> Laid| {
+        let made = || {
+            let laid = make();
+            let bytes = laid.bytes();
+            (laid, bytes)
+        };
+        cx.memo(key, made)
+    };
     let check = || cx.check();
     let strokes = carried(&scalp, strokes);
-    let painted = Painted::new(scalp, &strokes, base.field, edges, &check, &known)?;
+    let painted = Painted::new(scalp, &strokes, base.field, edges, &check, &known, &laid)?;
+    painted.faults().for_each(|fault| cx.warn(fault));
     Ok(Outputs { mask: Field::Painted(painted.into()).into() })
 }
 

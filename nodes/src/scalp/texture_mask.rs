@@ -17,7 +17,7 @@ node! {
         words "texture map image picture png tiff tif uv paint weight density length mari substance ptex grey";
     inputs {
         /// A PNG or TIFF file of 8 or 16 bits. No colour space is applied: a mask is data.
-        file: Arc<FileData>, words("image picture map path");
+        file: Arc<FileData>, holds(Holds::Picture), words("image picture map path");
         /// The head, with uvs.
         scalp: Arc<Scalp>;
         /// Which number of its pixels is read.

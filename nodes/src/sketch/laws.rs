@@ -86,7 +86,7 @@ fn the_numbers_of_the_paper_are_those_of_the_node() {
     let default = |node: &str, name: &str| {
         let node = crate::by_id(node).unwrap();
         let (at, _) = node.input(name).unwrap();
-        match node.inputs[at].default.unwrap()() {
+        match node.inputs[at].default().unwrap() {
             Value::Float(x) => x,
             Value::Int(x) => x as f32,
             other => panic!("{}", other.type_name()),

@@ -3,11 +3,14 @@
 
 use super::*;
 use crate::Precision;
+use crate::camera::{Subject, Viewpoint, frame};
 use crate::display::Transform;
 use crate::environment::{Backdrop, Environment};
 use crate::surface::Material;
 use coif_nodes::data::attributes::{COLOUR, Domain, WIDTH};
 use coif_nodes::data::curves::TuftBuilder;
+use coif_nodes::data::scalp::HeadFrame;
+use coif_nodes::maths::closest::Surface;
 use coif_nodes::maths::hash::Dice;
 use glam::{Mat4, Vec2};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
@@ -719,6 +722,31 @@ fn odd_scenes_give_finite_pictures() {
         }
     }
     check_same(&full.draw(&mut renderer), &wanted, "after all of that");
+}
+
+#[test]
+fn from_below_the_ground_hides_nothing_and_from_the_front_it_is_seen() {
+    let Some(mut renderer) = renderer("from_below_the_ground_hides_nothing") else { return };
+    let scene = Scene::of(tufts(0..9));
+    let ground = crate::surface::ground(&scene.solids).expect("a ground");
+    let with = [scene.solids.clone(), vec![ground]].concat();
+    for (view, hides) in [(Viewpoint::Under, false), (Viewpoint::ThreeQuarter, true)] {
+        let surface = Surface::new(scene.solids[0].points.clone(), vec![[0, 1, 2], [0, 2, 3]]);
+        let subject =
+            Subject { frame: HeadFrame::IDENTITY, surface: Some(&surface), hair: &scene.hair };
+        for flat in [false, true] {
+            let camera = frame(&view, &subject, 85.0, 1.5);
+            let camera = if flat { camera.flattened() } else { camera };
+            let draw = |solids: &[Solid], renderer: &mut Renderer| {
+                let (hair, rig) = (scene.hair.clone(), scene.rig.clone());
+                Scene { hair, rig, camera, solids: solids.to_vec(), ..Scene::of(vec![]) }
+                    .draw(renderer)
+            };
+            let (bare, on_ground) =
+                (draw(&scene.solids, &mut renderer), draw(&with, &mut renderer));
+            assert_eq!(bare.linear != on_ground.linear, hides, "{view:?} {flat}");
+        }
+    }
 }
 
 #[test]

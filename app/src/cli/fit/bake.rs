@@ -95,7 +95,7 @@ fn place(node: &mut Node, input: &str, space: &HeadSpace) {
     let value = |name: &str| match node.inputs.get(name) {
         Some(Setting::Known(value)) => Some(value.clone()),
         Some(Setting::Raw(_)) => None,
-        None => def.input(name).and_then(|(_, input)| Some(input.default?())),
+        None => def.input(name).and_then(|(_, input)| input.default()),
     };
     if matches!(value("space"), Some(Value::Text(word)) if &*word != "head") {
         return;

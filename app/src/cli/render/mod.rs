@@ -54,8 +54,8 @@ pub(crate) struct RenderArgs {
         allow_hyphen_values = true
     )]
     size: String,
-    /// front, left, right, back, top, three-quarter, crown, nape, hairline, temple-left, temple-right, a view that was saved
-    /// in the graph, or close:NODE to fill the picture with what NODE gives. Given several times:
+    /// front, left, right, back, top, under, three-quarter, crown, nape, hairline, temple-left, temple-right, a view that was
+    /// saved in the graph, or close:NODE to fill the picture with what NODE gives. Given several times:
     /// as many pictures of one evaluation, with %s in the file's name for theirs
     #[arg(long, value_name = "NAME|SAVED|close:NODE", default_value = "three-quarter")]
     camera: Vec<String>,

@@ -48,7 +48,9 @@ impl Place {
         let id = NodeId::new(node).map_err(|err| fault(err.to_string()))?;
         let found = opened.document.nodes.get(&id);
         let found = found.ok_or_else(|| fault(format!("there is no node {node:?}")))?;
-        let def = coif_nodes::by_id(&found.kind)
+        let def = opened
+            .document
+            .def(&id)
             .ok_or_else(|| fault(format!("its kind {:?} is not known", found.kind)))?;
         let output = def.outputs.iter().find(|output| output.ty == Type::Curves);
         let output = output.ok_or_else(|| {

@@ -1,10 +1,21 @@
 //! The page of documents and their schema say what the reader reads: every field, every kind, every value.
 
 use super::schema;
+use coif_graphs::document::values::DEEPEST_FIELD;
+use coif_graphs::file::write_value;
 use coif_graphs::file::{self, read};
+use coif_graphs::grooms;
+use coif_nodes::data::field::Field;
+use coif_nodes::data::ramp::Ramp;
+use coif_nodes::data::shapes::{Section, ShapeList, Tier};
+use coif_nodes::define::Value;
+use coif_nodes::maths::hash::Dice;
+use glam::Vec2;
 use serde_json::Value as Json;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
+
+mod allows;
 
 fn docs(name: &str) -> String {
     let path = format!("{}/../docs/{name}", env!("CARGO_MANIFEST_DIR"));
@@ -61,7 +72,10 @@ fn every_field_of_the_reader_is_on_the_page_and_in_the_schema_and_no_other() {
     };
     let node = |fields: &str| format!("(format: 2, nodes: {{\"a\": ({fields})}})");
     check("(zzz: 1)", &schema);
-    check(&node("zzz: 1"), def("node_merge"));
+    check(&node("zzz: 1"), def("node_group"));
+    check(&node("interface: (zzz: 1)"), &def("node_group")["properties"]["interface"]);
+    check(&node("interface: (inputs: [(zzz: 1)])"), def("port"));
+    check(&node("template: (zzz: 1)"), &def("node_group")["properties"]["template"]);
     check("(format: 2, frames: {\"a\": (zzz: 1)})", def("frame"));
     check("(format: 2, views: {\"a\": (zzz: 1)})", def("view"));
     check("(format: 2, look: (zzz: 1))", def("look"));
@@ -101,12 +115,14 @@ impl Generator<'_> {
         }
     }
     fn write(&mut self, out: &mut String, of: &Json, depth: usize) {
+        // Of what refers to itself, the first of several does not.
+        let deepest = of["x-deepest"].as_u64().is_some_and(|most| depth as u64 > most);
         if let Some(name) = of["$ref"].as_str() {
             let schema = self.schema;
             return self.write(out, schema.pointer(name.trim_start_matches('#')).unwrap(), depth);
         }
         if let Some(several) = of["oneOf"].as_array() {
-            let n = self.below(several.len() as u64) as usize;
+            let n = if deepest { 0 } else { self.below(several.len() as u64) as usize };
             return self.write(out, &several[n], depth);
         }
         if let Some(word) = of["const"].as_str() {
@@ -143,14 +159,19 @@ impl Generator<'_> {
                 write!(out, "\"curves to all_{number}.curves after other_{number}.curves\"")
             }
             Some(pattern) if pattern.contains("\\.") => write!(out, "\"node_{number}.curves\""),
-            Some(_) => write!(out, "\"word{number}\""),
+            Some(_) => write!(out, "\"word{}\"", self.below(1 << 30)),
         };
     }
     fn array(&mut self, out: &mut String, of: &Json, depth: usize) {
         let is_tuple = of["x-ron"] == "tuple";
         let first = of["prefixItems"].as_array().cloned().unwrap_or_default();
         let least = of["minItems"].as_u64().unwrap_or_default().max(first.len() as u64);
-        let count = if is_tuple { least } else { least + self.below(3) };
+        let more = of["maxItems"].as_u64().map_or(2, |most| (most - least).min(2));
+        let count = if is_tuple { least } else { least + self.below(more + 1) };
+        if of["x-rising"] == true {
+            let _ = write!(out, "({}.5, {}.0)", self.below(50), 51 + self.below(50));
+            return;
+        }
         out.push(if is_tuple { '(' } else { '[' });
         let mut items: Vec<String> = (0..count as usize)
             .map(|n| {
@@ -159,6 +180,17 @@ impl Generator<'_> {
                 item
             })
             .collect();
+        // A number in the first place is not the same in all of them, and shorter than the longest allowed.
+        if of["x-not-one-place"] == true {
+            for (n, item) in items.iter_mut().enumerate() {
+                *item = format!("({n}.5, {}.0)", self.below(500));
+            }
+        }
+        if of.get("contains").is_some() {
+            let n = self.below(count) as usize;
+            items[n].clear();
+            self.write(&mut items[n], &of["contains"], depth + 1);
+        }
         if of["x-ascending"] == true {
             let at =
                 |item: &String| -> f64 { item[1..].split(',').next().unwrap().parse().unwrap() };
@@ -185,7 +217,9 @@ impl Generator<'_> {
             of["required"].as_array().into_iter().flatten().filter_map(Json::as_str).collect();
         for name in properties.keys() {
             // Columns are how format 1 wrote points.
-            if self.below(2) == 0 && !(properties.contains_key("points") && is_column(name)) {
+            let any = properties[name]["x-any"] == true;
+            if !any && self.below(2) == 0 && !(properties.contains_key("points") && is_column(name))
+            {
                 chosen.insert(name);
             }
         }
@@ -235,7 +269,7 @@ fn what_the_schema_allows_is_read() {
         .keys()
         .filter(|name| name.starts_with("node_"))
         .collect();
-    assert_eq!(kinds.len(), coif_nodes::all().count());
+    assert_eq!(kinds.len(), coif_nodes::all().count() + coif_nodes::declared::KINDS.len());
     for round in 0..12 {
         for kind in &kinds {
             let mut node = String::new();
@@ -256,4 +290,70 @@ fn what_the_schema_allows_is_read() {
         generator.write(&mut whole, &schema, 0);
         read(&whole).unwrap_or_else(|err| panic!("{err}\n{whole}"));
     }
+}
+
+/// A random field, `depth` deep at most.
+fn any_field(dice: &Dice, id: &mut u64, depth: usize) -> Field {
+    *id += 1;
+    match dice.below(*id, 0, if depth > 1 { 6 } else { 4 }) {
+        0 => Field::Constant(dice.range(*id, 1, -9.0, 9.0)),
+        1 => Field::Attribute("frizz".to_owned()),
+        2 => Field::Mask("a \"mask\"\n".to_owned()),
+        3 => Field::Ramp(Ramp::linear(dice.unit(*id, 2), 1.0)),
+        _ => {
+            let parts = 1 + dice.below(*id, 3, 2);
+            Field::Product((0..parts).map(|_| any_field(dice, id, depth - 1)).collect())
+        }
+    }
+}
+
+/// Random sections, one of which is in tier A.
+fn any_shapes(dice: &Dice, count: u64) -> ShapeList {
+    let one = |id: u64| {
+        let tier = [Tier::B, Tier::C][dice.below(id, 0, 2) as usize];
+        let point = |k: u64| Vec2::new(dice.signed(id, 10 + k), dice.signed(id, 5000 + k)) * 700.0;
+        let section = match dice.below(id, 1, 7) {
+            0 => Section::Circle,
+            1 => Section::Ellipse(dice.range(id, 2, 0.01, 1.0)),
+            2 => Section::Lame(dice.range(id, 3, 0.3, 20.0)),
+            3 => Section::Polygon(3 + dice.below(id, 4, 10)),
+            4 => {
+                Section::Rose { petals: 2 + dice.below(id, 5, 11), depth: dice.unit(id, 6) * 0.95 }
+            }
+            _ => Section::Custom((0..3 + u64::from(dice.below(id, 7, 254))).map(point).collect()),
+        };
+        (tier, section)
+    };
+    let mut all: Vec<_> = (0..count).map(one).collect();
+    all[dice.below(0, 8, count as u32) as usize].0 = Tier::A;
+    ShapeList(all)
+}
+
+/// Documents of random values, the deepest field that is read, and all that comes along.
+#[test]
+fn what_is_read_is_allowed_by_the_schema() {
+    let schema: Json = serde_json::from_str(&docs("document.schema.json")).unwrap();
+    let check = |text: &str| {
+        let loaded = read(text).unwrap_or_else(|err| panic!("{err}\n{text}"));
+        assert!(loaded.warnings.is_empty(), "{:?}\n{text}", loaded.warnings);
+        for text in [text, &file::write(&loaded.document)] {
+            let fault = allows::fault(&schema, &schema, &allows::json_of(text));
+            assert_eq!(fault, None, "{text}");
+        }
+    };
+    let with = |field: &Field, shapes: &ShapeList| {
+        let [field, shapes] =
+            [Value::from(field.clone()), Value::from(shapes.clone())].map(|v| write_value(&v));
+        check(&format!(
+            "(format: 2, nodes: {{\"a\": (kind: \"stroke_input\", inputs: {{\"radius\": {field}}}), \
+             \"b\": (kind: \"shape_list_curl\", inputs: {{\"shapes\": {shapes}}})}})"
+        ));
+    };
+    for round in 0..200 {
+        let dice = Dice::new(round, 0, "documents");
+        with(&any_field(&dice, &mut 0, DEEPEST_FIELD), &any_shapes(&dice, 1 + round % 4));
+    }
+    let deepest = (1..DEEPEST_FIELD).fold(Field::Constant(1.0), |of, _| Field::Product(vec![of]));
+    with(&deepest, &any_shapes(&Dice::new(1, 0, "shapes"), 1));
+    grooms::ALL.iter().chain(grooms::RECIPES).for_each(|(_, text)| check(text));
 }

@@ -172,7 +172,7 @@ impl Editor {
         self.documents.watch.knows(&path, hash);
         self.put(loaded.document, OpenFile::at(path.clone()), History::new());
         self.remember(&path);
-        for warning in &loaded.warnings {
+        for warning in loaded.conflicts.iter().chain(&loaded.warnings) {
             self.state.notes.say(Note::warning(warning.of_file(&shown)));
         }
         for comment in &loaded.dropped_comments {

@@ -20,7 +20,7 @@ pub(crate) mod kept;
 pub(super) mod life;
 mod own_head;
 mod paths;
-pub mod places;
+pub use crate::places;
 mod recent;
 mod remedies;
 #[cfg(test)]

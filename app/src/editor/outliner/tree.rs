@@ -202,7 +202,7 @@ fn node_row(
     names: Vec<u64>,
 ) -> Row {
     let kind = state.document.node(id.as_str()).map_or("", |node| node.kind.as_str());
-    let label = coif_nodes::by_id(kind).map_or(kind, |def| def.label);
+    let label = state.document.def(id).map_or(kind, |def| def.label);
     let name = state.document.name_of(id).into_owned();
     let count = |id: &NodeId| state.run.reports.nodes.get(id).map(|report| report.curves);
     // An output that is not displayed gives what comes in, which may be.

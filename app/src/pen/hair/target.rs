@@ -120,7 +120,7 @@ pub(crate) fn sources(state: &State) -> Vec<Socket> {
 }
 
 fn output_type(document: &Document, socket: &Socket) -> Option<Type> {
-    let def = coif_nodes::by_id(&document.node(socket.node.as_str())?.kind)?;
+    let def = document.def(&socket.node)?;
     def.outputs.iter().find(|output| *output.name == *socket.name).map(|output| output.ty)
 }
 
@@ -154,7 +154,7 @@ pub(crate) fn number(document: &Document, id: Option<&NodeId>, input: &str) -> f
     });
     let usual = || {
         let (at, _) = coif_nodes::by_id(KIND)?.input(input)?;
-        known(&coif_nodes::by_id(KIND)?.inputs[at].default?())
+        known(&coif_nodes::by_id(KIND)?.inputs[at].default()?)
     };
     set.or_else(usual).unwrap_or_default()
 }

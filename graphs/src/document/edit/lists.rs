@@ -120,7 +120,7 @@ fn on_list<T: Item, R>(
     change: impl FnOnce(&mut Vec<T>) -> Result<R, String>,
 ) -> Result<R, EditError> {
     let at = Socket::new(node.clone(), input);
-    let def = coif_nodes::by_id(&slot(document, node)?.kind).and_then(|def| def.input(input));
+    let def = document.def(node).and_then(|def| def.input(input));
     let takes = def.is_some_and(|(_, def)| def.ty == T::TYPE);
     let held = match slot(document, node)?.inputs.get(input) {
         Some(Setting::Known(value)) => T::all(value).map(<[T]>::to_vec),

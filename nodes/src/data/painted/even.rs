@@ -91,7 +91,8 @@ impl Even {
                     continue;
                 };
                 means.push((*corner, 0.0));
-                let rooted = painted.base.constant().is_none();
+                let lined = painted.layers[..layer as usize].iter().any(|l| l.lines.is_some());
+                let rooted = lined || painted.base.constant().is_none();
                 about(&root, ABOUT * radius, |point| {
                     let there = rooted.then(|| painted.scalp.closest_root(point)).flatten();
                     let there = there.unwrap_or(root);
@@ -99,11 +100,14 @@ impl Even {
                 });
             }
             let bases = painted.bases(&places)?;
-            let values = places
+            let values: Vec<f32> = places
                 .iter()
                 .zip(bases)
-                .map(|(place, base)| painted.before(layer, place.point, || place.normal, base));
-            let values: Vec<f32> = values.collect();
+                .map(|(place, base)| {
+                    let at = (place.triangle, place.bary);
+                    painted.before(layer, at, place.point, || place.normal, base)
+                })
+                .collect();
             let from = means.len() - values.len() / PLACES;
             for ((_, mean), values) in means[from..].iter_mut().zip(values.chunks(PLACES)) {
                 *mean = values.iter().sum::<f32>() / PLACES as f32;

@@ -1,11 +1,12 @@
 //! What painted masks promise: values 0 to 1, the order of strokes, sides, sections, closed lines, thin skin, other heads.
 
 use super::*;
+use crate::data::outline::for_middles;
 use crate::data::scalp::HeadFrame;
 use crate::data::strokes::Sample;
 use crate::define::{FileData, Value};
 use crate::maths::hash::Dice;
-use crate::testing::{fails, run};
+use crate::testing::{area_within, fails, round, run};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
@@ -316,6 +317,114 @@ fn a_closed_stroke_is_its_smaller_inside_with_an_edge_in_millimetres() {
     let all = Stroke { id: 2, ..stroke(2, &[CROWN], brush(Mode::Flood, 1.0, 1.0)) };
     let holed = painted(&ball, &[all, on_ball(&ring(30.0), Mode::Erase)]);
     assert_eq!((at(&holed, CROWN), at(&holed, [1.0, 0.0, 0.0])), (0.0, 1.0));
+}
+
+/// The whole of a head's mask, cm2, and how far from a point it reaches, cm.
+fn painted_skin(on: &Painted, middle: Vec3) -> (f32, f32) {
+    let surface = on.scalp().surface();
+    let (mut sum, mut farthest) = (0.0f64, 0.0f32);
+    for t in 0..surface.triangles.len() as u32 {
+        let part = 0.5 * f64::from(surface.area_vector(t).length()) / 576.0;
+        for_middles(24, |bary| {
+            let value = on.on_triangle(t, bary, 0.0);
+            sum += part * f64::from(value);
+            if value > 0.0 {
+                farthest = farthest.max(surface.at(t, bary).distance(middle));
+            }
+        });
+    }
+    (sum as f32, farthest)
+}
+
+#[test]
+fn a_closed_stroke_paints_what_it_encloses_and_no_skin_that_lies_behind() {
+    let check = |set: &[(&str, Value)], near: Vec3, radius: f32| {
+        let scalp = crate::testing::head(set);
+        // On heads in head units, on animals as a part of their box.
+        let (low, high) = scalp.surface().bounds();
+        let near = match set {
+            [] => scalp.frame().point_from_head(near),
+            _ => low + (high - low) * near,
+        };
+        let middle = scalp.closest_root(near).unwrap().point;
+        let brush = Brush { closed: true, ..brush(Mode::Paint, 1.0, 1.0) };
+        let line = Stroke { brush: Some(brush), ..round(&scalp, 1, middle, radius) };
+        let sharp = [("edge", 0.0f32.into()), ("scale_with_head", false.into())];
+        let (field, said) = mask(&scalp, &[line], &sharp);
+        assert!(said.is_empty(), "{said:?}");
+        let Field::Painted(on) = &*field else { panic!() };
+        let ((inside, farthest), wide) =
+            (painted_skin(on, middle), area_within(&scalp, middle, radius));
+        assert!(
+            (inside / wide - 1.0).abs() < 0.02,
+            "{inside} cm2 of {wide}, as far as {farthest} of {radius}"
+        );
+        assert!(farthest < 1.006 * radius, "{farthest} of {radius}");
+    };
+    // The side of the jaw, round one eye, and over the crown.
+    check(&[], Vec3::new(6.0, -6.0, 4.0), 2.2);
+    check(&[], Vec3::new(3.2, 0.0, 8.5), 1.7);
+    check(&[], Vec3::new(0.0, 9.0, 0.0), 6.0);
+    // The flank and the belly of a rat, whose paws lie behind them.
+    for (name, near, radius) in [
+        ("rat/street_rat_4k.gltf", Vec3::new(0.5, 0.25, 0.55), 0.6),
+        ("rat/street_rat_4k.gltf", Vec3::new(0.5, 0.0, 0.55), 0.6),
+    ] {
+        let Some(file) = crate::testing::shared_file(name) else {
+            println!(
+                "skipped: a_closed_stroke_paints_what_it_encloses needs ../shared/data/{name}"
+            );
+            continue;
+        };
+        check(&[("fit", "none".into()), ("mesh", Value::File(file))], near, radius);
+    }
+}
+
+#[test]
+fn a_closed_stroke_that_does_not_fit_is_told_as_a_drawn_region_is() {
+    let scalp = head();
+    let at = scalp.closest_root(scalp.frame().point_from_head(Vec3::new(3.0, 8.0, 3.0))).unwrap();
+    let closed = Brush { closed: true, ..brush(Mode::Paint, 1.0, 1.0) };
+    let whole = Stroke { brush: Some(closed.clone()), ..round(&scalp, 1, at.point, 2.0) };
+    let said = |strokes: &[Stroke]| mask(&scalp, strokes, &[("scale_with_head", false.into())]).1;
+    let told = |change: &dyn Fn(&mut Stroke), what: &str| {
+        let mut stroke = whole.clone();
+        change(&mut stroke);
+        let strokes = [whole.clone(), stroke];
+        let said = said(&strokes);
+        assert!(said.len() == 1 && said[0].contains(what), "{said:?}");
+        let drawn = Strokes(strokes.to_vec()).into();
+        let (_, region) = made("head", &[("region", "hairline".into()), ("hairline", drawn)]);
+        assert!(region.iter().any(|told| told.starts_with(&said[0])), "{said:?} {region:?}");
+    };
+    let mirrored = |stroke: &mut Stroke| {
+        stroke.brush = Some(Brush { mirrored: true, ..closed.clone() });
+        stroke.samples.iter_mut().for_each(|s| s.position *= 1.2);
+    };
+    told(&|stroke| stroke.samples.truncate(60), "stroke 2 is open: its ends, at (");
+    told(&|stroke| stroke.samples.iter_mut().for_each(|s| s.position *= 1.2), "stroke 2 misses");
+    told(&|stroke| stroke.samples.truncate(2), "stroke 2 has 2 points and encloses nothing");
+    assert_eq!(said(std::slice::from_ref(&whole)), <[String; 0]>::default());
+    let mut both = whole.clone();
+    mirrored(&mut both);
+    let said = said(&[both]);
+    assert!(said.len() == 2 && said[1].contains("the twin of stroke 1 misses"), "{said:?}");
+}
+
+#[test]
+fn smoothing_over_a_closed_line_evens_it_out() {
+    let closed = Brush { closed: true, ..brush(Mode::Paint, 1.0, 1.0) };
+    let line = stroke(1, &ring(25.0), closed);
+    let beside = |degrees: f32| {
+        let (out, up) = crate::maths::transcendental::sin_cos(degrees.to_radians());
+        [0.0, up, out]
+    };
+    let smooth = stroke(2, &[beside(25.0)], brush(Mode::Smooth, 2.0, 1.0));
+    let on = painted(&head(), &[line, smooth]);
+    // 3 degrees are about half a centimetre, beyond the line's own edge of 1.5 mm.
+    let (inside, outside) = (at(&on, beside(22.0)), at(&on, beside(28.0)));
+    assert!((0.5..0.95).contains(&inside) && (0.05..0.5).contains(&outside), "{inside} {outside}");
+    assert_eq!((at(&on, CROWN), at(&on, beside(45.0))), (1.0, 0.0));
 }
 
 #[test]

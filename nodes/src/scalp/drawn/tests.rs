@@ -1,34 +1,11 @@
 //! What drawn regions promise: hair inside the line alone, on heads and animals, by name, and a word on what does not fit.
 
-use crate::data::outline::for_middles;
 use crate::data::scalp::Scalp;
 use crate::data::strokes::{Sample, Stroke, Strokes};
 use crate::define::Value;
-use crate::maths::transcendental::sin_cos_turns;
-use crate::testing::{curves_of, fails, head, run, shared_head};
+use crate::testing::{area_within, curves_of, fails, head, round, run, shared_head};
 use glam::Vec3;
 use std::sync::Arc;
-
-/// The closed line of all skin that is `radius` (cm) from `centre`, in head units.
-fn round(scalp: &Scalp, id: u64, centre: Vec3, radius: f32) -> Stroke {
-    let middle = scalp.closest_root(centre).unwrap();
-    let right = middle.normal.any_orthonormal_vector();
-    let up = middle.normal.cross(right);
-    let on_skin = |p| scalp.closest_root(p).unwrap().point;
-    let sample = |k: u32| {
-        let (s, c) = sin_cos_turns(k as f32 / 96.0);
-        let (mut near, mut far) = (0.0, 2.0 * radius);
-        for _ in 0..30 {
-            let t = 0.5 * (near + far);
-            let p = on_skin(middle.point + (right * c + up * s) * t);
-            if p.distance(middle.point) < radius { near = t } else { far = t }
-        }
-        let p = on_skin(middle.point + (right * c + up * s) * near);
-        let position = scalp.frame().head_from_point(p);
-        Sample { position, pressure: 1.0, ..Sample::default() }
-    };
-    Stroke::new(id, (0..96).map(sample).collect())
-}
 
 fn drawn(strokes: Vec<Stroke>) -> [(&'static str, Value); 3] {
     [
@@ -36,20 +13,6 @@ fn drawn(strokes: Vec<Stroke>) -> [(&'static str, Value); 3] {
         ("hairline", Strokes(strokes).into()),
         ("edge", Value::Float(0.0)),
     ]
-}
-
-/// How much skin is nearer to `centre` than `radius`, cm2.
-fn area(scalp: &Scalp, centre: Vec3, radius: f32) -> f32 {
-    let middle = scalp.closest_root(centre).unwrap();
-    let surface = scalp.surface();
-    let mut sum = 0.0f64;
-    for t in 0..surface.triangles.len() as u32 {
-        let part = 0.5 * f64::from(surface.area_vector(t).length()) / 1600.0;
-        for_middles(40, |bary| {
-            sum += part * f64::from(u8::from(surface.at(t, bary).distance(middle.point) < radius));
-        });
-    }
-    sum as f32
 }
 
 #[test]
@@ -69,7 +32,7 @@ fn hair_grows_inside_a_drawn_line_alone() {
         let Value::Scalp(scalp) = &out[0] else { panic!("a scalp") };
         let told: Vec<&String> = said.iter().filter(|s| s.contains("stroke")).collect();
         assert!(told.is_empty(), "{told:?}");
-        let wide = area(scalp, middle, radius);
+        let wide = area_within(scalp, middle, radius);
         let told = said.iter().find_map(|s| s.strip_prefix("scalp: ")?.strip_suffix(" cm2"));
         let told: f32 = told.unwrap().parse().unwrap();
         assert!((told / wide - 1.0).abs() < 0.02, "{told} cm2 of {wide}");

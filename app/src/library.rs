@@ -1,0 +1,187 @@
+//! The library of templates: those that come with coif, a person's own, and those of shows.
+//!
+//! Folders are searched in order: what comes with coif, `templates` of the settings folder, then each folder of
+//! `COIF_TEMPLATES`. Of one name and version the first counts. A file that is no template is told and left out; it never
+//! hides the others. Folders are not searched within.
+
+use crate::places::Places;
+use coif_graphs::document::{Document, Origin};
+use coif_graphs::{file, grooms, template};
+use std::cmp::Ordering;
+use std::path::{Path, PathBuf};
+
+/// One template.
+pub(crate) struct Entry {
+    /// What it says of itself.
+    pub(crate) origin: Origin,
+    /// What people call it.
+    pub(crate) title: String,
+    /// What is said of it.
+    pub(crate) description: String,
+    /// The hash of what it means.
+    pub(crate) hash: String,
+    /// Its file; none where it comes with coif.
+    pub(crate) path: Option<PathBuf>,
+    /// All of it.
+    pub(crate) document: Document,
+}
+
+/// The most files of a folder that are looked at.
+const MOST_FILES: usize = 4096;
+/// The largest template that is read, bytes.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// The folder of a person's own templates.
+pub(crate) fn own(places: &Places) -> PathBuf {
+    places.config.join("templates")
+}
+
+/// Every template that is found, and what is wrong with files that are none.
+pub(crate) fn all() -> (Vec<Entry>, Vec<String>) {
+    let shows = std::env::var_os("COIF_TEMPLATES").unwrap_or_default();
+    let shows: Vec<PathBuf> =
+        std::env::split_paths(&shows).filter(|p| !p.as_os_str().is_empty()).collect();
+    let folders: Vec<PathBuf> = std::iter::once(own(&Places::here())).chain(shows).collect();
+    in_folders(&folders)
+}
+
+fn in_folders(folders: &[PathBuf]) -> (Vec<Entry>, Vec<String>) {
+    let (mut found, mut wrong) = (vec![], vec![]);
+    let mut add = |read: Result<Entry, String>, shown: &str| match read {
+        Ok(entry) => {
+            let same = |known: &Entry| {
+                known.origin.name == entry.origin.name
+                    && known.origin.version == entry.origin.version
+            };
+            if !found.iter().any(same) {
+                found.push(entry);
+            }
+        }
+        Err(why) => wrong.push(format!("{shown}: {why}")),
+    };
+    for (name, text) in grooms::TEMPLATES {
+        add(of_text(text.as_bytes(), None), name);
+    }
+    for folder in folders {
+        for path in files(folder) {
+            let shown = path.display().to_string();
+            add(read(&path), &shown);
+        }
+    }
+    (found, wrong)
+}
+
+/// The `.ron` files of a folder by name; none where there is no such folder.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let all = std::fs::read_dir(folder).into_iter().flatten().flatten().take(MOST_FILES);
+    let mut all: Vec<PathBuf> = all
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|it| it == "ron") && path.is_file())
+        .collect();
+    all.sort();
+    all
+}
+
+/// A template from its file.
+///
+/// # Errors
+/// It cannot be read, or is no template.
+pub(crate) fn read(path: &Path) -> Result<Entry, String> {
+    let about = std::fs::metadata(path).map_err(|err| err.to_string())?;
+    if !about.is_file() || about.len() > MOST_BYTES {
+        return Err("is no file of at most 64 MiB, as templates are".to_owned());
+    }
+    of_text(&std::fs::read(path).map_err(|err| err.to_string())?, Some(path.to_owned()))
+}
+
+fn of_text(bytes: &[u8], path: Option<PathBuf>) -> Result<Entry, String> {
+    let loaded = file::read_bytes(bytes).map_err(|err| err.to_string())?;
+    if let Some(conflict) = loaded.conflicts.first() {
+        return Err(conflict.to_string());
+    }
+    let document = loaded.document;
+    let group = template::group_of(&document)?.clone();
+    let node = document.node(group.as_str()).ok_or("the group is gone")?;
+    let origin = node.template.as_deref().cloned().unwrap_or_default();
+    if origin.name.is_empty() {
+        return Err("the template has no name".to_owned());
+    }
+    let (title, description) = (document.name_of(&group).into_owned(), node.note.clone());
+    Ok(Entry {
+        hash: template::hash(&document, &group),
+        origin,
+        title,
+        description,
+        path,
+        document,
+    })
+}
+
+/// The template that a person names: a file, or a name of the library, with `@version` where it is not to be the newest.
+///
+/// # Errors
+/// There is none.
+pub(crate) fn find(named: &str) -> Result<Entry, String> {
+    let path = Path::new(named);
+    if path.is_file() {
+        return read(path).map_err(|why| format!("{named}: {why}"));
+    }
+    let (name, version) = named.split_once('@').map_or((named, None), |(name, v)| (name, Some(v)));
+    let (all, _) = all();
+    let known: Vec<String> = all.iter().map(|entry| entry.origin.name.clone()).collect();
+    let fits = |entry: &Entry| {
+        entry.origin.name == name && version.is_none_or(|version| entry.origin.version == version)
+    };
+    let newest = all.into_iter().filter(fits).reduce(|a, b| {
+        if by_version(&b.origin.version, &a.origin.version) == Ordering::Greater { b } else { a }
+    });
+    newest.ok_or_else(|| format!("there is no template {named:?}; there are {}", known.join(", ")))
+}
+
+/// Versions as people count them: part by part, numbers as numbers.
+pub(crate) fn by_version(a: &str, b: &str) -> Ordering {
+    let parts = |text: &str| -> Vec<Result<u64, String>> {
+        text.split('.').map(|part| part.parse().map_err(|_| part.to_owned())).collect()
+    };
+    let (a, b) = (parts(a), parts(b));
+    for (a, b) in a.iter().zip(&b) {
+        let order = match (a, b) {
+            (Ok(a), Ok(b)) => a.cmp(b),
+            // 1.0 comes after 1.beta.
+            (Ok(_), Err(_)) => Ordering::Greater,
+            (Err(_), Ok(_)) => Ordering::Less,
+            (Err(a), Err(b)) => a.cmp(b),
+        };
+        if order != Ordering::Equal {
+            return order;
+        }
+    }
+    a.len().cmp(&b.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn versions_are_counted_part_by_part() {
+        let mut all = ["1.10", "1.2", "1.beta", "2", "1.2.1", ""];
+        all.sort_by(|a, b| by_version(a, b));
+        assert_eq!(all, ["", "1.beta", "1.2", "1.2.1", "1.10", "2"]);
+    }
+
+    #[test]
+    fn at_least_ten_templates_come_with_coif_each_as_it_would_be_saved() {
+        let (all, wrong) = in_folders(&[]);
+        assert_eq!(wrong, Vec::<String>::new());
+        assert!(all.len() >= 10, "{}", all.len());
+        for (entry, (name, text)) in all.iter().zip(grooms::TEMPLATES) {
+            assert_eq!(entry.origin.name, *name);
+            assert_eq!(entry.origin.hash, entry.hash, "{name}: its mark is not its hash");
+            assert!(!entry.description.is_empty() && !entry.origin.licence.is_empty(), "{name}");
+            assert_eq!(file::write(&entry.document), *text, "{name}: coif fmt it");
+            let problems = coif_graphs::document::graph::check(&entry.document);
+            assert!(problems.is_empty(), "{name}: {problems:?}");
+        }
+    }
+}

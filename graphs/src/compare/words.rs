@@ -1,0 +1,392 @@
+//! Facts and changes in words: for the file as files write them, for people as a groomer says them.
+//!
+//! Guarantees: what changed is told in short lines, however much it is. Not guaranteed: that names and texts steer no terminal; whoever
+//! prints escapes them.
+
+use super::diff::{Change, Drawn, diff, drawn, value};
+use super::fact::{Fact, Said};
+use super::lists::{is_in_one_order, numbered};
+use crate::document::{Document, NodeId, Place, Setting, Socket};
+use crate::file::write_value;
+use coif_nodes::data::gestures::{Gestures, Tool};
+use coif_nodes::define::{Type, Value, short};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+/// A text on one line: white space is one space, what would steer a terminal is escaped.
+pub(super) fn one_line(text: &str) -> String {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let mut line = String::new();
+    for c in words.join(" ").chars() {
+        if c.is_control() { line.extend(c.escape_default()) } else { line.push(c) }
+    }
+    line
+}
+
+/// The first letters of a text.
+pub(super) fn cut(text: &str, most: usize) -> String {
+    match text.char_indices().nth(most) {
+        Some((at, _)) => format!("{}…", &text[..at]),
+        None => text.to_owned(),
+    }
+}
+
+impl fmt::Display for Fact {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Fact::Title => write!(f, "title"),
+            Fact::Note => write!(f, "note"),
+            Fact::Seed => write!(f, "seed"),
+            Fact::Display => write!(f, "display"),
+            Fact::Look => write!(f, "look"),
+            Fact::Kind(id) => write!(f, "{id}: kind"),
+            Fact::Label(id) => write!(f, "{id}: label"),
+            Fact::NodeNote(id) => write!(f, "{id}: note"),
+            Fact::Bypass(id) => write!(f, "{id}: bypass"),
+            Fact::Ports(id) => write!(f, "{id}: interface"),
+            Fact::Template(id) => write!(f, "{id}: template"),
+            Fact::Input(id, name) => write!(f, "{id}.{name}"),
+            Fact::Wires(to) => write!(f, "wires of {to}"),
+            Fact::Frame(name) => write!(f, "frame {name:?}"),
+            Fact::View(name) => write!(f, "view {name:?}"),
+            Fact::Layout(id) => write!(f, "{id}: place on the canvas"),
+            Fact::Collapsed(id) => write!(f, "{id}: drawn small"),
+            Fact::Comment(place) => {
+                let node = self.node().map_or_else(String::new, |id| format!(" of {id}"));
+                let (Place::Frame(name)
+                | Place::View(name)
+                | Place::Field(name)
+                | Place::NodeField(_, name)
+                | Place::Input(_, name)) = place
+                else {
+                    return write!(f, "comment{node}");
+                };
+                write!(f, "comment before {name}{node}")
+            }
+        }
+    }
+}
+
+impl Fact {
+    /// What it is where a document says nothing of it.
+    pub(super) fn unsaid(&self) -> &'static str {
+        match self {
+            Fact::Input(..) => "not set",
+            Fact::Wires(_) => "not wired",
+            Fact::Seed => "0",
+            Fact::Bypass(_) => "off",
+            _ => "none",
+        }
+    }
+}
+
+/// What is said, as files write it, on as many lines as it likes.
+pub(super) fn plain(said: &Said) -> String {
+    match said {
+        Said::Yes => "on".to_owned(),
+        Said::Text(text) => write_value(&Value::Text(text.as_str().into())),
+        Said::Seed(seed) => seed.to_string(),
+        Said::Node(id) => id.to_string(),
+        Said::Setting(Setting::Known(value)) => write_value(value),
+        Said::Setting(Setting::Raw(text)) => text.to_string(),
+        Said::Wires(_) => said.sources().map(ToString::to_string).collect::<Vec<_>>().join(" and "),
+        Said::Frame(frame) => format!(
+            "{:?} of colour {} at ({:?}, {:?})",
+            frame.text, frame.colour, frame.at.0, frame.at.1
+        ),
+        Said::View(view) => {
+            format!("eye {:?}, target {:?}, focal_mm {:?}", view.eye, view.target, view.focal_mm)
+        }
+        Said::Look(look) => {
+            format!("light {:?}, exposure {:?}, skin {:?}", look.light, look.exposure, look.skin)
+        }
+        Said::Ports(ports) => {
+            let side = |ports: &[coif_nodes::declared::Port]| {
+                ports.iter().map(|port| port.name.clone()).collect::<Vec<_>>().join(" ")
+            };
+            format!("{} -> {}", side(ports.inputs()), side(ports.outputs()))
+        }
+        Said::Template(it) => format!("{} {}", it.name, it.version).trim().to_owned(),
+        Said::At(at) => format!("({:?}, {:?})", at.0, at.1),
+        Said::Lines(lines) => lines.join(" "),
+    }
+}
+
+impl Said {
+    /// What is said, as files write it.
+    pub fn text(&self) -> String {
+        plain(self)
+    }
+}
+
+/// All that changed from `a` to `b`, a line each, as a groomer says it: the document's own, then node by node, then what stands
+/// beside. Where things stand on the canvas is told in numbers, and only where `all` is asked for.
+pub fn lines(a: &Document, b: &Document, all: bool) -> Vec<String> {
+    let changes = diff(a, b);
+    let telling = Telling { a, b };
+    let mut of_node = BTreeMap::<&NodeId, Vec<&Change>>::new();
+    let (mut before, mut behind, mut comments) = (vec![], vec![], 0);
+    for change in &changes {
+        match &change.fact {
+            Fact::Layout(_) | Fact::Collapsed(_) => {}
+            Fact::Comment(_) => comments += 1,
+            Fact::Frame(name) => {
+                behind.push(format!("frame {:?}: {}", short(name), became(change)))
+            }
+            Fact::View(name) => behind.push(format!("view {:?}: {}", short(name), became(change))),
+            fact => match fact.node() {
+                Some(id) => of_node.entry(id).or_default().push(change),
+                None => before.push(telling.of_document(change)),
+            },
+        }
+    }
+    let nodes = of_node.into_iter().flat_map(|(id, changes)| telling.of_node(id, &changes));
+    let mut lines: Vec<String> = before.into_iter().chain(nodes).chain(behind).collect();
+    lines.extend((comments > 0).then(|| format!("{} changed", counted(comments, "comment"))));
+    if all {
+        lines.extend(on_the_canvas(&changes));
+    }
+    lines
+}
+
+/// So many of something, whose plural ends in s.
+fn counted(count: usize, one: &str) -> String {
+    format!("{count} {one}{}", if count == 1 { "" } else { "s" })
+}
+
+fn became(change: &Change) -> &'static str {
+    match (&change.from, &change.to) {
+        (None, _) => "added",
+        (_, None) => "removed",
+        _ => "changed",
+    }
+}
+
+/// What stands elsewhere, in numbers.
+fn on_the_canvas(changes: &[Change]) -> Vec<String> {
+    let is_bent = |change: &&Change| match (&change.from, &change.to) {
+        (Some(from), Some(to)) => {
+            matches!(change.fact, Fact::Wires(_)) && from.sources().eq(to.sources())
+        }
+        _ => false,
+    };
+    let count = |of: &dyn Fn(&&Change) -> bool| changes.iter().filter(of).count();
+    let said = [
+        (count(&|c| matches!(c.fact, Fact::Layout(_))), "node", "moved on the canvas"),
+        (count(&|c| matches!(c.fact, Fact::Collapsed(_))), "node", "drawn small or whole again"),
+        (count(&is_bent), "input", "with wires bent otherwise"),
+    ];
+    let said = said.into_iter().filter(|(count, ..)| *count > 0);
+    said.map(|(count, one, what)| format!("{} {what}", counted(count, one))).collect()
+}
+
+/// Two documents, and how people call what is in them.
+struct Telling<'a> {
+    a: &'a Document,
+    b: &'a Document,
+}
+
+impl Telling<'_> {
+    /// A node by the name that people know, of the later document where it has it.
+    fn name(&self, id: &NodeId) -> String {
+        let of = if self.b.nodes.contains_key(id) { self.b } else { self.a };
+        short(&of.name_of(id))
+    }
+
+    fn kind(document: &Document, id: &NodeId) -> String {
+        let kind = document.node(id.as_str()).map_or("", |node| &node.kind);
+        coif_nodes::by_id(kind).map_or_else(|| short(kind), |def| def.label.to_owned())
+    }
+
+    fn of_document(&self, change: &Change) -> String {
+        let said = |said: &Option<Said>| match said {
+            None => change.fact.unsaid().to_owned(),
+            Some(Said::Node(id)) => self.name(id),
+            Some(said) => short(&plain(said)),
+        };
+        let what = if change.fact == Fact::Display { "shown" } else { change.fact.named().0 };
+        format!("{what}: {} to {}", said(&change.from), said(&change.to))
+    }
+
+    /// What changed of a node; of one that came or went, that it did.
+    fn of_node(&self, id: &NodeId, changes: &[&Change]) -> Vec<String> {
+        let name = self.name(id);
+        let kind = changes.iter().find(|change| matches!(change.fact, Fact::Kind(_)));
+        match kind.map(|kind| (&kind.from, &kind.to)) {
+            Some((None, _)) => {
+                let wires = changes.iter().filter_map(|change| change.to.as_ref());
+                let from: BTreeSet<String> =
+                    wires.flat_map(Said::sources).map(|from| self.name(&from.node)).collect();
+                let fed = match from.is_empty() {
+                    true => String::new(),
+                    false => {
+                        format!(", fed by {}", from.into_iter().collect::<Vec<_>>().join(", "))
+                    }
+                };
+                return vec![format!("{name}: added ({}){fed}", Self::kind(self.b, id))];
+            }
+            Some((_, None)) => {
+                return vec![format!("{name}: removed ({})", Self::kind(self.a, id))];
+            }
+            _ => {}
+        }
+        changes.iter().filter_map(|change| self.of_fact(id, &name, change)).collect()
+    }
+
+    fn of_fact(&self, id: &NodeId, name: &str, change: &Change) -> Option<String> {
+        let text = |said: &Option<Said>| {
+            said.as_ref().map_or_else(|| "none".to_owned(), |said| short(&plain(said)))
+        };
+        let (from, to) = (text(&change.from), text(&change.to));
+        Some(match &change.fact {
+            Fact::Kind(_) => {
+                let (from, to) = (Self::kind(self.a, id), Self::kind(self.b, id));
+                format!("{name}: {from} is now {to}")
+            }
+            Fact::Label(_) => format!("{name}: called {to}, before {from}"),
+            Fact::NodeNote(_) => format!("{name}: note {from} to {to}"),
+            Fact::Bypass(_) if change.to.is_some() => format!("{name}: bypassed"),
+            Fact::Bypass(_) => format!("{name}: bypassed no longer"),
+            Fact::Input(_, input) => match drawn(change) {
+                Some(drawn) => format!("{name}: {}", of_drawn(input, change, &drawn)),
+                None => {
+                    let from = self.value(self.a, id, input, &change.from);
+                    let to = self.value(self.b, id, input, &change.to);
+                    format!("{name}: {} {from} to {to}", short(&input.replace('_', " ")))
+                }
+            },
+            Fact::Wires(to) => return self.of_wires(name, to, change),
+            _ => return None,
+        })
+    }
+
+    /// A value with its unit; of an input that is not set, its default.
+    fn value(&self, of: &Document, id: &NodeId, input: &str, said: &Option<Said>) -> String {
+        let kind = of.node(id.as_str()).map_or("", |node| &node.kind);
+        let def = coif_nodes::by_id(kind).and_then(|def| def.input(input));
+        let Some(value) = value(kind, input, said) else {
+            return said.as_ref().map_or_else(|| "not set".to_owned(), |said| short(&plain(said)));
+        };
+        let unit = def.map_or("", |(_, input)| input.unit.suffix());
+        let text = match &value {
+            Value::Float(x) if *x == 0.0 || (1e-4..1e7).contains(&x.abs()) => format!("{x}{unit}"),
+            Value::Int(x) => format!("{x}{unit}"),
+            Value::Bool(on) => if *on { "on" } else { "off" }.to_owned(),
+            Value::Text(word) if def.is_some_and(|(_, i)| matches!(i.ty, Type::Choice(_))) => {
+                short(word)
+            }
+            value => short(&write_value(value)),
+        };
+        if said.is_none() { format!("{text} (default)") } else { text }
+    }
+
+    /// Where a wire came from and where it comes from; none where only its bends changed.
+    fn of_wires(&self, name: &str, to: &Socket, change: &Change) -> Option<String> {
+        let sources = |said: &Option<Said>| -> Vec<Socket> {
+            said.iter().flat_map(Said::sources).cloned().collect()
+        };
+        let (from, now) = (sources(&change.from), sources(&change.to));
+        if from == now {
+            return None;
+        }
+        let input = short(&to.name);
+        if from.len() <= 1 && now.len() <= 1 {
+            let one = |all: &[Socket]| all.first().map_or("nothing".to_owned(), |s| self.source(s));
+            return Some(format!("{name}.{input}: from {} to {}", one(&from), one(&now)));
+        }
+        let (from, now) = (numbered(from.into_iter()), numbered(now.into_iter()));
+        let only = |here: &[(Socket, usize)], there: &[(Socket, usize)], what: &str| {
+            let there: BTreeSet<_> = there.iter().collect();
+            let only = here.iter().filter(|wire| !there.contains(wire));
+            let only: Vec<String> = only.map(|(wire, _)| self.source(wire)).collect();
+            match only.len() {
+                0 => None,
+                1..=5 => Some(format!("{what} {}", only.join(", "))),
+                n => Some(format!("{what} {} and {} more", only[..3].join(", "), n - 3)),
+            }
+        };
+        let order = (!is_in_one_order(&from, &now)).then(|| "in another order".to_owned());
+        let parts = [only(&now, &from, "also from"), only(&from, &now, "no longer from"), order];
+        Some(format!(
+            "{name}.{input}: {}",
+            parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
+        ))
+    }
+
+    /// The node that a wire comes from, with its output where it gives several.
+    fn source(&self, socket: &Socket) -> String {
+        let of = if self.b.nodes.contains_key(&socket.node) { self.b } else { self.a };
+        let kind = of.node(socket.node.as_str()).map_or("", |node| &node.kind);
+        let name = self.name(&socket.node);
+        match coif_nodes::by_id(kind).is_some_and(|def| def.outputs.len() == 1) {
+            true => name,
+            false => format!("{name}.{}", short(&socket.name)),
+        }
+    }
+}
+
+/// Strokes and gestures, by their number.
+fn of_drawn(input: &str, change: &Change, drawn: &Drawn) -> String {
+    let word = drawn.word;
+    let mut parts = match &change.to {
+        Some(Said::Setting(Setting::Known(Value::Gestures(all)))) => by_tool(all, &drawn.added),
+        _ => vec![(drawn.added.len(), "drawn")],
+    };
+    parts.push((drawn.removed.len(), "removed"));
+    let moved: Vec<f32> = drawn.changed.iter().filter_map(|(_, moved)| *moved).collect();
+    let otherwise = drawn.changed.len() - moved.len();
+    parts.retain(|(count, _)| *count > 0);
+    // The first says what they are.
+    let mut said: Vec<String> = vec![];
+    let mut say = |count: usize, what: String| {
+        said.push(match said.is_empty() {
+            true => format!("{} {what}", counted(count, word)),
+            false => format!("{count} {what}"),
+        });
+    };
+    parts.into_iter().for_each(|(count, what)| say(count, what.to_owned()));
+    if let Some(most) = moved.iter().copied().max_by(f32::total_cmp) {
+        let by = if moved.len() == 1 { "by" } else { "by up to" };
+        say(moved.len(), format!("moved {by} {most:.2} cm"));
+    }
+    if otherwise > 0 {
+        say(otherwise, "changed".to_owned());
+    }
+    if drawn.is_reordered {
+        said.push(format!("{word}s in another order"));
+    }
+    if said.is_empty() {
+        // An empty list and none are two things to a file.
+        said.push(format!("{} {}", short(&input.replace('_', " ")), became(change)));
+    }
+    said.join(", ")
+}
+
+/// Added gestures by what their tools do, in the order of the shelf.
+fn by_tool(all: &Gestures, added: &[u64]) -> Vec<(usize, &'static str)> {
+    let added: BTreeSet<u64> = added.iter().copied().collect();
+    let of = |tool: Tool| all.0.iter().filter(|g| g.tool == tool && added.contains(&g.id)).count();
+    Tool::ALL.iter().map(|(tool, _)| (of(*tool), done(*tool))).collect()
+}
+
+/// What a tool has done.
+fn done(tool: Tool) -> &'static str {
+    match tool {
+        Tool::Implant => "implanted",
+        Tool::Lengthen => "lengthened",
+        Tool::Cut => "cut",
+        Tool::Density => "filled",
+        Tool::Twist => "twisted",
+        Tool::Frizz => "frizzed",
+        Tool::Comb => "combed",
+        Tool::Pin => "pinned",
+        Tool::Smooth => "smoothed",
+        Tool::Puff => "puffed",
+        Tool::Grab => "grabbed",
+        Tool::Straighten => "straightened",
+        Tool::Point => "pulled",
+        Tool::Redraw => "re-drawn",
+        Tool::Scatter => "scattered",
+        Tool::Silhouette => "outlined",
+    }
+}
