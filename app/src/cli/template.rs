@@ -37,7 +37,7 @@ enum Command {
         template: String,
     },
     /// Make a template of a group of a graph: a groom that opens and evaluates by itself
-    New(NewArgs),
+    New(Box<NewArgs>),
     /// Add an instance of a template to a graph
     Add {
         /// The graph, a .ron file
