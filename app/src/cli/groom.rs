@@ -71,6 +71,15 @@ pub(crate) enum QualityArg {
     Final,
 }
 
+impl From<QualityArg> for Quality {
+    fn from(quality: QualityArg) -> Self {
+        match quality {
+            QualityArg::Preview => Self::Preview,
+            QualityArg::Final => Self::Final,
+        }
+    }
+}
+
 /// A graph that can be evaluated for its outputs: edited as the options say, with nothing wrong on the way.
 pub(crate) struct Opened {
     pub(crate) document: Document,
@@ -91,7 +100,6 @@ pub(crate) struct Evaluated {
     /// Names of the sections that hair may be rooted in, by their ids.
     pub(crate) sections: BTreeMap<u64, String>,
     /// What was asked for besides, in that order.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "pictures show it"))]
     pub(crate) more: Vec<Value>,
 }
 
@@ -111,7 +119,7 @@ impl GroomArgs {
             apply_set(&mut document, set)?;
         }
         for scalp in &self.scalp {
-            apply_scalp(&mut document, scalp)?;
+            apply_scalp(&mut document, "--scalp", scalp)?;
         }
         reads_all(&document, &folder, files)?;
         report.seed = document.seed;
@@ -156,10 +164,7 @@ impl GroomArgs {
     }
 
     pub(crate) fn quality(&self) -> Quality {
-        match self.quality {
-            QualityArg::Preview => Quality::Preview,
-            QualityArg::Final => Quality::Final,
-        }
+        self.quality.into()
     }
 
     /// What evaluates, with as many threads as were asked for, and a cache of so many bytes.
@@ -553,9 +558,13 @@ fn parameter(document: &Document, name: &str) -> Result<Socket, String> {
     }
 }
 
-/// `[NODE=]FILE`.
-fn apply_scalp(document: &mut Document, scalp: &str) -> Result<(), Stop> {
-    let fault = |reason: String| Stop::refused(format!("--scalp {scalp}: {reason}"));
+/// `[NODE=]FILE` of an option; gives the node.
+pub(super) fn apply_scalp(
+    document: &mut Document,
+    option: &str,
+    scalp: &str,
+) -> Result<NodeId, Stop> {
+    let fault = |reason: String| Stop::refused(format!("{option} {scalp}: {reason}"));
     let named =
         scalp.split_once('=').and_then(|(node, file)| Some((NodeId::new(node).ok()?, file)));
     let (id, path) = match named {
@@ -582,8 +591,8 @@ fn apply_scalp(document: &mut Document, scalp: &str) -> Result<(), Stop> {
     let node = document.nodes.get_mut(&id).map(Arc::make_mut);
     if let Some(node) = node.filter(|node| node.kind == "head") {
         node.inputs.insert("mesh".to_owned(), Setting::Known(Value::Text(text)));
-        document.links.remove(&Socket::new(id, "mesh"));
-        return Ok(());
+        document.links.remove(&Socket::new(id.clone(), "mesh"));
+        return Ok(id);
     }
     Err(fault(format!("{id} is no head node")))
 }

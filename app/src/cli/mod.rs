@@ -11,6 +11,7 @@ mod diff;
 mod edit;
 mod ending;
 pub(crate) mod eval;
+mod fit;
 mod fmt;
 pub(crate) mod groom;
 mod lines;
@@ -51,6 +52,11 @@ enum Command {
     Edit(edit::EditArgs),
     /// Evaluate a graph and write its hair
     Eval(eval::EvalArgs),
+    /// Bring a groom to another head by landmarks, and say what became of it
+    ///
+    /// The graph is evaluated on its own head and on the other one; a new graph is written, in which everything that is given in head
+    /// units is carried over: landmarks meet, and between them all moves with them.
+    Fit(fit::FitArgs),
     /// Draw a graph's hair: pictures, turntables, heat maps
     #[cfg(feature = "render")]
     Render(Box<render::RenderArgs>),
@@ -109,6 +115,7 @@ pub(crate) fn main() -> ExitCode {
         #[cfg(feature = "editor")]
         Some(Command::Edit(args)) => edit::run(&args),
         Some(Command::Eval(args)) => eval::run(args),
+        Some(Command::Fit(args)) => fit::run(&args),
         #[cfg(feature = "render")]
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Batch(args)) => batch::run(&args),

@@ -43,6 +43,9 @@ pub(crate) struct Report {
     #[cfg(feature = "render")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) picture: Option<Picture>,
+    /// What became of the groom on another head; missing but for `coif fit`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) fit: Option<super::fit::figures::Fit>,
     /// Every node that was needed.
     pub(crate) nodes: Vec<Node>,
     /// Why it ended with another exit code than 0.
@@ -239,6 +242,7 @@ impl Report {
             outputs: vec![],
             #[cfg(feature = "render")]
             picture: None,
+            fit: None,
             nodes: vec![],
             errors: vec![],
             warnings: vec![],

@@ -124,7 +124,7 @@ impl Line {
     }
 
     fn push(&mut self, at: Vec3, sample: &PenSample) {
-        let position = self.scalp.frame().head_from_point(at);
+        let position = self.scalp.given(at);
         self.world.push(at);
         self.samples.push(Sample {
             position,

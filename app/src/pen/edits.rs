@@ -29,13 +29,12 @@ pub(crate) fn dragged(
     by: Vec3,
     on_scalp: bool,
 ) -> Stroke {
-    let frame = scalp.frame();
     let mut places = vec![];
     for (i, (sample, weight)) in stroke.samples.iter().zip(weights).enumerate() {
         if *weight > 0.0 {
-            let p = frame.point_from_head(sample.position);
+            let p = scalp.place(sample.position);
             let to = moved(scalp, p, by * *weight, on_scalp);
-            places.push((i, frame.head_from_point(to)));
+            places.push((i, scalp.given(to)));
         }
     }
     placed(stroke, &places)
@@ -121,12 +120,11 @@ impl Pass {
 
 /// Where the points of a stroke are in the world, cm.
 pub(crate) fn path(scalp: &Scalp, stroke: &Stroke) -> Vec<Vec3> {
-    stroke.samples.iter().map(|s| scalp.frame().point_from_head(s.position)).collect()
+    stroke.samples.iter().map(|s| scalp.place(s.position)).collect()
 }
 
 /// The stroke with its points put to a path.
 pub(crate) fn put(scalp: &Scalp, stroke: &Stroke, path: &[Vec3]) -> Stroke {
-    let places: Vec<(usize, Vec3)> =
-        path.iter().map(|p| scalp.frame().head_from_point(*p)).enumerate().collect();
+    let places: Vec<(usize, Vec3)> = path.iter().map(|p| scalp.given(*p)).enumerate().collect();
     placed(stroke, &places)
 }

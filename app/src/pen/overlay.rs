@@ -43,9 +43,8 @@ impl Pen {
                 let widths: Vec<f32> = pressures.map(|p| 1.0 + 4.0 * p).collect();
                 ink(&painter, scene.view, line.world(), &widths, theme::ACCENT);
                 if scene.is_mirrored() {
-                    let frame = scene.scalp.frame();
                     let twin = |sample: &coif_nodes::data::strokes::Sample| {
-                        frame.point_from_head(sample.position * Vec3::new(-1.0, 1.0, 1.0))
+                        scene.scalp.place(sample.position * Vec3::new(-1.0, 1.0, 1.0))
                     };
                     let twin: Vec<Vec3> = line.samples().iter().map(twin).collect();
                     ink(&painter, scene.view, &twin, &widths, theme::ACCENT.gamma_multiply(0.5));

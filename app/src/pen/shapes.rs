@@ -113,10 +113,9 @@ impl Shapes {
                     .is_none_or(|hit| hit.distance > length - IN_SKIN)
         };
         let seed = node.map_or(0, |node| seed_of(state, node));
-        let frame = scalp.frame();
         let shape = |stroke: &coif_nodes::data::strokes::Stroke| {
             let points: Vec<Vec3> =
-                stroke.samples.iter().map(|s| frame.point_from_head(s.position)).collect();
+                stroke.samples.iter().map(|s| scalp.place(s.position)).collect();
             let names = [stroke.id, curve_id(stroke.id, seed, 0), curve_id(stroke.id, seed, 1)];
             Shape {
                 id: stroke.id,

@@ -17,7 +17,7 @@ use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Setting};
 use coif_nodes::data::attributes::{NORMAL, PUFF_CENTRE};
 use coif_nodes::data::field::Field;
-use coif_nodes::data::scalp::{HeadFrame, Scalp};
+use coif_nodes::data::scalp::{HeadFrame, HeadSpace, Scalp};
 use coif_nodes::define::{Handle, InputDef, Type, Unit, Value};
 use egui::{Color32, Key, Pos2, Sense, Shape, Stroke, Vec2};
 use glam::Vec3;
@@ -59,8 +59,8 @@ struct Grip {
     number: usize,
     /// The curve that the value runs along.
     curve: Arc<[Vec3]>,
-    /// The frame that points are in.
-    frame: HeadFrame,
+    /// What points are given in.
+    space: HeadSpace,
     /// Points stay on the skin.
     on_skin: bool,
     /// What a typed centimetre is, cm.
@@ -286,7 +286,9 @@ fn grips(document: &Document, shown: &Shown, node: &NodeId, view: &Projection) -
         .iter()
         .any(|input| input.ty == Type::Scalp && !document.wires(node, input.name).is_empty());
     let scalp = shown.scalp().filter(|_| on_head);
-    let frame = scalp.map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
+    let space = scalp.map(|scalp| scalp.space().clone());
+    let space = space.unwrap_or_else(|| HeadSpace::new(HeadFrame::IDENTITY, None));
+    let frame = *space.frame();
     let gives = first_output(document, node).and_then(|socket| shown.curves_of(&socket));
     // Of several balls, the one that is nearest to the eye.
     let balls = gives.iter().flat_map(|curves| curves.tufts()).filter_map(|tuft| {
@@ -315,8 +317,8 @@ fn grips(document: &Document, shown: &Shown, node: &NodeId, view: &Projection) -
     let (anchor, normal) = match (point, &curve) {
         _ if foot.is_some() => foot.unwrap_or_default(),
         (Some((p, on_skin)), _) => match scalp.filter(|_| on_skin) {
-            Some(scalp) => on_skin_of(scalp, frame.vector_from_head(p)),
-            None => (frame.point_from_head(p), Vec3::ZERO),
+            Some(scalp) => on_skin_of(scalp, space.place(p) - frame.origin),
+            None => (space.place(p), Vec3::ZERO),
         },
         (None, Some((curve, normal))) if !curve.is_empty() => (curve[curve.len() / 2], *normal),
         _ => return vec![],
@@ -358,7 +360,7 @@ fn grips(document: &Document, shown: &Shown, node: &NodeId, view: &Projection) -
             out,
             number: all.iter().filter(|grip| grip.handle == handle).count(),
             curve: line.clone(),
-            frame,
+            space: space.clone(),
             on_skin: scalp.is_some() && input.unit != Unit::Length,
             unit: if input.unit == Unit::Length { unit } else { 1.0 },
         });
@@ -398,8 +400,8 @@ impl Grip {
         let view = seen.view;
         let place = match (self.handle, self.value) {
             (Handle::Point, Number::Point(p)) => match scalps.first().filter(|_| self.on_skin) {
-                Some(scalp) => on_skin_of(scalp, self.frame.vector_from_head(p)).0,
-                None => self.frame.point_from_head(p),
+                Some(scalp) => on_skin_of(scalp, self.space.place(p) - self.space.frame().origin).0,
+                None => self.space.place(p),
             },
             (Handle::Radius | Handle::Ball, Number::One(r)) => {
                 let on = |k: usize| {
@@ -439,7 +441,7 @@ impl Grip {
                     true => on_skin()?,
                     false => view.at_depth(at, view.depth(self.anchor)),
                 };
-                return Some(Number::Point(self.frame.head_from_point(place)));
+                return Some(Number::Point(self.space.given(place)));
             }
             Handle::Radius | Handle::Ball => {
                 let depth = view.depth(self.anchor);
@@ -557,7 +559,7 @@ mod tests {
             out: Vec3::Y,
             number: 1,
             curve: (0..20).map(|k| anchor + Vec3::new(k as f32 * 0.5, 0.0, 0.1)).collect(),
-            frame: HeadFrame::IDENTITY,
+            space: HeadSpace::new(HeadFrame::IDENTITY, None),
             on_skin: false,
             unit: 1.0,
         }

@@ -1,3 +1,5 @@
+//! Laws of templates: what their hash sees, what an instance gives, and what an upgrade does to each value.
+
 use super::*;
 use crate::file;
 use crate::grooms;

@@ -4,7 +4,7 @@
 //! what does not fit.
 
 use super::outline::{Net, Outline};
-use super::scalp::HeadFrame;
+use super::scalp::HeadSpace;
 use glam::Vec3;
 
 /// A line that is farther from the skin was drawn on another head, or on none; cm on a head of average size.
@@ -24,8 +24,8 @@ pub(crate) struct Laid {
 
 impl Laid {
     /// Closes the line through points (cm) near the skin. Distances to it are known up to `reach`, cm.
-    pub(crate) fn new(net: &Net, frame: &HeadFrame, points: &[Vec3], reach: f32) -> Self {
-        let at = |p: Vec3| place(frame, p);
+    pub(crate) fn new(net: &Net, space: &HeadSpace, points: &[Vec3], reach: f32) -> Self {
+        let at = |p: Vec3| place(space, p);
         let mut faults = vec![];
         if let (true, [from, .., to]) = (gap(points) > OPEN, points) {
             let (from, to) = (at(*from), at(*to));
@@ -34,7 +34,7 @@ impl Laid {
             ));
         }
         let line = net.line(points, true);
-        if let Some((p, off)) = line.off.filter(|(_, off)| *off > MISSES * frame.unit()) {
+        if let Some((p, off)) = line.off.filter(|(_, off)| *off > MISSES * space.frame().unit()) {
             faults.push(format!(
                 "misses the skin: at {} it is {off:.1} cm away; it was laid on the nearest skin",
                 at(p)
@@ -71,8 +71,8 @@ fn gap(positions: &[Vec3]) -> f32 {
     }
 }
 
-/// A point as people type it, in the head frame.
-pub(crate) fn place(frame: &HeadFrame, p: Vec3) -> String {
-    let p = frame.head_from_point(p);
+/// A point as people type it, in head units: those of the home where the groom was made on another head.
+pub(crate) fn place(space: &HeadSpace, p: Vec3) -> String {
+    let p = space.given(p);
     format!("({:.1}, {:.1}, {:.1})", p.x, p.y, p.z)
 }

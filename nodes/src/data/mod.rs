@@ -1,6 +1,7 @@
 //! What wires carry, and what readers and writers exchange with it.
 
 pub mod attributes;
+pub mod carry;
 pub mod chart;
 pub mod curves;
 mod cut;
@@ -11,6 +12,7 @@ pub mod gestures;
 pub mod home;
 pub(crate) mod ids;
 pub(crate) mod laid;
+pub mod landmarks;
 pub mod lead;
 pub(crate) mod links;
 pub mod mesh;

@@ -368,7 +368,7 @@ fn on_skin(scalp: &Scalp, stroke: &Stroke, twin: bool) -> Vec<Dab> {
 fn on_mesh(scalp: &Scalp, stroke: &Stroke, twin: bool) -> Laid {
     let points: Vec<Vec3> =
         stroke.samples.iter().map(|sample| place(scalp, sample, twin)).collect();
-    Laid::new(&scalp.net(), scalp.frame(), &points, 0.0)
+    Laid::new(&scalp.net(), scalp.space(), &points, 0.0)
 }
 
 /// The sections that a stroke and its twin keep to: that of its name, and that in which the twin begins.

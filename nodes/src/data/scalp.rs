@@ -4,8 +4,10 @@
 //! lies on the head it was made for. Uvs, materials and masks may be missing; holes, several
 //! parts and non-manifold edges are allowed.
 
+use super::carry::Carry;
 use super::chart::Chart;
 use super::drawn::Drawn;
+use super::landmarks::Landmarks;
 use super::links::Links;
 use super::outline::Net;
 use super::rough::Rough;
@@ -52,11 +54,11 @@ impl HeadFrame {
     pub fn unit(&self) -> f32 {
         self.radius / HEAD_RADIUS
     }
-    /// A point in head units to cm in the head's space.
+    /// A point in the head's own units to cm in its space. (What a groom gives goes by [`HeadSpace::place`].)
     pub fn point_from_head(&self, p: Vec3) -> Vec3 {
         self.origin + self.vector_from_head(p) * self.unit()
     }
-    /// A point in the head's space (cm) to head units.
+    /// A point in the head's space (cm) to the head's own units.
     pub fn head_from_point(&self, p: Vec3) -> Vec3 {
         self.head_from_vector(p - self.origin) / self.unit()
     }
@@ -67,6 +69,46 @@ impl HeadFrame {
     /// A direction in the head's space to the head frame; lengths are kept.
     pub fn head_from_vector(&self, v: Vec3) -> Vec3 {
         Vec3::new(v.dot(self.right), v.dot(self.up), v.dot(self.forward))
+    }
+}
+
+/// What is given in head units, such as strokes and names, on a head: the one place where that becomes centimetres. It goes by the
+/// head's frame, and where the groom was made on another head, by the map from that one.
+#[derive(Clone, Debug)]
+pub struct HeadSpace {
+    frame: HeadFrame,
+    carry: Option<Arc<Carry>>,
+}
+
+impl HeadSpace {
+    /// What is given in the units of a home is carried by this map to a head with this frame; without one it is given in the head's own.
+    pub fn new(frame: HeadFrame, carry: Option<Carry>) -> Self {
+        Self { frame, carry: carry.map(Arc::new) }
+    }
+    /// Where the head is. Directions go by it alone.
+    pub fn frame(&self) -> &HeadFrame {
+        &self.frame
+    }
+    /// The map from the home; none where the groom is at home.
+    pub fn carry(&self) -> Option<&Carry> {
+        self.carry.as_deref()
+    }
+    /// A given place in this head's own units.
+    pub fn own(&self, p: Vec3) -> Vec3 {
+        self.carry.as_ref().map_or(p, |carry| carry.at(p))
+    }
+    /// Where a given place lies, cm in the head's space.
+    pub fn place(&self, p: Vec3) -> Vec3 {
+        self.frame.point_from_head(self.own(p))
+    }
+    /// How a place of the head's space (cm) is given: what [`Self::place`] brings back to it.
+    pub fn given(&self, p: Vec3) -> Vec3 {
+        let own = self.frame.head_from_point(p);
+        self.carry.as_ref().map_or(own, |carry| carry.back(own))
+    }
+    /// The direction, seen from the head's middle and in its frame, of a given place; none of the middle itself. Unit.
+    pub fn direction(&self, p: Vec3) -> Option<Vec3> {
+        self.own(p).try_normalize()
     }
 }
 
@@ -108,6 +150,8 @@ pub struct Scalp {
     parts: Arc<[Part]>,
     /// For whoever draws the file's own looks.
     kept: Option<Arc<[u32]>>,
+    /// For whoever fits a groom to another head.
+    landmarks: Landmarks,
     head: Arc<Head>,
     sections: Option<Arc<Sections>>,
 }
@@ -116,7 +160,7 @@ pub struct Scalp {
 struct Head {
     surface: Surface,
     uvs: Option<Vec<[Vec2; 3]>>,
-    frame: HeadFrame,
+    space: HeadSpace,
     /// Name to one value for each vertex, 0 to 1. Always holds `scalp`, the region where hair grows.
     masks: BTreeMap<String, Vec<f32>>,
     /// Masks that are exact between vertices.
@@ -162,10 +206,11 @@ impl Scalp {
             cm_per_unit: 1.0,
             parts: Arc::default(),
             kept: None,
+            landmarks: Landmarks::default(),
             head: Arc::new(Head {
                 surface,
                 uvs,
-                frame,
+                space: HeadSpace::new(frame, None),
                 masks,
                 drawn: vec![],
                 links: OnceLock::new(),
@@ -202,6 +247,18 @@ impl Scalp {
         self
     }
 
+    /// The same scalp to which a groom is carried by the map of this space, whose frame is its own.
+    ///
+    /// # Panics
+    /// When the scalp was handed out before.
+    pub(crate) fn carried(mut self, space: HeadSpace) -> Self {
+        if let Some(carry) = space.carry() {
+            self.key = carry.add_to(KeyBuilder::new("carried").key(self.key)).finish();
+        }
+        Arc::get_mut(&mut self.head).expect("a fresh scalp").space = space;
+        self
+    }
+
     /// The same head, its scalp cut into these sections instead of those it had.
     pub fn parted(&self, sections: Arc<Sections>) -> Self {
         let whole = self.whole();
@@ -210,6 +267,7 @@ impl Scalp {
             cm_per_unit: self.cm_per_unit,
             parts: self.parts.clone(),
             kept: self.kept.clone(),
+            landmarks: self.landmarks,
             head: self.head.clone(),
             sections: Some(sections),
         }
@@ -221,6 +279,7 @@ impl Scalp {
             cm_per_unit: self.cm_per_unit,
             parts: self.parts.clone(),
             kept: self.kept.clone(),
+            landmarks: self.landmarks,
             head: self.head.clone(),
             sections: None,
         }
@@ -277,7 +336,7 @@ impl Scalp {
     /// The scalp as a flat map, made when first asked for.
     pub fn chart(&self) -> &Chart {
         let head = &*self.head;
-        head.chart.get_or_init(|| Chart::new(&head.surface, &head.frame, &head.masks[REGION]))
+        head.chart.get_or_init(|| Chart::new(&head.surface, &head.space.frame, &head.masks[REGION]))
     }
 
     /// Notes how many centimetres a unit of the mesh file was taken for.
@@ -310,6 +369,16 @@ impl Scalp {
         self.kept.as_deref()
     }
 
+    /// Notes where the landmarks are.
+    pub fn with_landmarks(mut self, landmarks: Landmarks) -> Self {
+        self.landmarks = landmarks;
+        self
+    }
+    /// Where the landmarks are that are known, in head units of this head's frame, on the skin.
+    pub fn landmarks(&self) -> &Landmarks {
+        &self.landmarks
+    }
+
     /// Hash of the content.
     pub fn key(&self) -> Key {
         self.key
@@ -338,7 +407,19 @@ impl Scalp {
     }
     /// Where the head is.
     pub fn frame(&self) -> &HeadFrame {
-        &self.head.frame
+        &self.head.space.frame
+    }
+    /// What is given in head units, on this head.
+    pub fn space(&self) -> &HeadSpace {
+        &self.head.space
+    }
+    /// Where a place given in head units lies, cm ([`HeadSpace::place`]).
+    pub fn place(&self, p: Vec3) -> Vec3 {
+        self.head.space.place(p)
+    }
+    /// How a place (cm) is given in head units ([`HeadSpace::given`]).
+    pub fn given(&self, p: Vec3) -> Vec3 {
+        self.head.space.given(p)
     }
     /// Names of all masks that a field may name: those of the head and the sections of a parted scalp.
     pub fn mask_names(&self) -> Vec<String> {
@@ -420,8 +501,8 @@ impl Scalp {
     }
     /// Why hair on this head is pushed out of the skin and not led round it; none on heads.
     pub fn rough(&self) -> Option<Rough> {
-        let Head { surface, frame, masks, rough, .. } = &*self.head;
-        *rough.get_or_init(|| Rough::of(surface, &masks[REGION], frame.unit()))
+        let Head { surface, space, masks, rough, .. } = &*self.head;
+        *rough.get_or_init(|| Rough::of(surface, &masks[REGION], space.frame.unit()))
     }
     /// Bytes held.
     pub fn bytes(&self) -> usize {

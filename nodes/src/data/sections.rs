@@ -14,7 +14,7 @@ pub(crate) use super::cut::off_the_scalp;
 use super::cut::{Cut, Lines, cut, square_to};
 use super::footprint::{Digests, read_all, read_cell};
 use super::mesh_cut::MeshCut;
-use super::scalp::{HeadFrame, Root, Scalp};
+use super::scalp::{Root, Scalp};
 use crate::maths::hash::{Key, KeyBuilder, curve_id};
 use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -504,7 +504,7 @@ impl Sections {
 
     /// A section's middle in the head frame, as names are typed.
     fn place_of(&self, scalp: &Scalp, number: u32) -> [f32; 3] {
-        let p = scalp.frame().head_from_point(self.list[number as usize].middle);
+        let p = scalp.given(self.list[number as usize].middle);
         p.to_array().map(|x| (x * 10.0).round() / 10.0)
     }
 
@@ -551,8 +551,8 @@ pub(super) fn ids(
     ids
 }
 
-/// Names with points in the head frame, such as `left puff 4 7 -3; fringe 0 6 8`, and what of the text is none.
-pub(crate) fn named_points(text: &str, frame: &HeadFrame) -> (Vec<(String, Vec3)>, Vec<String>) {
+/// Names with points in head units, such as `left puff 4 7 -3; fringe 0 6 8`, and what of the text is none.
+pub fn named_points(text: &str) -> (Vec<(String, Vec3)>, Vec<String>) {
     let (mut names, mut faults) = (vec![], vec![]);
     for entry in text.split([';', '\n']).map(str::trim).filter(|e| !e.is_empty()) {
         let words: Vec<&str> = entry.split_whitespace().collect();
@@ -560,7 +560,7 @@ pub(crate) fn named_points(text: &str, frame: &HeadFrame) -> (Vec<(String, Vec3)
         let numbers: Vec<f32> = words[at..].iter().filter_map(|w| w.parse().ok()).collect();
         match numbers[..] {
             [x, y, z] if at > 0 && x.is_finite() && y.is_finite() && z.is_finite() => {
-                names.push((words[..at].join(" "), frame.point_from_head(Vec3::new(x, y, z))));
+                names.push((words[..at].join(" "), Vec3::new(x, y, z)));
             }
             _ => {
                 faults.push(format!("{entry:?} is no name with a point, such as \"fringe 0 6 8\""))
@@ -597,7 +597,7 @@ impl std::fmt::Debug for Sections {
 
 /// Where a point of the scalp lies, in words.
 fn whereabouts(scalp: &Scalp, p: Vec3) -> String {
-    let h = scalp.frame().head_from_point(p);
+    let h = scalp.given(p);
     let d = h.try_normalize().unwrap_or(Vec3::Y);
     let area = if d.y < -0.25 && d.z < 0.0 {
         "nape"

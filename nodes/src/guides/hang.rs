@@ -219,7 +219,7 @@ impl Inputs {
     fn flow(&self, scalp: Option<&Scalp>, curve: &[Vec3], p: Vec3, normal: Vec3) -> Vec3 {
         let identity = crate::data::scalp::HeadFrame::IDENTITY;
         let frame = scalp.map_or(&identity, Scalp::frame);
-        let at = frame.head_from_point(p);
+        let at = scalp.map_or_else(|| frame.head_from_point(p), |scalp| scalp.given(p));
         let wanted = match self.flow {
             Flow::Sides => {
                 // Parted hair is parted to the crown: on the back of the head it falls down.

@@ -325,7 +325,7 @@ impl Grower<'_> {
             }
             Flow::Direction => frame.vector_from_head(self.inputs.direction),
             Flow::Crown => {
-                let crown = frame.point_from_head(self.inputs.crown);
+                let crown = self.scalp.place(self.inputs.crown);
                 let away = across(p - crown, normal).unwrap_or_else(|| any_normal(normal));
                 let reach = WHORL_REACH * self.unit;
                 let fade = exp(-(p - crown).length() / reach);

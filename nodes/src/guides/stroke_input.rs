@@ -116,13 +116,13 @@ fn drawn_curve(
     piece: &mut Piece,
 ) -> Result<Tuft, NodeError> {
     piece.tick()?;
-    let (scalp, frame) = (&*inputs.scalp, inputs.scalp.frame());
-    let unit = if inputs.scale_with_head { frame.unit() } else { 1.0 };
+    let scalp = &*inputs.scalp;
+    let unit = if inputs.scale_with_head { scalp.frame().unit() } else { 1.0 };
     let id = curve_id(stroke.id, inputs.seed as u64, u64::from(mirrored));
     let side = if mirrored { Vec3::new(-1.0, 1.0, 1.0) } else { Vec3::ONE };
     let (mut points, mut pressures): (Vec<Vec3>, Vec<f32>) = (vec![], vec![]);
     for sample in &stroke.samples {
-        let p = frame.point_from_head(sample.position * side);
+        let p = scalp.place(sample.position * side);
         if p.is_finite() && points.last().is_none_or(|last| last.distance(p) > NEAR) {
             points.push(p);
             pressures.push(sample.pressure.clamp(0.0, 1.0));
@@ -201,7 +201,7 @@ fn drawn_curve(
     let radii = (0..n).map(|k| radius.at(0, k, part(k)) * unit * by_pressure(k)).collect();
     tuft.set(RADIUS, Domain::Point, radii);
     if inputs.project == Project::Scalp {
-        over_folds(&mut points, &normals, skin, frame.radius);
+        over_folds(&mut points, &normals, skin, scalp.frame().radius);
         for (k, p) in points.iter_mut().enumerate() {
             *p += normals[k] * (offset.at(0, k, part(k)) * unit);
         }

@@ -244,7 +244,7 @@ mod tests {
     use crate::maths::hash::Dice;
     use crate::maths::transcendental::{acos, sin_cos};
     use crate::partition::territory::Row;
-    use crate::scalp::region::default_region;
+    use crate::scalp::region::{default_region, ears};
 
     /// A line down a half circle of the ball, `turn` radians to the right.
     fn meridian(turn: f32) -> Vec<Vec3> {
@@ -326,7 +326,8 @@ mod tests {
         // A row before the ear, and skin behind the ear.
         let mesh = crate::scalp::bust::adult();
         let (surface, frame) = (Surface::new(mesh.points, mesh.triangles), HeadFrame::IDENTITY);
-        let region = default_region(&surface, &frame, 0.5, &|| Ok(())).unwrap();
+        let ears = ears(&surface, &frame, &|| Ok(())).unwrap();
+        let region = default_region(&surface, &frame, 0.5, &ears, &|| Ok(())).unwrap();
         let scalp = Scalp::new(surface, None, frame, [(REGION.to_owned(), region)].into());
         let on = |p: Vec3| scalp.closest_root(p).unwrap().point;
         let chart = scalp.chart();

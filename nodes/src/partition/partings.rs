@@ -16,7 +16,7 @@ use super::territory::Row;
 use crate::data::attributes::{DRIFT, Domain, ROOT_BARY, ROOT_TRIANGLE};
 use crate::data::chart::{CELLS, Chart, cell_of};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
-use crate::data::scalp::{HEAD_RADIUS, HeadFrame, Scalp};
+use crate::data::scalp::{HEAD_RADIUS, HeadSpace, Scalp};
 use crate::data::sections::{Parting, Sections, named_points};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::EvalCx;
@@ -145,7 +145,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     } else {
         on_the_mesh(cx, &inputs, unit, &mut partings)?;
     }
-    let (names, faults) = named_points(&inputs.names, scalp.frame());
+    let (mut names, faults) = named_points(&inputs.names);
+    names.iter_mut().for_each(|(_, p)| *p = scalp.place(*p));
     faults.into_iter().for_each(|fault| cx.warn(fault));
     let (sections, said) = Sections::new(scalp, partings, &names);
     for text in said {
@@ -177,7 +178,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let partings = Curves::new(lines.flatten().map(Arc::new).collect());
     // What rows are gathered to is no row.
     let tied = (inputs.pattern == Pattern::Gathered)
-        .then(|| sections.at(scalp.frame().point_from_head(gathered_to(&inputs) * HEAD_RADIUS)))
+        .then(|| {
+            sections.at(scalp.frame().point_from_head(gathered_to(&inputs, scalp) * HEAD_RADIUS))
+        })
         .flatten()
         .map(|place| place.section);
     let rows = match &inputs.between {
@@ -203,7 +206,7 @@ fn on_the_map(
     cx.check()?;
     let flat = |p: &Parting| p.points.iter().map(|p| chart.flat(*p)).collect();
     let old: Vec<Vec<Vec2>> = partings.iter().map(flat).collect();
-    bring_together(cx, scalp.frame(), chart, &mut lines, &old, inputs.join * unit);
+    bring_together(cx, scalp.space(), chart, &mut lines, &old, inputs.join * unit);
     cx.check()?;
     for line in &lines {
         let points = laid(scalp, chart, &line.points);
@@ -236,7 +239,7 @@ fn on_the_mesh(
         } else {
             let [first, last] = [0.0, 1.0].map(|end| {
                 let p = spline.at(end);
-                let p = scalp.frame().head_from_point(p);
+                let p = scalp.given(p);
                 format!("({:.1}, {:.1}, {:.1})", p.x, p.y, p.z)
             });
             cx.remark(format!(
@@ -330,7 +333,7 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Result<Drawn
             cell: inputs.cell_length * unit,
             brick: inputs.brick,
             turn: inputs.turn.to_radians(),
-            centre: gathered_to(inputs),
+            centre: gathered_to(inputs, scalp),
             gather: inputs.gather_radius * unit,
             mirror: inputs.symmetric,
             tag: curve_id(0, inputs.seed as u64, 0x9A77),
@@ -363,8 +366,8 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Result<Drawn
 }
 
 /// Where rows gather, as a direction of the head frame.
-fn gathered_to(inputs: &Inputs) -> Vec3 {
-    inputs.centre.try_normalize().unwrap_or(Vec3::Y)
+fn gathered_to(inputs: &Inputs, scalp: &Scalp) -> Vec3 {
+    scalp.space().direction(inputs.centre).unwrap_or(Vec3::Y)
 }
 
 /// How far a line of a pattern is led on, cm.
@@ -374,7 +377,7 @@ const FARTHEST: f32 = 4.0;
 /// ended nearer since.
 fn bring_together(
     cx: &EvalCx,
-    frame: &HeadFrame,
+    space: &HeadSpace,
     chart: &Chart,
     lines: &mut [Flat],
     old: &[Vec<Vec2>],
@@ -422,7 +425,7 @@ fn bring_together(
     if loose_ends > 0 {
         let at = first_end.and_then(|q| {
             let out = chart.out(cell_of(q)?);
-            let p = frame.head_from_point(chart.origin() + chart.direction(q) * out);
+            let p = space.given(chart.origin() + chart.direction(q) * out);
             Some(format!(", the first at ({:.1}, {:.1}, {:.1})", p.x, p.y, p.z))
         });
         let partings = if loose_ends == 1 { "parting ends" } else { "partings end" };

@@ -53,7 +53,7 @@ fn placed(cx: &EvalCx, scalp: &Scalp, placements: &Curves) -> Result<Vec<(Root, 
 /// The scalp in a direction (head units) from the middle of the cranium: the outermost surface there, else the closest.
 fn picked(scalp: &Scalp, position: Vec3) -> Option<Root> {
     let frame = scalp.frame();
-    let to = frame.point_from_head(position);
+    let to = scalp.place(position);
     let out = (to - frame.origin).try_normalize().unwrap_or(frame.up);
     let (low, high) = scalp.surface().bounds();
     let reach = low.distance(high) + frame.origin.distance(0.5 * (low + high));

@@ -6,7 +6,7 @@
 use crate::data::drawn::Drawn;
 use crate::data::laid::{LEAST_POINTS, Laid, place};
 use crate::data::outline::{Net, Outline};
-use crate::data::scalp::{HeadFrame, REGION};
+use crate::data::scalp::{HeadSpace, REGION};
 use crate::data::sections::named_points;
 use crate::data::strokes::Strokes;
 use crate::define::NodeError;
@@ -21,7 +21,7 @@ const MOST_NAMES: usize = 256;
 /// What strokes enclose and what is called how.
 pub(super) struct Wish<'a> {
     pub(super) strokes: &'a Strokes,
-    /// Names, each with a point in the head frame, as text.
+    /// Names, each with a point in head units, as text.
     pub(super) names: &'a str,
     /// Width of the edge, cm.
     pub(super) softness: f32,
@@ -33,20 +33,19 @@ pub(super) struct Wish<'a> {
 pub(super) fn regions(
     cx: &EvalCx,
     net: &Net,
-    frame: &HeadFrame,
+    space: &HeadSpace,
     wish: Wish,
 ) -> Result<Vec<(String, Drawn)>, NodeError> {
     let surface = net.surface();
     let mut outlines: Vec<Outline> = vec![];
     for (number, stroke) in (1..).zip(&wish.strokes.0) {
         cx.check()?;
-        let points: Vec<Vec3> =
-            stroke.samples.iter().map(|s| frame.point_from_head(s.position)).collect();
+        let points: Vec<Vec3> = stroke.samples.iter().map(|s| space.place(s.position)).collect();
         if points.len() < LEAST_POINTS {
             cx.warn(format!("stroke {number} has {} points and encloses nothing", points.len()));
             continue;
         }
-        let laid = Laid::new(net, frame, &points, 0.5 * wish.softness);
+        let laid = Laid::new(net, space, &points, 0.5 * wish.softness);
         laid.faults.iter().for_each(|fault| cx.warn(format!("stroke {number} {fault}")));
         outlines.push(laid.outline);
     }
@@ -71,7 +70,7 @@ pub(super) fn regions(
         })
         .collect();
     let is_hole = |i: usize| about[i].len() % 2 == 1;
-    let named = names(cx, net, frame, &mut outlines, &is_hole, wish.names);
+    let named = names(cx, net, space, &mut outlines, &is_hole, wish.names);
     let holes = (0..outlines.len()).filter(|i| is_hole(*i)).count();
     if holes > 0 {
         cx.remark(match holes {
@@ -101,13 +100,13 @@ pub(super) fn regions(
 fn names(
     cx: &EvalCx,
     net: &Net,
-    frame: &HeadFrame,
+    space: &HeadSpace,
     outlines: &mut [Outline],
     is_hole: &dyn Fn(usize) -> bool,
     text: &str,
 ) -> BTreeMap<String, Vec<usize>> {
     let surface = net.surface();
-    let (points, faults) = named_points(text, frame);
+    let (points, faults) = named_points(text);
     faults.into_iter().for_each(|fault| cx.warn(fault));
     if points.len() > MOST_NAMES {
         cx.warn(format!(
@@ -121,7 +120,7 @@ fn names(
             cx.warn(format!("{name:?} names all drawn regions together: choose another name"));
             continue;
         }
-        let Some(hit) = surface.closest(point) else { continue };
+        let Some(hit) = surface.closest(space.place(point)) else { continue };
         let inside = (0..outlines.len())
             .filter(|i| !is_hole(*i) && outlines[*i].holds(surface, hit.triangle, hit.bary))
             .min_by(|a, b| outlines[*a].area().total_cmp(&outlines[*b].area()));
@@ -135,7 +134,7 @@ fn names(
             outlines[near].turn(net);
             cx.remark(format!(
                 "{name:?} stands outside of every stroke, at {}: the stroke nearest to it encloses that side",
-                place(frame, hit.point)
+                place(space, hit.point)
             ));
             near
         });

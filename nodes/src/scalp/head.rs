@@ -10,11 +10,12 @@ use super::face::{By, FACE};
 use super::find::{self, Found, Pieces, Search};
 use super::fit::{self, Fit};
 use super::parts::{self, Parts};
-use super::{bust, drawn, facing, hollow, region};
+use super::{bust, drawn, facing, hollow, landmarks, region};
+use crate::data::landmarks::Landmarks;
 use crate::data::mesh::Mesh;
 use crate::data::outline::Net;
 use crate::data::rough::{Rough, SCRAPS, WIDE};
-use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION, Scalp};
+use crate::data::scalp::{HEAD_RADIUS, HeadFrame, HeadSpace, REGION, Scalp};
 use crate::data::strokes::Strokes;
 use crate::define::{FileData, NodeError, choice, node, short, unless};
 use crate::eval::EvalCx;
@@ -56,6 +57,15 @@ node! {
         names: Arc<str> = "", words("name label several regions mask side");
         /// Width over which the edge of a default or drawn region fades. 0 is a sharp edge.
         edge: f32 = 0.5, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("soft fade falloff");
+        /// Where landmarks of this head are, instead of where they were guessed: each a name and a point in the head frame as above,
+        /// such as `crown 0 8.3 -3.9; chin 0 -10 7.3`. They are front and nape (where the hairline crosses the middle), left and
+        /// right temple (the hairline between forehead and ear), left and right ear (the skin just over it), crown, and chin. The
+        /// messages list where they are.
+        landmarks: Arc<str> = "", words("points fit markers correspondence hairline nape temple ear crown chin");
+        /// The landmarks of the head that the groom was made on, all in head units of that one, as the messages list them. Then
+        /// everything that is given in head units (strokes, names, hairline, masks, places) is carried from there to this head:
+        /// landmarks meet, and between them all moves with them. Empty where the groom is at home. `coif fit` sets it.
+        home: Arc<str> = "", words("fit transfer carry map other head source original landmarks warp retarget");
 
         [Placement]
         /// What one unit of the file measures. Auto takes what the file states, else what makes the cranium as large as a
@@ -227,7 +237,15 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let of_parts = incident(&surface, &mesh.part_of, &mesh.parts);
     masks.extend(of_materials.into_iter().map(|(name, mask)| (format!("material:{name}"), mask)));
     masks.extend(of_parts.into_iter().map(|(name, mask)| (format!("part:{name}"), mask)));
-    let mut grows = grows(cx, &inputs, &surface, &frame, fit.is_some(), &masks)?;
+    let (mut ears, mut guessed) = (vec![], Landmarks::default());
+    if fit.is_some() {
+        ears = region::ears(&surface, &frame, &|| cx.check())?;
+        let own = own_region(&masks).map(Vec::as_slice);
+        guessed = landmarks::guessed(&surface, &frame, own, &ears);
+    }
+    let landmarks = landmarks::known(cx, &surface, &frame, guessed, &inputs.landmarks);
+    let space = HeadSpace::new(frame, landmarks::carry(cx, &inputs.home, &landmarks));
+    let mut grows = grows(cx, &inputs, (&surface, &frame), fit.is_some().then_some(&ears), &masks)?;
     if let Some(wall) = masks.get(INNER_WALL) {
         grows.iter_mut().zip(wall).for_each(|(grows, wall)| *grows *= 1.0 - wall);
     }
@@ -240,7 +258,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             may: grows,
         };
         let net = Net::new(&surface);
-        drawn = drawn::regions(cx, &net, &frame, wish)?;
+        drawn = drawn::regions(cx, &net, &space, wish)?;
         links = Some(net.links());
         grows = drawn[0].1.values().to_vec();
         for (name, region) in &drawn[1..] {
@@ -255,6 +273,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     tell_region(cx, &inputs, &surface, &frame, everywhere, area);
     masks.insert(REGION.to_owned(), grows);
     let scalp = Scalp::new(surface, uvs, frame, masks).with_drawn(drawn, links);
+    let scalp = scalp.carried(space).with_landmarks(landmarks);
     if let Some(rough) = scalp.rough() {
         let why = match rough {
             Rough::Folded => format!(
@@ -659,12 +678,12 @@ fn own_region(masks: &BTreeMap<String, Vec<f32>>) -> Option<&Vec<f32>> {
     masks.get(REGION).or_else(|| masks.get("hairline"))
 }
 
+/// `ears` are the vertices of both ears; none where the mesh is no head.
 fn grows(
     cx: &EvalCx,
     inputs: &Inputs,
-    surface: &Surface,
-    frame: &HeadFrame,
-    is_head: bool,
+    (surface, frame): (&Surface, &HeadFrame),
+    ears: Option<&Vec<Vec3>>,
     masks: &BTreeMap<String, Vec<f32>>,
 ) -> Result<Vec<f32>, NodeError> {
     let unknown = |value: &str, prefix: &str| {
@@ -681,10 +700,10 @@ fn grows(
     let check = || cx.check();
     let softness = inputs.edge * frame.unit();
     match inputs.region {
-        Region::Default => match own_region(masks) {
-            Some(mask) => Ok(mask.clone()),
-            None if is_head => region::default_region(surface, frame, softness, &check),
-            None => Ok(vec![1.0; surface.points.len()]),
+        Region::Default => match (own_region(masks), ears) {
+            (Some(mask), _) => Ok(mask.clone()),
+            (None, Some(ears)) => region::default_region(surface, frame, softness, ears, &check),
+            (None, None) => Ok(vec![1.0; surface.points.len()]),
         },
         Region::Mask => {
             let name = inputs.region_name.trim();
@@ -700,7 +719,7 @@ fn grows(
             }
             Ok(sum)
         }
-        Region::Hairline => match is_head {
+        Region::Hairline => match ears.is_some() {
             true => region::outer_skin(surface, frame, &check),
             false => Ok(vec![1.0; surface.points.len()]),
         },

@@ -225,8 +225,9 @@ mod tests {
         let shell = shell();
         let wall = found(&shell).unwrap();
         let hollow = shell.without(&wall);
-        let region =
-            |surface: &Surface| default_region(surface, ball.frame(), 0.5, &|| Ok(())).unwrap();
+        let region = |surface: &Surface| {
+            default_region(surface, ball.frame(), 0.5, &[], &|| Ok(())).unwrap()
+        };
         let (solid, hollow) = (region(ball.surface()), region(&hollow));
         assert!(solid.iter().any(|grows| *grows > 0.9));
         assert_eq!(hollow[..solid.len()], solid[..]);

@@ -2,6 +2,8 @@
 
 mod axes;
 pub mod bust;
+#[cfg(test)]
+mod carry_laws;
 pub(crate) mod detour;
 mod drawn;
 mod face;
@@ -10,6 +12,9 @@ mod find;
 mod fit;
 mod head;
 mod hollow;
+#[cfg(test)]
+mod landmark_laws;
+mod landmarks;
 pub(crate) mod lay;
 mod paint_mask;
 mod parts;

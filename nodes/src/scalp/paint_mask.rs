@@ -75,9 +75,22 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         cx.memo(key, made)
     };
     let check = || cx.check();
+    let strokes = carried(&scalp, strokes);
     let painted = Painted::new(scalp, &strokes, base.field, edges, &check, &known, &laid)?;
     painted.faults().for_each(|fault| cx.warn(fault));
     Ok(Outputs { mask: Field::Painted(painted.into()).into() })
+}
+
+/// The strokes in this head's own units. (So the twin of a mirrored one is mirrored on this head, not on the one it was made on.)
+fn carried(scalp: &Scalp, strokes: Arc<Strokes>) -> Arc<Strokes> {
+    let space = scalp.space();
+    if space.carry().is_none() {
+        return strokes;
+    }
+    let mut out = (*strokes).clone();
+    let samples = out.0.iter_mut().flat_map(|stroke| &mut stroke.samples);
+    samples.for_each(|sample| sample.position = space.own(sample.position));
+    Arc::new(out)
 }
 
 /// Whether a field asks for what only hair has.

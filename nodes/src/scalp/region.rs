@@ -34,24 +34,29 @@ const MOST_RIMS: usize = 4000;
 /// Where more than this share of all that lies there is thin, the mesh has an inside of its own and tells nothing of ears.
 const MOST_THIN: f32 = 0.6;
 
-/// The default region; `softness` (cm) is the width of its edge.
+/// How far within the usual hairline what is at `v` from the centre lies, cm; negative outside.
+pub(super) fn within_hairline(frame: &HeadFrame, v: Vec3) -> f32 {
+    let (sin, cos) = sin_cos(RISE);
+    let p = frame.head_from_vector(v);
+    let r = frame.radius;
+    let over = (p.y + DROP * r) * cos - p.z * sin;
+    let shell = (p.length() - SHELL.0 * r).min(SHELL.1 * r - p.length());
+    over.min(shell)
+}
+
+/// The default region; `softness` (cm) is the width of its edge, `rims` are the vertices of its [`ears`].
 pub(crate) fn default_region(
     surface: &Surface,
     frame: &HeadFrame,
     softness: f32,
+    rims: &[Vec3],
     check: &dyn Fn() -> Result<(), NodeError>,
 ) -> Result<Vec<f32>, NodeError> {
-    let (sin, cos) = sin_cos(RISE);
-    let rims = ears(surface, frame, check)?;
     let ears = Nearest::new(rims.iter().copied());
     let within = WITHIN * frame.unit();
     let mut found = vec![];
     mask(surface, frame, check, |v| {
-        let p = frame.head_from_vector(v);
-        let r = frame.radius;
-        let over = (p.y + DROP * r) * cos - p.z * sin;
-        let shell = (p.length() - SHELL.0 * r).min(SHELL.1 * r - p.length());
-        let inside = over.min(shell);
+        let inside = within_hairline(frame, v);
         if inside <= -0.5 * softness {
             return 0.0;
         }
@@ -74,7 +79,7 @@ pub(crate) fn default_region(
 }
 
 /// The vertices of both ears: what is thin at the sides of a head.
-fn ears(
+pub(crate) fn ears(
     surface: &Surface,
     frame: &HeadFrame,
     check: &dyn Fn() -> Result<(), NodeError>,

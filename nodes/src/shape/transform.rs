@@ -97,7 +97,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let head = Mat3::from_cols(frame.right, frame.up, frame.forward);
     let turn = head * rotation(inputs.rotate) * head.transpose();
     let matrix = turn * head * Mat3::from_diagonal(inputs.scale) * head.transpose();
-    let pivot = frame.point_from_head(inputs.pivot);
+    let pivot = match (inputs.space, scalp) {
+        (Space::Head, Some(scalp)) => scalp.place(inputs.pivot),
+        _ => frame.point_from_head(inputs.pivot),
+    };
     let shift = frame.vector_from_head(inputs.translate) * frame.unit();
     // Lengths across a curve grow with the cube root of the volume.
     let volume = (inputs.scale.x * inputs.scale.y * inputs.scale.z).abs();

@@ -84,7 +84,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let (sin, cos) = sin_cos(inputs.tilt.to_radians());
     let axes =
         [frame.right, frame.up * cos - frame.forward * sin, frame.forward * cos + frame.up * sin];
-    let mut centre = frame.point_from_head(inputs.centre);
+    let mut centre = inputs.scalp.place(inputs.centre);
     let size = inputs.size.abs().max(Vec3::splat(0.01)) * unit;
     let outline = match (inputs.shape, &inputs.mesh) {
         (Shape::Ellipsoid, _) => Outline::Ellipsoid(size),

@@ -41,10 +41,9 @@ pub(super) fn silhouette(hand: &Hand, sketch: &mut Sketch) {
 
 /// A new cluster along a line on the picture, with the radii (cm) that its CVs have.
 fn plant(hand: &Hand, sketch: &mut Sketch, line: &[Vec2], radii: impl FnOnce(&[Vec3]) -> Vec<f32>) {
-    let frame = hand.scalp.frame();
     let (root, drift) = match hand.gesture.root {
         Some(drawn) => {
-            let drawn = frame.point_from_head(drawn);
+            let drawn = hand.scalp.place(drawn);
             match hand.scalp.closest_root(drawn) {
                 Some(root) => (root, root.point.distance(drawn)),
                 None => return sketch.say("the head has no skin"),
@@ -228,7 +227,7 @@ pub(super) fn kept(scalp: &Scalp, before: &[Vec3], after: &[Vec3]) -> Option<(Ve
         _ => onward(frame, before),
     };
     let new = after.get(before.len().max(1)..)?;
-    Some((frame.head_from_point(after[0]), new.iter().map(|p| own.local(*p)).collect()))
+    Some((scalp.given(after[0]), new.iter().map(|p| own.local(*p)).collect()))
 }
 
 /// How far one line of as many points runs from the way of another: the mean over its length, degrees.

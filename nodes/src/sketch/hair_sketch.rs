@@ -144,7 +144,7 @@ pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scal
         Tool::Scatter => {
             let new = after.each().filter(|(tuft, i)| !was.contains_key(&tuft.id(*i)));
             let roots = new.filter_map(|(tuft, i)| tuft.curve(i).first().copied());
-            let path: Vec<Vec3> = roots.map(|p| scalp.frame().head_from_point(p)).collect();
+            let path: Vec<Vec3> = roots.map(|p| scalp.given(p)).collect();
             if !path.is_empty() {
                 out.path = path;
                 let source = scatter::source(gesture, scalp, &Lock::all(before));

@@ -109,10 +109,10 @@ fn nearest(seen: &Seen, scalp: &Scalp, locks: &[Arc<Lock>], at: Vec2) -> Option<
     best
 }
 
-/// Roots that the gesture keeps, on this head, each with how far it lies from where the head's frame puts it, cm.
+/// Roots that the gesture keeps, on this head, each with how far it lies from where it was given, cm.
 fn kept(hand: &Hand) -> Vec<(Root, f32)> {
     let root = |p: &Vec3| {
-        let drawn = hand.scalp.frame().point_from_head(*p);
+        let drawn = hand.scalp.place(*p);
         let root = hand.scalp.closest_root(drawn)?;
         Some((root, root.point.distance(drawn)))
     };
@@ -129,7 +129,7 @@ fn settled(scalp: &Scalp, root: Root) -> Option<Root> {
             k => scalp.closest_root(root.point + aside * k as f32)?,
         };
         for _ in 0..4 {
-            let kept = scalp.frame().point_from_head(scalp.frame().head_from_point(root.point));
+            let kept = scalp.place(scalp.given(root.point));
             let again = scalp.closest_root(kept)?;
             if again == root {
                 return Some(root);

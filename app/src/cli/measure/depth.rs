@@ -68,7 +68,7 @@ pub(super) fn measure(prim: &Prim, scalp: &Scalp) -> OnScalp {
 }
 
 /// How deep a point lies under the skin, cm; 0 where it does not.
-fn depth(scalp: &Scalp, skin: &Skin, p: Vec3) -> f32 {
+pub(in super::super) fn depth(scalp: &Scalp, skin: &Skin, p: Vec3) -> f32 {
     // The field is quick and may be wrong at creases; what it finds deep is measured exactly.
     if skin.distance(p) >= 0.0 {
         return 0.0;

@@ -14,7 +14,7 @@ mod braids;
 #[cfg(test)]
 mod cases;
 mod curls;
-mod depth;
+pub(super) mod depth;
 mod drawn;
 mod parted;
 mod prim;

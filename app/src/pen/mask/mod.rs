@@ -178,7 +178,7 @@ impl Touch {
         self.last = at;
         let mouse = matches!(report.tool, End::Mouse | End::Finger);
         let pressure = if mouse || self.brush.closed { 1.0 } else { report.pressure };
-        let position = scene.scalp.frame().head_from_point(at);
+        let position = scene.scalp.given(at);
         let same = |last: &Sample| last.position == position && last.pressure == pressure;
         if !self.samples.last().is_some_and(same) {
             self.samples.push(Sample { position, pressure, ..Sample::default() });
@@ -258,10 +258,8 @@ impl Pen {
         }
         self.mask.heat.paint(&painter, scene.view);
         if let Some(touch) = self.mask.touch.as_ref().filter(|touch| touch.brush.closed) {
-            let frame = scene.scalp.frame();
             let places = touch.samples.iter().chain(touch.samples.first());
-            let places =
-                places.filter_map(|s| scene.view.screen(frame.point_from_head(s.position)));
+            let places = places.filter_map(|s| scene.view.screen(scene.scalp.place(s.position)));
             line(&painter, places.collect(), egui::Stroke::new(1.5, theme::ACCENT));
         }
         if let Some(input) = self.hover.filter(|_| mode != Mode::Flood) {

@@ -1,3 +1,5 @@
+//! Laws of groups: what is grouped gives what it gave, and what is wrong with groups is said.
+
 use super::super::edit::between;
 use super::super::testing::Random;
 use super::*;

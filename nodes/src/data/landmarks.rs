@@ -1,0 +1,168 @@
+//! Landmarks: eight places of a head that have names, so that one head can be told to fit another.
+//!
+//! In head units in the head's own frame (x to its left, y up, z forward), as strokes are. As text they are written as names of
+//! regions are: `crown 0 9.9 -4.1; chin 0 -9 6.5`. Any may be missing; what is not known is never made up.
+
+use super::sections::named_points;
+use glam::Vec3;
+use std::fmt;
+
+/// A place that every head has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Landmark {
+    /// Where the hairline crosses the middle of the forehead.
+    Front,
+    /// Where the hairline crosses the middle of the neck.
+    Nape,
+    /// The hairline between forehead and ear, on the head's left.
+    LeftTemple,
+    /// The same on its right.
+    RightTemple,
+    /// The skin above the ear, where hair goes round it, on the head's left.
+    LeftEar,
+    /// The same on its right.
+    RightEar,
+    /// The highest of the back of the head.
+    Crown,
+    /// The point of the chin.
+    Chin,
+}
+
+impl Landmark {
+    /// All of them, in the order in which they are written.
+    pub const ALL: [Self; 8] = [
+        Self::Front,
+        Self::Nape,
+        Self::LeftTemple,
+        Self::RightTemple,
+        Self::LeftEar,
+        Self::RightEar,
+        Self::Crown,
+        Self::Chin,
+    ];
+
+    /// Its name as it is typed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Front => "front",
+            Self::Nape => "nape",
+            Self::LeftTemple => "left temple",
+            Self::RightTemple => "right temple",
+            Self::LeftEar => "left ear",
+            Self::RightEar => "right ear",
+            Self::Crown => "crown",
+            Self::Chin => "chin",
+        }
+    }
+
+    /// All names, for messages.
+    pub fn names() -> String {
+        Self::ALL.map(Self::name).join(", ")
+    }
+}
+
+/// Landmarks that lie no farther from each other than this are the same ones, head units: they are written to 0.001.
+const SAME: f32 = 0.001;
+
+/// Those landmarks of a head that are known, in head units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Landmarks([Option<Vec3>; 8]);
+
+impl Landmarks {
+    /// Reads landmarks as people type them; with a line on everything that is none.
+    pub fn parse(text: &str) -> (Self, Vec<String>) {
+        let (points, mut faults) = named_points(text);
+        let mut out = Self::default();
+        for (name, at) in points {
+            let known = Landmark::ALL.into_iter().find(|mark| mark.name() == name.to_lowercase());
+            match known {
+                None => faults.push(format!(
+                    "{:?} is no landmark; landmarks are {}",
+                    crate::define::short(&name),
+                    Landmark::names()
+                )),
+                Some(mark) if out.get(mark).is_some() => {
+                    faults.push(format!("{name:?} is there twice; the first counts"));
+                }
+                Some(mark) => out.set(mark, Some(at)),
+            }
+        }
+        (out, faults)
+    }
+
+    /// Where one is; none where that is not known.
+    pub fn get(&self, mark: Landmark) -> Option<Vec3> {
+        self.0[mark as usize]
+    }
+    /// Sets one.
+    pub fn set(&mut self, mark: Landmark, at: Option<Vec3>) {
+        self.0[mark as usize] = at.filter(|at| at.is_finite());
+    }
+    /// Those that are known.
+    pub fn each(&self) -> impl Iterator<Item = (Landmark, Vec3)> {
+        Landmark::ALL.into_iter().zip(self.0).filter_map(|(mark, at)| Some((mark, at?)))
+    }
+    /// Names of those that are not known, for messages; none where all are.
+    pub fn missing(&self) -> Option<String> {
+        let gone = Landmark::ALL.into_iter().filter(|mark| self.get(*mark).is_none());
+        let gone: Vec<&str> = gone.map(Landmark::name).collect();
+        (!gone.is_empty()).then(|| gone.join(", "))
+    }
+    /// Whether the same are known and lie where these do, to 0.01 mm.
+    pub fn same(&self, other: &Self) -> bool {
+        Landmark::ALL.into_iter().all(|mark| match (self.get(mark), other.get(mark)) {
+            (Some(a), Some(b)) => a.distance(b) <= SAME,
+            (a, b) => a == b,
+        })
+    }
+}
+
+/// As they are typed, to a thousandth.
+impl fmt::Display for Landmarks {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, (mark, at)) in self.each().enumerate() {
+            // (Adding 0 makes -0 plain.)
+            let [x, y, z] = at.to_array().map(|x| (x * 1000.0).round() / 1000.0 + 0.0);
+            let between = if i > 0 { "; " } else { "" };
+            write!(f, "{between}{} {x} {y} {z}", mark.name())?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maths::hash::Dice;
+
+    #[test]
+    fn what_is_written_is_read_back_as_the_same() {
+        let dice = Dice::new(3, 0, "landmarks");
+        for id in 0..500 {
+            let mut all = Landmarks::default();
+            for (k, mark) in (0u64..).zip(Landmark::ALL) {
+                let at = |axis| dice.signed(id, 3 * k + axis) * 14.0;
+                let known = dice.unit(id, 100 + k) < 0.8;
+                all.set(mark, known.then(|| Vec3::new(at(0), at(1), at(2))));
+            }
+            let (read, faults) = Landmarks::parse(&all.to_string());
+            assert!(read.same(&all) && faults.is_empty(), "{all} {read} {faults:?}");
+            assert_eq!(read.to_string(), all.to_string());
+        }
+    }
+
+    #[test]
+    fn what_is_no_landmark_is_told_and_the_rest_is_read() {
+        let (read, faults) =
+            Landmarks::parse("crown 0 9 -4; nose 0 0 9; Chin 0 -9 7\n; chin 1 1 1; nape 1 2; x");
+        assert_eq!(read.to_string(), "crown 0 9 -4; chin 0 -9 7");
+        assert_eq!(
+            read.missing().unwrap(),
+            "front, nape, left temple, right temple, left ear, right ear"
+        );
+        assert!(
+            faults.len() == 4 && faults.iter().any(|fault| fault.contains("nose")),
+            "{faults:?}"
+        );
+    }
+}

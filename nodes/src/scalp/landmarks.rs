@@ -1,0 +1,238 @@
+//! Landmarks as they are guessed on any head, from its frame and its skin alone.
+//!
+//! The hairline is that of a mask which the mesh brings, else the usual one ([`super::region`]), so that what somebody draws in head
+//! units hangs from the landmarks and not the landmarks from what is drawn.
+//!
+//! Guarantees: each lies on the skin; the same on a mirrored head, mirrored, and in head units on one that is turned or scaled; bounded
+//! work. Not promised: that a guess is where a person would put it. What is not found is left out.
+
+use super::region;
+use crate::data::carry::{Carry, Told};
+use crate::data::landmarks::{Landmark, Landmarks};
+use crate::data::scalp::HeadFrame;
+use crate::eval::EvalCx;
+use crate::maths::closest::{Hit, Surface};
+use crate::maths::transcendental::sin_cos;
+use glam::Vec3;
+
+/// The skin is looked for within so far of the centre, in radii: hair grows on all of that, and shoulders are farther away.
+const REACH: f32 = 1.5;
+/// The temple lies so far from the middle of the forehead round the vertical axis, degrees.
+const TEMPLE: f32 = 55.0;
+/// The crown lies so far behind the top, degrees: where the back of the head begins.
+const BEHIND: f32 = 25.0;
+/// A ray in the plane that a mesh mirrors in may slip between triangles that meet there: then one so far beside it is taken, in radii.
+const BESIDE: f32 = 1e-4;
+/// The hairline is looked for down to so far from the top, degrees, in steps of one; then the step is halved so many times.
+const LOWEST: u16 = 165;
+const HALVINGS: usize = 14;
+/// Fewer vertices than these make no ear.
+const LEAST_EAR: usize = 6;
+/// This share of an ear lies under its top: what sticks out of the rest is noise.
+const EAR_TOP: f32 = 0.95;
+/// The skin over an ear is this far above its top, in radii ...
+const OVER_EAR: f32 = 0.04;
+/// ... and under what lies so far aside at most.
+const ASIDE: f32 = 1.5;
+/// The profile of the face, from under the brows down, in steps; in radii.
+const PROFILE: (f32, f32, f32) = (-0.2, -2.0, 0.01);
+/// The tip of the nose is not below this ...
+const NOSE: f32 = -1.0;
+/// ... the neck not above it, and lies so far behind the tip of the nose.
+const NECK: f32 = -0.6;
+const RECESS: f32 = 0.6;
+
+/// What is stated farther from the skin than this was meant for another head, cm on a head of average size.
+const MISSES: f32 = 0.5;
+
+/// The landmarks of a head: those `stated` as text, laid on the skin, and for the others what was `guessed`.
+pub(super) fn known(
+    cx: &EvalCx,
+    surface: &Surface,
+    frame: &HeadFrame,
+    guessed: Landmarks,
+    stated: &str,
+) -> Landmarks {
+    let (stated, faults) = Landmarks::parse(stated);
+    faults.into_iter().for_each(|fault| cx.warn(format!("landmarks: {fault}")));
+    let mut out = guessed;
+    for (mark, at) in stated.each() {
+        let p = frame.point_from_head(at);
+        let Some(hit) = surface.closest(p) else { continue };
+        let (name, off) = (mark.name(), hit.point.distance(p));
+        if off > MISSES * frame.unit() {
+            cx.warn(format!(
+                "landmark {name:?} misses the skin by {off:.1} cm; it was laid on the nearest skin"
+            ));
+        }
+        out.set(mark, Some(frame.head_from_point(hit.point)));
+    }
+    if out != Landmarks::default() {
+        let missing = out.missing().map_or(String::new(), |gone| format!("; not found: {gone}"));
+        cx.remark(format!("landmarks: {out}{missing}"));
+    }
+    out
+}
+
+/// The map from the head whose landmarks these are, as text, to one whose landmarks are `here`; none where there is none to make.
+/// Says what it goes by and what it leaves.
+pub(super) fn carry(cx: &EvalCx, home: &str, here: &Landmarks) -> Option<Carry> {
+    if home.trim().is_empty() {
+        return None;
+    }
+    let (home, faults) = Landmarks::parse(home);
+    faults.into_iter().for_each(|fault| cx.warn(format!("home: {fault}")));
+    let names = |marks: &mut dyn Iterator<Item = Landmark>| {
+        marks.map(Landmark::name).collect::<Vec<_>>().join(", ")
+    };
+    let gone =
+        names(&mut home.each().map(|(mark, _)| mark).filter(|mark| here.get(*mark).is_none()));
+    if !gone.is_empty() {
+        cx.warn(format!(
+            "home: {gone} not found on this head, and the map goes without: say where in landmarks"
+        ));
+    }
+    if let Some(missing) = home.missing() {
+        cx.warn(format!("home: {missing} not given, and the map goes without"));
+    }
+    let (carry, Told { met, left_out, missed }) = Carry::between(&home, here);
+    if !left_out.is_empty() {
+        let which = names(&mut left_out.into_iter());
+        cx.warn(format!("home: {which} left out: on the spot of another landmark"));
+    }
+    if let Some((mark, off)) = missed {
+        let part = carry.as_ref().map_or(0.0, Carry::part) * 100.0;
+        cx.warn(format!(
+            "home: all of the map would fold or tear the skin: {part:.0} % of it is taken, and {:?} is missed by {off:.1} cm; look \
+             whether the landmarks of both heads mean the same",
+            mark.name()
+        ));
+    } else if carry.is_some() {
+        cx.remark(format!("home: {} landmarks meet", met.len()));
+    } else if met.is_empty() && !home.same(here) {
+        cx.warn("home: no landmark is known on both heads: nothing is carried");
+    } else if !home.same(here) {
+        cx.warn("home: no map leads through these landmarks: nothing is carried");
+    }
+    carry
+}
+
+/// The landmarks of a head with this frame. `own` is the mask that the mesh brings for where hair grows, `ears` are the vertices
+/// of both ears.
+pub(super) fn guessed(
+    surface: &Surface,
+    frame: &HeadFrame,
+    own: Option<&[f32]>,
+    ears: &[Vec3],
+) -> Landmarks {
+    let head = Head { surface, frame, own };
+    let side = |degrees: f32, sign: f32| {
+        let (sin, cos) = sin_cos(degrees.to_radians());
+        frame.forward * cos + frame.right * (sin * sign)
+    };
+    let (back, up) = sin_cos(BEHIND.to_radians());
+    let mut out = Landmarks::default();
+    let mut found = |mark, at: Option<Vec3>| {
+        out.set(mark, at.map(|at| frame.head_from_point(at)));
+    };
+    found(Landmark::Front, head.hairline(frame.forward));
+    found(Landmark::Nape, head.hairline(-frame.forward));
+    found(Landmark::LeftTemple, head.hairline(side(TEMPLE, 1.0)));
+    found(Landmark::RightTemple, head.hairline(side(TEMPLE, -1.0)));
+    found(Landmark::LeftEar, head.over_ear(ears, 1.0));
+    found(Landmark::RightEar, head.over_ear(ears, -1.0));
+    found(Landmark::Crown, head.skin(frame.up * up - frame.forward * back).map(|hit| hit.point));
+    found(Landmark::Chin, head.chin());
+    out
+}
+
+struct Head<'a> {
+    surface: &'a Surface,
+    frame: &'a HeadFrame,
+    own: Option<&'a [f32]>,
+}
+
+impl Head<'_> {
+    /// The first skin on a way, unit, from a place on.
+    fn met(&self, from: Vec3, way: Vec3, reach: f32) -> Option<Hit> {
+        let beside = self.frame.right * (BESIDE * self.frame.radius);
+        let hit = self.surface.ray(from, way, reach);
+        hit.or_else(|| self.surface.ray(from + beside, way, reach))
+    }
+
+    /// The outermost skin in a direction from the centre, unit.
+    fn skin(&self, way: Vec3) -> Option<Hit> {
+        let reach = REACH * self.frame.radius;
+        self.met(self.frame.origin + way * reach, -way, reach)
+    }
+
+    fn grows(&self, hit: &Hit) -> bool {
+        let Some(own) = self.own else {
+            return region::within_hairline(self.frame, hit.point - self.frame.origin) > 0.0;
+        };
+        let [a, b, c] = self.surface.triangles[hit.triangle as usize].map(|v| own[v as usize]);
+        let (x, y) = (hit.bary.x, hit.bary.y);
+        a * (1.0 - x - y) + b * x + c * y >= 0.5
+    }
+
+    /// Where hair ends on the way from the top down to one side, level and unit; none where it begins or ends nowhere.
+    fn hairline(&self, side: Vec3) -> Option<Vec3> {
+        let at = |degrees: f32| {
+            let (sin, cos) = sin_cos(degrees.to_radians());
+            self.skin(self.frame.up * cos + side * sin).filter(|hit| self.grows(hit))
+        };
+        let first = (0..LOWEST).find(|k| at(f32::from(*k)).is_some())?;
+        let last = (first + 1..=LOWEST).find(|k| at(f32::from(*k)).is_none())?;
+        let (mut out, mut within) = (f32::from(last), f32::from(last - 1));
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (out + within);
+            if at(middle).is_some() { within = middle } else { out = middle }
+        }
+        at(within).map(|hit| hit.point)
+    }
+
+    /// The skin over the ear of one side, 1 the head's left and -1 its right.
+    fn over_ear(&self, ears: &[Vec3], sign: f32) -> Option<Vec3> {
+        let frame = self.frame;
+        let local = ears.iter().map(|p| frame.head_from_vector(*p - frame.origin));
+        let mut ear: Vec<Vec3> = local.filter(|p| p.x * sign > 0.0).collect();
+        if ear.len() < LEAST_EAR {
+            return None;
+        }
+        ear.sort_by(|a, b| a.y.total_cmp(&b.y).then(a.z.total_cmp(&b.z)));
+        let middle = ear.iter().map(|p| p.z).sum::<f32>() / ear.len() as f32;
+        let top = ear[((ear.len() - 1) as f32 * EAR_TOP) as usize].y + OVER_EAR * frame.radius;
+        let beside = Vec3::new(sign * ASIDE * frame.radius, top, middle);
+        let from = frame.origin + frame.vector_from_head(beside);
+        let hit = self.met(from, frame.right * -sign, ASIDE * frame.radius)?;
+        Some(hit.point)
+    }
+
+    /// The point of the chin: of the profile between the tip of the nose and the neck, what reaches farthest down and forward; none
+    /// where there is no nose or where no neck follows.
+    fn chin(&self) -> Option<Vec3> {
+        let (frame, r) = (self.frame, self.frame.radius);
+        let (high, low, step) = PROFILE;
+        let count = ((high - low) / step) as u16;
+        let height = |k: u16| high - f32::from(k) * step;
+        // How far forward the skin lies at each height, in radii.
+        let profile: Vec<Option<Hit>> = (0..=count)
+            .map(|k| {
+                let from = frame.origin + (frame.up * height(k) + frame.forward * 2.0) * r;
+                self.met(from, -frame.forward, 2.0 * r)
+            })
+            .collect();
+        let forward = |hit: &Hit| (hit.point - frame.origin).dot(frame.forward) / r;
+        let numbered = || (0u16..).zip(&profile);
+        let faces = numbered().take_while(|(k, _)| height(*k) > NOSE);
+        let faces = faces.filter_map(|(k, hit)| Some((k, forward(hit.as_ref()?))));
+        let (nose, tip) = faces.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let is_neck = |(k, hit): &(u16, &Option<Hit>)| {
+            height(*k) < NECK && hit.as_ref().is_none_or(|hit| forward(hit) < tip - RECESS)
+        };
+        let (neck, _) = numbered().find(is_neck)?;
+        let jaw = profile.get(usize::from(nose)..usize::from(neck))?.iter().flatten();
+        let out = |hit: &Hit| (hit.point - frame.origin).dot(frame.forward - frame.up);
+        jaw.max_by(|a, b| out(a).total_cmp(&out(b))).map(|hit| hit.point)
+    }
+}
