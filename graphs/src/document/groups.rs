@@ -5,7 +5,7 @@
 //! the bits that they gave before.
 //!
 //! Pure functions from a document to another, or to an edit. What they refuse they refuse with a reason for people. They
-//! prove nothing of the document: [`check`] says what is wrong with groups in one.
+//! prove nothing of the document: `graph::check` says what is wrong with groups in one.
 
 use super::edit::Edit;
 use super::graph::{self, Fault, Problem, problem};

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 /// The edit that makes `after` of `before`. It says only what differs, so that what it takes back is only that.
 ///
-/// What `after` holds has to be as documents hold it ([`Document::settle`] drops what has nothing to stand on).
+/// What `after` holds has to be as documents hold it (`Document::settle` drops what has nothing to stand on).
 pub fn between(before: &Document, after: &Document) -> Edit {
     let mut edits = vec![];
     let both = |a: &BTreeSet<Socket>, b: &BTreeSet<Socket>| a.union(b).cloned().collect::<Vec<_>>();
