@@ -50,7 +50,10 @@ impl Places {
         };
         Self { config: config.join("coif"), state: state.join("coif") }
     }
+}
 
+#[cfg(feature = "editor")]
+impl Places {
     /// What people set.
     pub(crate) fn settings(&self) -> PathBuf {
         self.config.join("settings.ron")

@@ -623,7 +623,7 @@ fn broken_files_give_an_error_or_a_document_that_comes_back() {
         "()",
     ];
     let (mut refused, mut read_well) = (0, 0);
-    for round in 0..1500 {
+    for round in 0..1800 {
         let mut text = random.pick(&seeds);
         for _ in 0..1 + random.below(2) {
             let mut at = random.below(text.len() + 1);
