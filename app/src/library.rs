@@ -1,8 +1,8 @@
 //! The library of templates: those that come with coif, a person's own, and those of shows.
 //!
 //! Folders are searched in order: what comes with coif, `templates` of the settings folder, then each folder of
-//! `COIF_TEMPLATES`. Of one name and version the first counts. A file that is no template is told and left out; it never
-//! hides the others. Folders are not searched within.
+//! `COIF_TEMPLATES`. Of one name and version the first counts. A file that is no template, or that this version
+//! cannot read in full, is told and left out; it never hides the others. Folders are not searched within.
 
 use crate::places::Places;
 use coif_graphs::document::{Document, Origin};
@@ -96,8 +96,9 @@ pub(crate) fn read(path: &Path) -> Result<Entry, String> {
 
 fn of_text(bytes: &[u8], path: Option<PathBuf>) -> Result<Entry, String> {
     let loaded = file::read_bytes(bytes).map_err(|err| err.to_string())?;
-    if let Some(conflict) = loaded.conflicts.first() {
-        return Err(conflict.to_string());
+    // A template of which something would be left out is another template.
+    if let Some(said) = loaded.conflicts.first().or(loaded.warnings.first()) {
+        return Err(said.to_string());
     }
     let document = loaded.document;
     let group = template::group_of(&document)?.clone();
@@ -183,5 +184,18 @@ mod tests {
             let problems = coif_graphs::document::graph::check(&entry.document);
             assert!(problems.is_empty(), "{name}: {problems:?}");
         }
+    }
+
+    #[test]
+    fn a_template_that_is_not_read_in_full_is_refused_with_what_would_be_left_out() {
+        let text = |default: &str| {
+            format!(
+                "(format: 2, nodes: {{\"g\": (kind: \"group\", template: (name: \"g\"), interface: (inputs: [\
+                 (name: \"a\", type: \"number\", default: {default})]))}})"
+            )
+        };
+        assert!(of_text(text("1.0").as_bytes(), None).is_ok());
+        let why = of_text(text("NaN").as_bytes(), None).err().unwrap_or_default();
+        assert!(why.contains("port a: its default NaN"), "{why}");
     }
 }
