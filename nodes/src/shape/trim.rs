@@ -4,12 +4,13 @@
 //! rooted outside the shape a stub is left.
 //!
 //! Guarantees: roots, ids and what lies inside stay; a hair that was cut ends on the outline, or as far from it as `softness`
-//! says, to 1e-3 of its length; it keeps the distance of its points, and a `fibre_length` in proportion. Not promised: a shape that is hollow or has
-//! arms: outlines are seen from their middle, and the outermost wall in each direction counts.
+//! says, to 1e-3 of its length, or on the skin over it; it keeps the distance of its points, and a `fibre_length` in proportion; no
+//! point is made deeper under the skin than the hair allows. Not promised: a shape that is hollow or has arms: outlines are seen
+//! from their middle, and the outermost wall in each direction counts.
 
-use crate::data::attributes::{Attribute, Domain, FIBRE};
+use crate::data::attributes::{ALLOW_DEPTH, Attribute, Domain, FIBRE};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
-use crate::data::scalp::Scalp;
+use crate::data::scalp::{Scalp, Skin};
 use crate::define::{NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::spline::Spline;
@@ -113,6 +114,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
     };
     let dice = cx.dice(inputs.seed, "trim");
+    let skin = inputs.scalp.skin();
     let (soft, least) = (inputs.softness * unit, inputs.least * unit);
     // Cm by which a point lies outside the outline.
     let over = |p: Vec3| {
@@ -126,7 +128,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             let aside = dice.signed(id, 0);
             soft * aside * aside * aside
         };
-        Ok([cut(tuft, |p, id| over(p) - room(id), least, piece)?])
+        Ok([cut(tuft, |p, id| over(p) - room(id), least, (&skin, piece))?])
     })?;
     let (mut before, mut after) = (0, 0);
     for (old, new) in inputs.curves.tufts().iter().zip(curves.tufts()) {
@@ -146,10 +148,11 @@ fn cut(
     tuft: &Tuft,
     over: impl Fn(Vec3, u64) -> f32,
     least: f32,
-    piece: &mut Piece,
+    (skin, piece): (&Skin, &mut Piece),
 ) -> Result<Tuft, NodeError> {
     let mut out = TuftBuilder::new();
     let mut spline = Spline::default();
+    let depth = tuft.view(ALLOW_DEPTH);
     let (mut kept, mut shares, mut points) = (vec![], vec![], vec![]);
     // For each new point: the old point before it and the fraction of the way to the next.
     let mut places: Vec<(u32, f32)> = vec![];
@@ -178,6 +181,9 @@ fn cut(
             places.extend((0..old.len()).map(place));
             continue;
         }
+        // Between its points a hair may dip into the skin.
+        let made =
+            |p: Vec3, span: usize| skin.lift_exactly(p, -depth.at(i, first as usize + span)).0;
         let share = end / long;
         shares.push(share);
         points.clear();
@@ -188,13 +194,13 @@ fn cut(
         if whole >= FEWEST - 1 {
             points.extend_from_slice(&old[..whole]);
             places.extend((0..whole).map(place));
-            points.push(spline.point(cut));
+            points.push(made(spline.point(cut), cut.span));
             places.push((first + cut.span as u32, cut.t));
         } else {
             let mut cursor = 0;
             for k in 0..FEWEST {
                 let at = spline.locate_rising(&mut cursor, end * k as f32 / (FEWEST - 1) as f32);
-                points.push(spline.point(at));
+                points.push(made(spline.point(at), at.span));
                 places.push((first + at.span as u32, at.t));
             }
         }

@@ -3,6 +3,7 @@
 //! A groom is evaluated once a head, written, measured, and judged by every test that asks about it ([`shipped`]).
 //! `COIF_PROGRAM` names the build that evaluates; `tests/run.sh` names the release build for farms.
 
+mod fit;
 mod golden;
 mod hero;
 mod laws;

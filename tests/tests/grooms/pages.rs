@@ -9,7 +9,7 @@ use serde_json::Value as Json;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Rows of the tables of a page whose first column has this head: the cells of each, without the marks of code.
-fn rows(page: &str, head: &str) -> Vec<Vec<String>> {
+pub(crate) fn rows(page: &str, head: &str) -> Vec<Vec<String>> {
     let text = std::fs::read_to_string(coif_tests::repository().join("docs").join(page));
     let text = text.expect("the page");
     let mut rows = vec![];
@@ -81,7 +81,7 @@ fn files_hold_names_as_authored_rest_pigment_and_the_skin() {
 }
 
 /// Every field of a value by its path; what is a law has its own name.
-fn fields(json: &Json, path: &str, all: &mut BTreeSet<String>) {
+pub(crate) fn fields(json: &Json, path: &str, all: &mut BTreeSet<String>) {
     match json {
         Json::Object(fields_of) => {
             for (name, value) in fields_of {

@@ -37,7 +37,7 @@ pub(crate) struct Fit {
     baked: bool,
     roots: Vec<Roots>,
     sections: Vec<Parted>,
-    /// Curves of all outputs that go deeper under the skin than they may, and how deep (cm) the deepest.
+    /// Hair of all outputs that goes deeper under the skin than it may, and how deep (cm) the deepest. Guides are no hair.
     inside: usize,
     deepest_cm: f32,
 }
@@ -100,7 +100,7 @@ impl Fit {
         }
         let sections = home.parted.iter().zip(&made.parted);
         let (mut inside, mut deepest) = (0, 0f32);
-        for group in &made.groups {
+        for group in made.groups.iter().filter(|group| !group.guides) {
             let (some, deep) = under_the_skin(&group.curves, &made.scalp, check)?;
             (inside, deepest) = (inside + some, deepest.max(deep));
         }
@@ -144,7 +144,7 @@ impl Fit {
             let (gone, new) = (list("gone", gone), list("new", new));
             let _ = writeln!(text, "{node}: {home} sections at home, {here} here{gone}{new}");
         }
-        let _ = writeln!(text, "{} curves inside the head", self.inside);
+        let _ = writeln!(text, "{} hairs inside the head", self.inside);
         text
     }
 }

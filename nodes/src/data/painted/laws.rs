@@ -319,13 +319,13 @@ fn a_closed_stroke_is_its_smaller_inside_with_an_edge_in_millimetres() {
     assert_eq!((at(&holed, CROWN), at(&holed, [1.0, 0.0, 0.0])), (0.0, 1.0));
 }
 
-/// The whole of a head's mask, cm2, and how far from a point it reaches, cm, looked at some 40 times in a length.
+/// The whole of a head's mask, cm2, and how far from a point it reaches, cm, looked at some 14 times in a length.
 fn painted_skin(on: &Painted, middle: Vec3, length: f32) -> (f32, f32) {
     let surface = on.scalp().surface();
     let (mut sum, mut farthest) = (0.0f64, 0.0f32);
     for t in 0..surface.triangles.len() as u32 {
         let twice = surface.area_vector(t).length();
-        let n = (twice.sqrt() / length * 40.0).ceil().clamp(6.0, 256.0) as u32;
+        let n = (twice.sqrt() / length * 14.0).ceil().clamp(3.0, 96.0) as u32;
         let part = 0.5 * f64::from(twice) / f64::from(n * n);
         for_middles(n, |bary| {
             let value = on.on_triangle(t, bary, 0.0);
