@@ -547,7 +547,7 @@ fn evaluated_hairs_measure_what_was_asked_of_them() {
     ] {
         check(preset, length, &[], 0.05);
     }
-    // The ends of what can be asked, of which `coif measure` finds these within 8 % (of fewer turns less: CHANGELOG, not yet); what follows hair here is plainer than that.
+    // The ends of what can be asked, of which `coif measure` finds these within 8 % (of fewer turns less: docs/decisions/curl-sizes.md); what follows hair here is plainer than that.
     for preset in ["3c", "4a"] {
         check(preset, 14.0, &float("switchbacks", 1.0), 0.1);
         check(preset, 14.0, &[("hand", "alternating".into())], 0.1);
