@@ -265,8 +265,8 @@ fn rewritten<T>(
             .writes(out, Role::Output, format!("the graph {}", out.display()))
             .and_then(|()| files.allowed())
             .map_err(refused)?;
-        let given =
-            change(&mut document, files, cancel).map_err(|why| refused(format!("{}: {why}", graph.display())))?;
+        let given = change(&mut document, files, cancel)
+            .map_err(|why| refused(format!("{}: {why}", graph.display())))?;
         let written = files.write_text(out, &file::write(&document), cancel);
         written.map_err(|why| vec![Stop::unwritten(out, &why, cancel)])?;
         Ok(given)
@@ -313,11 +313,14 @@ fn new(args: &NewArgs) -> Exit {
         *document = template::new(document, &group, origin)?;
         if !args.no_thumbnail {
             let folder = args.graph.parent().unwrap_or(Path::new("")).to_owned();
-            let drawn = thumbnail::of(document, folder, thumbnail::SIZE, &args.camera, cancel, files);
+            let drawn =
+                thumbnail::of(document, folder, thumbnail::SIZE, &args.camera, cancel, files);
             match drawn {
                 Ok(drawn) => document.thumbnail = Some(drawn),
                 // A template without a picture is one, too.
-                Err(stop) => complain(format_args!("note: no thumbnail: {}", stop.lines().join("; "))),
+                Err(stop) => {
+                    complain(format_args!("note: no thumbnail: {}", stop.lines().join("; ")))
+                }
             }
         }
         let group = template::group_of(document)?;
@@ -335,7 +338,8 @@ fn ended<T>(done: Result<T, Exit>, then: impl FnOnce(T) -> Exit) -> Exit {
 
 fn add(graph: &Path, entry: &Entry, out: Option<&Path>) -> Exit {
     let added = rewritten(graph, out, |document, _, _| {
-        let (edit, id) = template::add(document, &entry.document, None)?;
+        let template::Added { edit, id, .. } =
+            template::add(document, &entry.document, template::Place::default())?;
         edit.apply(document).map_err(|err| err.to_string())?;
         Ok(id)
     });

@@ -14,7 +14,7 @@ use coif_graphs::schedule::run::CancelToken;
 use std::path::{Path, PathBuf};
 
 /// Width and height, pixels.
-pub(super) const SIZE: u32 = 256;
+pub(crate) const SIZE: u32 = 256;
 /// Where it is seen from, where nobody says otherwise: face, one side and all hair.
 pub(crate) const CAMERA: &str = "three-quarter";
 
@@ -79,11 +79,11 @@ pub(super) fn of(
     use super::progress::Bar;
     let opened = Opened::of(document.clone(), folder, "the template".to_owned(), false)?;
     let side = format!("{size}x{size}");
+    // All hair, for a tenth of it is another style; few samples, for it is small.
     let words = [
         ["graph", "--out", "thumbnail.png"],
         ["--size", &side, "--camera"],
-        [camera, "--quality", "preview"],
-        ["--samples", "32", "--no-floor"],
+        [camera, "--samples", "32"],
     ];
     let bar = Bar::new("nodes");
     let drawn = super::render::draw_one(&words.concat(), &opened, cancel, &bar, files);

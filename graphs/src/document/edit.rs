@@ -6,9 +6,8 @@
 //! because undo must also restore a broken file.
 
 use super::{
-    Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
-    Thumbnail, graph,
-    values,
+    Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket, Thumbnail,
+    graph, values,
 };
 use coif_nodes::data::gestures::Gesture;
 use coif_nodes::data::strokes::Stroke;

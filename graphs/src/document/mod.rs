@@ -25,9 +25,9 @@ mod layout;
 pub mod part;
 pub mod strokes;
 mod suggest;
-mod thumbnail;
 #[cfg(test)]
 pub(crate) mod testing;
+mod thumbnail;
 pub mod values;
 pub mod wiring;
 

@@ -3,8 +3,7 @@
 use super::edit::Edit;
 use super::{
     Document, Frame, Node, NodeId, Origin, Place, Point, SavedLook, SavedView, Setting, Socket,
-    Thumbnail, thumbnail,
-    gestures, strokes, values,
+    Thumbnail, gestures, strokes, thumbnail, values,
 };
 use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};

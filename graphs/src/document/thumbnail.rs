@@ -34,9 +34,9 @@ impl Thumbnail {
         let most = Self::WIDEST;
         match (1..=most).contains(&width) && (1..=most).contains(&height) {
             true => Ok(Self(png.into())),
-            false => Err(format!(
-                "it says {width} x {height} pixels, 1 to {most} are read of each side"
-            )),
+            false => {
+                Err(format!("it says {width} x {height} pixels, 1 to {most} are read of each side"))
+            }
         }
     }
 
