@@ -404,7 +404,7 @@ impl Editor {
         state.revision = old.revision + 1;
         state.changes = old.changes + 1;
         (state.shown, state.run) = (old.shown, old.run);
-        (state.notes, state.focus) = (old.notes, old.focus);
+        (state.notes, state.focus, state.shelf) = (old.notes, old.focus, old.shelf);
         // Also where evaluation waits for a key, a new document is seen.
         self.asked = None;
         self.last_final_ms = 0.0;

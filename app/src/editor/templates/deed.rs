@@ -8,7 +8,7 @@ use crate::editor::notes::Note;
 use crate::editor::state::Select;
 use crate::files::Together;
 use crate::library::{self, Entry};
-use coif_graphs::document::Point;
+use coif_graphs::document::{NodeId, Point};
 use coif_graphs::grooms;
 use coif_graphs::schedule::run::CancelToken;
 use coif_graphs::template::{self, Added, Place};
@@ -24,10 +24,19 @@ pub(crate) struct AtWork {
     reading: Option<Arc<Mutex<Reading>>>,
 }
 
-/// A template that is read to be added, and where.
+/// What a template is read for.
+#[derive(Clone)]
+pub(super) enum Purpose {
+    /// To be added, there.
+    Add(Option<Point>),
+    /// To be compared with an instance.
+    Compare(NodeId),
+}
+
+/// A template that is read.
 struct Reading {
     read: Option<Result<Entry, String>>,
-    at: Option<Point>,
+    purpose: Purpose,
 }
 
 impl AtWork {
@@ -41,20 +50,27 @@ impl Editor {
     /// Something happens to templates.
     pub(crate) fn apply_to_templates(&mut self, event: Event) {
         match event {
-            Event::Add { template: Which(listed), at } => self.add_listed(&listed, at),
+            Event::Add { template: Which(listed), at } => {
+                self.read_listed(&listed, Purpose::Add(at));
+            }
+            Event::Compare { id, template } => self.compare(id, template),
+            Event::Upgrade => self.upgrade(),
+            Event::NotNow => self.state.offer = None,
+            Event::Keep { id, kept } => self.keep_version(&id, kept),
             Event::Thumbnail(path) => self.make_thumbnail(path),
         }
     }
 
-    fn add_listed(&mut self, listed: &Listed, at: Option<Point>) {
+    /// Reads a template for a purpose: what comes with coif at once, a file on a thread.
+    pub(super) fn read_listed(&mut self, listed: &Listed, purpose: Purpose) {
         let Some(path) = listed.path.clone() else {
             let name = &listed.origin.name;
             let text = grooms::TEMPLATES.iter().find(|(known, _)| known == name);
             let read = text.ok_or_else(|| "it does not come with this version".to_owned());
-            return self.add_read(read.and_then(|(_, text)| library::shipped(text)), at);
+            return self.take_read(read.and_then(|(_, text)| library::shipped(text)), purpose);
         };
         // A folder that hangs keeps nobody waiting.
-        let reading = Arc::new(Mutex::new(Reading { read: None, at }));
+        let reading = Arc::new(Mutex::new(Reading { read: None, purpose }));
         let (to, wake) = (reading.clone(), self.documents.waker());
         let begun = std::thread::Builder::new().name("template".to_owned()).spawn(move || {
             let read = library::read(&path).map_err(|why| format!("{}: {why}", path.display()));
@@ -67,12 +83,12 @@ impl Editor {
         }
     }
 
-    fn add_read(&mut self, read: Result<Entry, String>, at: Option<Point>) {
-        let entry = match read {
-            Ok(entry) => entry,
-            Err(why) => return self.apply(EditorEvent::Say(Note::warning(why))),
-        };
-        self.add_template(&entry, at);
+    fn take_read(&mut self, read: Result<Entry, String>, purpose: Purpose) {
+        match (read, purpose) {
+            (Err(why), _) => self.apply(EditorEvent::Say(Note::warning(why))),
+            (Ok(entry), Purpose::Add(at)) => drop(self.add_template(&entry, at)),
+            (Ok(entry), Purpose::Compare(id)) => self.offer(id, entry),
+        }
     }
 
     /// Adds a template to the group that the canvas shows, in one step, and selects it.
@@ -120,7 +136,7 @@ impl Editor {
         let at_work = &mut self.templates.at_work;
         let read = at_work.reading.as_ref().and_then(|reading| {
             let mut reading = reading.lock().unwrap_or_else(PoisonError::into_inner);
-            Some((reading.read.take()?, reading.at))
+            Some((reading.read.take()?, reading.purpose.clone()))
         });
         let done = at_work
             .drawing
@@ -138,9 +154,16 @@ impl Editor {
             self.apply(EditorEvent::Say(note));
             self.templates.look(ctx);
         }
-        if let Some((read, at)) = read {
-            self.add_read(read, at);
+        if let Some((read, purpose)) = read {
+            self.take_read(read, purpose);
         }
+        // What a groom is made of is compared with what there is.
+        let shelf = &self.templates.shelf;
+        if shelf.is_new() && !shelf.is_looking() && template::instances(&self.state.document).next().is_some() {
+            self.templates.look(ctx);
+        }
+        self.state.shelf = (!shelf.is_new()).then(|| shelf.rows());
+        self.keep_offer();
     }
 }
 

@@ -9,16 +9,18 @@ mod pictures;
 mod shelf;
 #[cfg(test)]
 mod tests;
+mod upgrade;
 
 pub(crate) use card::{carried, dropped};
 pub(crate) use shelf::{Listed, Row, Shelf};
+pub(crate) use upgrade::{Newer, Offer, newer};
 
 use crate::editor::event::Event as EditorEvent;
 use crate::editor::state::State;
 use crate::editor::theme;
 use crate::words::counted;
 use card::Said;
-use coif_graphs::document::Point;
+use coif_graphs::document::{NodeId, Point};
 use egui::{Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, vec2};
 use pictures::Pictures;
 use std::path::PathBuf;
@@ -36,6 +38,24 @@ pub enum Event {
     },
     /// One's file gets a picture.
     Thumbnail(PathBuf),
+    /// What upgrading an instance would do is shown.
+    Compare {
+        /// The instance.
+        id: NodeId,
+        /// What would come in its place.
+        template: Which,
+    },
+    /// The upgrade that is shown is done.
+    Upgrade,
+    /// It is not done.
+    NotNow,
+    /// An instance stays at its version for good, or no longer.
+    Keep {
+        /// The instance.
+        id: NodeId,
+        /// Whether it stays.
+        kept: bool,
+    },
 }
 
 /// A template on the shelf.
@@ -71,6 +91,15 @@ impl Templates {
     /// The field of the search takes what is typed next.
     pub(crate) fn search(&mut self) {
         self.search = true;
+    }
+
+    /// Types words into the search, and chooses the first that they find.
+    #[cfg(test)]
+    pub(crate) fn find(&mut self, words: &str) {
+        self.typed = words.to_owned();
+        let rows = self.shelf.rows();
+        let first = self.shown(&rows).first().map(|row| row.key());
+        self.chosen = first.filter(|_| !words.is_empty());
     }
 
     /// The folders are looked through again.
@@ -241,7 +270,7 @@ impl Templates {
             Some(Row::Broken(it)) => {
                 ui.add_space(2.0);
                 ui.label(RichText::new(format!("⚠ {}", it.path.display())).color(theme::WARNING));
-                ui.label(format!("It is no template that can be added: {}.", it.why));
+                ui.label(format!("In {}: no template that can be added: {}.", it.place, it.why));
             }
             Some(Row::Found(it)) => self.of_template(ui, it, out),
         });

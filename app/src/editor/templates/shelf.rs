@@ -130,7 +130,6 @@ impl Shelf {
     }
 
     /// Whether a thread looks now.
-    #[cfg(test)]
     pub(crate) fn is_looking(&self) -> bool {
         self.lock().is_looking
     }
