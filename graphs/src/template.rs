@@ -8,6 +8,7 @@
 //! Pure functions of documents; nothing here opens a file. What an upgrade does is told for every port before it is done.
 
 use crate::document::edit::{Edit, between};
+use crate::document::graph::HEAD;
 use crate::document::{Document, Node, NodeId, Origin, Setting, Socket, groups, values};
 use crate::schedule::result::document_hash;
 use coif_nodes::declared::Port;
@@ -16,6 +17,9 @@ use std::fmt;
 use std::sync::Arc;
 
 mod add;
+
+/// The kind of node that gives hair to files.
+const OUTPUT: &str = "groom_output";
 
 pub use add::{Added, Place, add};
 
@@ -115,7 +119,7 @@ pub fn new(document: &Document, group: &NodeId, origin: Origin) -> Result<Docume
     let curves = |port: &&Port| port.ty == coif_nodes::define::Type::Curves;
     for port in node.interface.unwrap_or_default().outputs().iter().filter(curves) {
         let out = made.free_id("out");
-        let kind = "groom_output".to_owned();
+        let kind = OUTPUT.to_owned();
         made.nodes.insert(out.clone(), Node { kind, ..Node::default() }.into());
         let from = vec![Socket::new(group.clone(), &port.name)];
         made.links.insert(Socket::new(out, "curves"), from);
@@ -339,14 +343,18 @@ pub fn lock(document: &Document, id: &NodeId, locked: bool) -> Option<Edit> {
     Some(Edit::ReplaceNode { id: id.clone(), node: Node { template, ..node.clone() }.into() })
 }
 
-/// Makes a group of all nodes of a groom but its heads and outputs, for a template: what it takes is the scalp.
+/// Makes a group of all nodes of a groom but its heads, its outputs and what waits to be drawn into, for a template: what it takes is the
+/// scalp, and what is drawn.
 ///
 /// # Errors
 /// As [`groups::make`].
 pub fn grouped(document: &Document, name: &str) -> Result<(Document, NodeId), String> {
-    let stays = |kind: &str| ["head", "groom_output"].contains(&kind);
-    let nodes =
-        document.nodes.iter().filter(|(id, node)| id.group().is_none() && !stays(&node.kind));
+    let stays = |(id, node): &(&NodeId, &Arc<Node>)| {
+        id.group().is_some()
+            || [HEAD, OUTPUT].contains(&node.kind.as_str())
+            || add::waits_for_a_pen(document, id)
+    };
+    let nodes = document.nodes.iter().filter(|it| !stays(it));
     groups::make(document, &nodes.map(|(id, _)| id.clone()).collect(), name)
 }
 

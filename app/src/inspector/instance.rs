@@ -46,15 +46,18 @@ pub(super) fn show(state: &State, ui: &mut Ui, id: &NodeId, origin: &Origin, out
             ui.horizontal_wrapped(|ui| {
                 match offer {
                     None => {
-                        let tip = "What would become of every value and wire on it; nothing changes yet";
+                        let tip =
+                            "What would become of every value and wire on it; nothing changes yet";
                         if ui.button("Show what changes").on_hover_text(tip).clicked() {
                             let template = Which(newer.clone());
                             say(templates::Event::Compare { id: id.clone(), template });
                         }
                     }
                     Some(offer) => {
-                        let words = if offer.changed_inside { "Upgrade all the same" } else { "Upgrade" };
-                        let tip = format!("Puts version {} in its place, in one step", offer.version());
+                        let words =
+                            if offer.changed_inside { "Upgrade all the same" } else { "Upgrade" };
+                        let tip =
+                            format!("Puts version {} in its place, in one step", offer.version());
                         if ui.button(words).on_hover_text(tip).clicked() {
                             say(templates::Event::Upgrade);
                         }

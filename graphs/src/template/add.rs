@@ -3,17 +3,15 @@
 //! Pure; one edit. The head at hand stands for the template's own. Outside of all groups the outputs of the template's file come along,
 //! so that its hair is seen and written.
 
-use super::{group_of, hash};
+use super::{OUTPUT, group_of, hash};
 use crate::document::edit::Edit;
 use crate::document::graph::{HEAD, free_seed, head_at_hand, upstream};
 use crate::document::{Document, Node, NodeId, Origin, Point, Setting, Socket, part};
 use coif_nodes::declared::GROUP_INPUT;
 use coif_nodes::define::{Type, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// The kind of node that gives hair to files.
-const OUTPUT: &str = "groom_output";
 /// Free space under what is there, in units of the canvas.
 const BELOW: f32 = 140.0;
 
@@ -129,14 +127,31 @@ fn as_added(template: &Document, group: &NodeId, alone: bool) -> Document {
 fn drawn_for(template: &Document, group: &NodeId) -> Vec<NodeId> {
     let feeds =
         template.links.iter().filter(|(to, _)| to.node == *group).flat_map(|(_, from)| from);
-    let drawn = feeds.map(|from| &from.node).filter(|id| {
-        let inputs =
-            template.def(id).filter(|_| !template.nodes[*id].is_group()).map(|def| def.inputs);
-        let holds = |ty| matches!(ty, Type::Strokes | Type::Gestures);
-        template.nodes[*id].kind != HEAD
-            && inputs.into_iter().flatten().any(|input| holds(input.ty))
-    });
-    drawn.cloned().collect()
+    let drawn: BTreeSet<&NodeId> =
+        feeds.map(|from| &from.node).filter(|id| is_drawn_into(template, id)).collect();
+    drawn.into_iter().cloned().collect()
+}
+
+/// Whether a node turns what is drawn into curves.
+fn is_drawn_into(document: &Document, id: &NodeId) -> bool {
+    let node = document.node(id.as_str()).filter(|node| node.kind != HEAD && !node.is_group());
+    let def = node.and_then(|node| coif_nodes::by_id(&node.kind));
+    let holds = |ty| matches!(ty, Type::Strokes | Type::Gestures);
+    def.is_some_and(|def| {
+        def.inputs.iter().any(|input| holds(input.ty))
+            && def.outputs.iter().any(|output| output.ty == Type::Curves)
+    })
+}
+
+/// Whether a node turns what is drawn into curves, and nothing is drawn yet.
+pub(super) fn waits_for_a_pen(document: &Document, id: &NodeId) -> bool {
+    let drawn = |setting: &Setting| match setting {
+        Setting::Known(Value::Strokes(strokes)) => !strokes.0.is_empty(),
+        Setting::Known(Value::Gestures(gestures)) => !gestures.0.is_empty(),
+        _ => false,
+    };
+    let node = document.node(id.as_str());
+    is_drawn_into(document, id) && node.is_some_and(|node| !node.inputs.values().any(drawn))
 }
 
 /// Takes away what is drawn.

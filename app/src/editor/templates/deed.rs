@@ -86,13 +86,13 @@ impl Editor {
     fn take_read(&mut self, read: Result<Entry, String>, purpose: Purpose) {
         match (read, purpose) {
             (Err(why), _) => self.apply(EditorEvent::Say(Note::warning(why))),
-            (Ok(entry), Purpose::Add(at)) => drop(self.add_template(&entry, at)),
+            (Ok(entry), Purpose::Add(at)) => self.add_template(&entry, at),
             (Ok(entry), Purpose::Compare(id)) => self.offer(id, entry),
         }
     }
 
     /// Adds a template to the group that the canvas shows, in one step, and selects it.
-    pub(crate) fn add_template(&mut self, entry: &Entry, at: Option<Point>) -> Option<Added> {
+    fn add_template(&mut self, entry: &Entry, at: Option<Point>) {
         let within = self.state.group.clone();
         let at = at.or_else(|| self.canvas.middle(&self.state.document));
         let drawn = self.state.active().cloned();
@@ -100,15 +100,19 @@ impl Editor {
         let added = match template::add(&self.state.document, &entry.document, place) {
             Ok(added) => added,
             Err(why) => {
-                self.apply(EditorEvent::Say(Note::warning(format!("{}: {why}", entry.title))));
-                return None;
+                let note = Note::warning(format!("{}: {why}", entry.title));
+                return self.apply(EditorEvent::Say(note));
             }
         };
+        let Added { edit, id, draws } = added;
         self.apply(EditorEvent::Begin(format!("template: {}", entry.title.to_lowercase())));
-        self.apply(EditorEvent::Edit(added.edit.clone()));
+        self.apply(EditorEvent::Edit(edit));
         self.apply(EditorEvent::End);
-        self.apply(EditorEvent::Select(Select::Nodes(vec![added.id.clone()])));
-        Some(added)
+        self.apply(EditorEvent::Select(Select::Nodes(vec![id])));
+        // What it has drawn for it waits for the pen.
+        if let Some(draws) = draws {
+            crate::pen::actions::take_up_pen(self, draws);
+        }
     }
 
     fn make_thumbnail(&mut self, path: PathBuf) {
@@ -159,7 +163,10 @@ impl Editor {
         }
         // What a groom is made of is compared with what there is.
         let shelf = &self.templates.shelf;
-        if shelf.is_new() && !shelf.is_looking() && template::instances(&self.state.document).next().is_some() {
+        if shelf.is_new()
+            && !shelf.is_looking()
+            && template::instances(&self.state.document).next().is_some()
+        {
             self.templates.look(ctx);
         }
         self.state.shelf = (!shelf.is_new()).then(|| shelf.rows());

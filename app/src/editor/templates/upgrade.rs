@@ -40,7 +40,9 @@ pub(crate) fn newer<'a>(state: &'a State, origin: &Origin) -> Newer<'a> {
     match newest {
         None => Newer::Missing,
         Some(it) if it.hash == origin.hash => Newer::Newest,
-        Some(it) if library::by_version(&version(it), &origin.version) == Ordering::Less => Newer::Newest,
+        Some(it) if library::by_version(&version(it), &origin.version) == Ordering::Less => {
+            Newer::Newest
+        }
         Some(it) => Newer::There(it),
     }
 }
@@ -129,7 +131,8 @@ impl Editor {
             return;
         }
         let Offer { id, entry, .. } = offer.clone();
-        let is_there = self.state.document.node(id.as_str()).is_some_and(|node| node.template.is_some());
+        let is_there =
+            self.state.document.node(id.as_str()).is_some_and(|node| node.template.is_some());
         self.state.offer = if is_there { self.offered(id, entry) } else { None };
     }
 }
