@@ -3,9 +3,10 @@
 //! Seeds follow on those that the document has, so that the same recipe twice is not the same hair twice. Who wants what can be upgraded
 //! takes the template itself.
 
+use super::target;
 use crate::library;
 use coif_graphs::document::edit::{Edit, between};
-use coif_graphs::document::{Document, Node, NodeId, Setting, graph, groups};
+use coif_graphs::document::{Document, Node, NodeId, Point, Setting, graph, groups};
 use coif_graphs::grooms;
 use coif_graphs::template::{self, Place};
 use coif_nodes::define::Value;
@@ -185,7 +186,10 @@ impl Recipe {
         let (_, text) = found.ok_or("it does not come with this version")?;
         let template = library::shipped(text)?.document;
         let drawn = strokes.filter(|_| self.draws == Draws::Rows);
-        let added = template::add(document, &template, Place { drawn, ..Place::default() })?;
+        // Where it stands in its own file, until all of it is moved.
+        let at = template::group_of(&template)?;
+        let at = Some(template.layout.get(at).copied().unwrap_or_default());
+        let added = template::add(document, &template, Place { drawn, at, ..Place::default() })?;
         let mut grouped = document.clone();
         added.edit.apply(&mut grouped).map_err(|err| err.to_string())?;
         let (mut plain, _) = groups::ungroup(&grouped, &added.id)?;
@@ -198,6 +202,7 @@ impl Recipe {
                 false => follow(node, after),
             }
         }
+        move_under(document, &mut plain, &template);
         let seed = graph::free_seed(&plain);
         if let Some(node) = added.draws.as_ref().and_then(|id| plain.nodes.get_mut(id)) {
             let node = Arc::make_mut(node);
@@ -224,6 +229,26 @@ impl Recipe {
     }
 }
 
+/// Moves what is new: its head onto the head at hand, but under everything else that is there.
+fn move_under(document: &Document, plain: &mut Document, template: &Document) {
+    let head = |of: &Document| of.layout.get(&graph::head_at_hand(of)?).copied();
+    let (from, to) = (head(template).unwrap_or_default(), head(document).unwrap_or_default());
+    let is_new = |id: &NodeId| !document.nodes.contains_key(id);
+    let known = graph::head_at_hand(document);
+    let beside = |id: &NodeId| id.group().is_none() && known.as_ref() != Some(id);
+    let theirs = document.layout.iter().filter(|(id, _)| beside(id)).map(|(_, at)| at.1);
+    let new = plain.layout.iter().filter(|(id, _)| is_new(id)).map(|(_, at)| at.1);
+    let by = to.1 - from.1;
+    let down = match (theirs.reduce(f32::max), new.reduce(f32::min)) {
+        (Some(lowest), Some(top)) => by.max(lowest + target::STEP.1 - top),
+        _ => by,
+    };
+    let moved = |at: &mut Point| *at = Point(at.0 + to.0 - from.0, at.1 + down);
+    plain.layout.iter_mut().filter(|(id, _)| is_new(id)).for_each(|(_, at)| moved(at));
+    let bends = plain.bends.iter_mut().filter(|(to, _)| is_new(&to.node));
+    bends.flat_map(|(_, wires)| wires).flatten().for_each(moved);
+}
+
 fn seed_of(node: &Node) -> Option<i64> {
     match node.inputs.get("seed") {
         Some(Setting::Known(Value::Int(seed))) => Some(*seed),
@@ -246,7 +271,6 @@ fn follow(node: &mut Node, after: i64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pen::target;
     use crate::editor::event::Event;
     use crate::pen::tests::{Table, draw_on, head, row};
     use egui::Pos2;

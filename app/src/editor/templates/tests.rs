@@ -5,10 +5,15 @@ use super::{Row, Shelf};
 use crate::editor::documents::testing::Folder;
 use crate::editor::event::Event as EditorEvent;
 use crate::editor::rooms::Room;
+use crate::editor::state::Select;
 use crate::editor::tests::{Hands, groom};
 use crate::library;
-use coif_graphs::document::{Document, Thumbnail};
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{Document, Setting, Thumbnail, groups};
 use coif_graphs::{file, grooms, template};
+use coif_nodes::data::field::Field;
+use coif_nodes::declared::Interface;
+use coif_nodes::define::Value;
 use egui::{Key, PointerButton, Pos2};
 use std::time::{Duration, Instant};
 
@@ -21,6 +26,7 @@ fn text(name: &str, change: impl FnOnce(&mut Document)) -> String {
     origin.name = name.to_owned();
     origin.author = "Ada".to_owned();
     node.label = Some(format!("Style {name}"));
+    document.thumbnail = None;
     change(&mut document);
     file::write(&document)
 }
@@ -285,4 +291,112 @@ fn a_shelf_of_nothing_is_what_comes_with_coif() {
     }
     assert_eq!(shelf.rows().len(), grooms::TEMPLATES.len());
     assert!(shelf.rows().iter().all(|row| matches!(row, Row::Found(_))));
+}
+
+/// A groom with an instance of a style of version 1.0, on which two values are set, and version 2.0 of it: one port is called otherwise
+/// there, one is gone.
+fn old_and_new() -> (Document, String) {
+    let old = file::read(&text("style", |_| {})).unwrap().document;
+    let mut document = groom("start");
+    let place = template::Place::default();
+    let added = template::add(&document, &old, place).unwrap();
+    added.edit.apply(&mut document).unwrap();
+    for (input, value) in
+        [("count", Value::Int(5000)), ("diameter", Value::from(Field::Constant(0.3)))]
+    {
+        let (node, setting) = (added.id.clone(), Setting::Known(value));
+        Edit::SetInput { node, input: input.to_owned(), setting }.apply(&mut document).unwrap();
+    }
+    let new = text("style", |new| {
+        let group = template::group_of(new).unwrap().clone();
+        let ports = new.nodes[&group].interface.unwrap();
+        let mut inputs = ports.inputs().to_vec();
+        inputs.retain(|port| port.name != "diameter");
+        for port in inputs.iter_mut().filter(|port| port.name == "count") {
+            (port.name, port.was) = ("hairs".to_owned(), vec!["count".to_owned()]);
+        }
+        let ports = Interface::new(inputs, ports.outputs().to_vec()).unwrap();
+        let names = [("count".to_owned(), "hairs".to_owned())].into();
+        groups::set_interface(new, &group, ports, &names).unwrap().apply(new).unwrap();
+        let node = std::sync::Arc::make_mut(new.nodes.get_mut(&group).unwrap());
+        std::sync::Arc::make_mut(node.template.as_mut().unwrap()).version = "2.0".to_owned();
+    });
+    (document, new)
+}
+
+#[test]
+fn an_upgrade_is_told_before_it_is_done_and_is_one_step() {
+    let folder = Folder::new("templates-upgrade");
+    let (document, new) = old_and_new();
+    std::fs::write(folder.path("style_2.ron"), new).unwrap();
+    let shelf = vec![("a show".to_owned(), folder.root().to_owned())];
+    let hands = &mut Hands::with_templates(document.clone(), shelf);
+    let (id, _) = template::instances(&document).next().unwrap();
+    hands.editor().apply(EditorEvent::Select(Select::Nodes(vec![id.clone()])));
+    hands.editor().apply(EditorEvent::Show(Room::Inspector));
+    hands.steps(4);
+    assert!(hands.shows("⬆ Version 2.0 is in the library"));
+    assert!(!hands.shows("Upgrade"), "not before it is told what it does");
+    hands.click_on("Show what changes");
+    let begin = Instant::now();
+    while !hands.shows("Upgrade") {
+        assert!(begin.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(2));
+        hands.steps(1);
+    }
+    hands.steps(2);
+    assert!(hands.shows("✖ diameter = 0.3: lost, there is no such input any more"));
+    assert!(hands.shows("⏵ count = 5000: moved to hairs"));
+    assert!(hands.shows("• scalp = head.scalp: kept"));
+    assert_eq!(hands.editor().state.document, document, "nothing is done yet");
+    let version = |hands: &mut Hands| {
+        let node = &hands.editor().state.document.nodes[id];
+        (node.template.as_ref().unwrap().version.clone(), node.inputs.contains_key("hairs"))
+    };
+    hands.click_on("Upgrade");
+    assert_eq!(version(hands), ("2.0".to_owned(), true));
+    assert_eq!(hands.editor().state.history.done(), 1);
+    assert!(!hands.shows("Show what changes"), "it is of the newest");
+    hands.editor().apply(EditorEvent::Undo);
+    hands.steps(2);
+    assert_eq!(hands.editor().state.document, document);
+    // Kept for good: no newer one is told of, until it may be upgraded again.
+    hands.click_on("Keep this version");
+    assert!(hands.shows("Kept at this version.") && !hands.shows("Show what changes"));
+    hands.click_on("Let it be upgraded");
+    assert!(hands.shows("Show what changes"));
+    assert_eq!(hands.editor().state.document, document);
+}
+
+#[test]
+fn what_is_offered_follows_the_document_and_a_template_that_lacks_loses_nothing() {
+    let folder = Folder::new("templates-missing");
+    let (document, new) = old_and_new();
+    let shelf = vec![("a show".to_owned(), folder.root().to_owned())];
+    let hands = &mut Hands::with_templates(document.clone(), shelf);
+    let (id, _) = template::instances(&document).next().unwrap();
+    hands.editor().apply(EditorEvent::Select(Select::Nodes(vec![id.clone()])));
+    hands.editor().apply(EditorEvent::Show(Room::Inspector));
+    hands.steps(4);
+    assert!(hands.shows("Its template is not in your library; the graph holds all of it."));
+    assert_eq!(hands.editor().state.document, document);
+    std::fs::write(folder.path("style_2.ron"), new).unwrap();
+    let ctx = hands.0.ctx.clone();
+    hands.editor().templates.look(&ctx);
+    hands.read();
+    hands.click_on("Show what changes");
+    let begin = Instant::now();
+    while hands.editor().state.offer.is_none() {
+        assert!(begin.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(2));
+        hands.steps(1);
+    }
+    let told = hands.editor().state.offer.as_ref().unwrap().told.len();
+    let unset = Edit::UnsetInput { node: id.clone(), input: "diameter".to_owned() };
+    hands.editor().apply(EditorEvent::Edit(unset));
+    hands.steps(2);
+    assert_eq!(hands.editor().state.offer.as_ref().unwrap().told.len(), told - 1);
+    hands.editor().apply(EditorEvent::Edit(Edit::RemoveNode { id: id.clone() }));
+    hands.steps(2);
+    assert!(hands.editor().state.offer.is_none());
 }
