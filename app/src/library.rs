@@ -36,13 +36,26 @@ pub(crate) fn own(places: &Places) -> PathBuf {
     places.config.join("templates")
 }
 
+/// Folders that are searched, in order: a person's own, and those of shows.
+pub(crate) fn folders(places: &Places) -> Vec<PathBuf> {
+    let shows = std::env::var_os("COIF_TEMPLATES").unwrap_or_default();
+    let shows = std::env::split_paths(&shows).filter(|path| !path.as_os_str().is_empty());
+    std::iter::once(own(places)).chain(shows).collect()
+}
+
+/// What people call a folder of that number: their own, or a show's by its name.
+#[cfg(feature = "editor")]
+pub(crate) fn called(number: usize, folder: &Path) -> String {
+    match (number, folder.file_name()) {
+        (0, _) => "your own".to_owned(),
+        (_, Some(name)) => name.to_string_lossy().into_owned(),
+        (_, None) => folder.display().to_string(),
+    }
+}
+
 /// Every template that is found, and what is wrong with files that are none.
 pub(crate) fn all() -> (Vec<Entry>, Vec<String>) {
-    let shows = std::env::var_os("COIF_TEMPLATES").unwrap_or_default();
-    let shows: Vec<PathBuf> =
-        std::env::split_paths(&shows).filter(|p| !p.as_os_str().is_empty()).collect();
-    let folders: Vec<PathBuf> = std::iter::once(own(&Places::here())).chain(shows).collect();
-    in_folders(&folders)
+    in_folders(&folders(&Places::here()))
 }
 
 fn in_folders(folders: &[PathBuf]) -> (Vec<Entry>, Vec<String>) {
@@ -60,7 +73,7 @@ fn in_folders(folders: &[PathBuf]) -> (Vec<Entry>, Vec<String>) {
         Err(why) => wrong.push(format!("{shown}: {why}")),
     };
     for (name, text) in grooms::TEMPLATES {
-        add(of_text(text.as_bytes(), None), name);
+        add(shipped(text), name);
     }
     for folder in folders {
         for path in files(folder) {
@@ -71,8 +84,16 @@ fn in_folders(folders: &[PathBuf]) -> (Vec<Entry>, Vec<String>) {
     (found, wrong)
 }
 
+/// A template that comes with coif, from its text.
+///
+/// # Errors
+/// It is none.
+pub(crate) fn shipped(text: &str) -> Result<Entry, String> {
+    of_text(text.as_bytes(), None)
+}
+
 /// The `.ron` files of a folder by name; none where there is no such folder.
-fn files(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn files(folder: &Path) -> Vec<PathBuf> {
     let all = std::fs::read_dir(folder).into_iter().flatten().flatten().take(MOST_FILES);
     let mut all: Vec<PathBuf> = all
         .map(|entry| entry.path())

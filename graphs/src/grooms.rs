@@ -1,4 +1,4 @@
-//! The grooms and recipes that come with coif, inside the program, so that they open from any folder.
+//! The grooms and templates that come with coif, inside the program, so that they open from any folder.
 
 /// Name and text of every shipped groom.
 pub const ALL: &[(&str, &str)] = &[
@@ -41,25 +41,14 @@ pub const TEMPLATES: &[(&str, &str)] = &[
     ("coils_4a", include_str!("../templates/coils_4a.ron")),
     ("bob", include_str!("../templates/bob.ron")),
     ("afro", include_str!("../templates/afro.ron")),
-];
-
-/// Name and text of every recipe: a small groom on a head, to be put onto another document's. Where the pen is to draw, the node
-/// that takes it is there and empty.
-pub const RECIPES: &[(&str, &str)] = &[
-    ("sketch_hair", include_str!("../recipes/sketch_hair.ron")),
-    ("cornrows", include_str!("../recipes/cornrows.ron")),
-    ("flat_twists", include_str!("../recipes/flat_twists.ron")),
-    ("box_braids", include_str!("../recipes/box_braids.ron")),
-    ("two_strand_twists", include_str!("../recipes/two_strand_twists.ron")),
-    ("locks", include_str!("../recipes/locks.ron")),
-    ("long_straight", include_str!("../recipes/long_straight.ron")),
-    ("bob", include_str!("../recipes/bob.ron")),
-    ("waves", include_str!("../recipes/waves.ron")),
-    ("fringe", include_str!("../recipes/fringe.ron")),
-    ("pony_tail", include_str!("../recipes/pony_tail.ron")),
-    ("puff", include_str!("../recipes/puff.ron")),
-    ("afro", include_str!("../recipes/afro.ron")),
-    ("short_back_and_sides", include_str!("../recipes/short_back_and_sides.ron")),
+    ("sketch_hair", include_str!("../templates/sketch_hair.ron")),
+    ("draw_cornrows", include_str!("../templates/draw_cornrows.ron")),
+    ("flat_twists", include_str!("../templates/flat_twists.ron")),
+    ("draw_box_braids", include_str!("../templates/draw_box_braids.ron")),
+    ("draw_two_strand_twists", include_str!("../templates/draw_two_strand_twists.ron")),
+    ("locks", include_str!("../templates/locks.ron")),
+    ("long_straight", include_str!("../templates/long_straight.ron")),
+    ("short_back_and_sides", include_str!("../templates/short_back_and_sides.ron")),
 ];
 
 /// The grooms that are as full as a film's hero: 60,000 strands and more, a few seconds to evaluate.

@@ -8,12 +8,20 @@
 //! Pure functions of documents; nothing here opens a file. What an upgrade does is told for every port before it is done.
 
 use crate::document::edit::{Edit, between};
-use crate::document::{Document, Node, NodeId, Origin, Setting, Socket, groups, part, values};
+use crate::document::graph::HEAD;
+use crate::document::{Document, Node, NodeId, Origin, Setting, Socket, groups, values};
 use crate::schedule::result::document_hash;
 use coif_nodes::declared::Port;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
+
+mod add;
+
+/// The kind of node that gives hair to files.
+const OUTPUT: &str = "groom_output";
+
+pub use add::{Added, Place, add};
 
 /// The group of a document that a template is made of: its marked one, where there is exactly one outside of all groups.
 ///
@@ -94,6 +102,7 @@ pub fn new(document: &Document, group: &NodeId, origin: Origin) -> Result<Docume
     made.links.retain(|to, _| kept(&to.node));
     made.frames.clear();
     made.display = None;
+    made.thumbnail = None;
     // A name that says what it is, wherever the file goes.
     made.title = node.label.clone().unwrap_or_else(|| origin.name.clone());
     let others: Vec<NodeId> =
@@ -110,66 +119,13 @@ pub fn new(document: &Document, group: &NodeId, origin: Origin) -> Result<Docume
     let curves = |port: &&Port| port.ty == coif_nodes::define::Type::Curves;
     for port in node.interface.unwrap_or_default().outputs().iter().filter(curves) {
         let out = made.free_id("out");
-        let kind = "groom_output".to_owned();
+        let kind = OUTPUT.to_owned();
         made.nodes.insert(out.clone(), Node { kind, ..Node::default() }.into());
         let from = vec![Socket::new(group.clone(), &port.name)];
         made.links.insert(Socket::new(out, "curves"), from);
     }
     made.settle();
     Ok(made)
-}
-
-/// The edit that adds an instance of a template to a document, in a group or in none, and the instance. It stands on the scalp
-/// of the document where there is one and the template takes one.
-///
-/// # Errors
-/// The file is no template, or its nodes are refused.
-pub fn add(
-    document: &Document,
-    template: &Document,
-    within: Option<&NodeId>,
-) -> Result<(Edit, NodeId), String> {
-    let group = group_of(template)?;
-    let mut alone = Document::default();
-    let whole = |id: &NodeId| id == group || id.is_inside(group);
-    alone.nodes.extend(
-        template.nodes.iter().filter(|(id, _)| whole(id)).map(|(a, b)| (a.clone(), b.clone())),
-    );
-    alone.links.extend(
-        template
-            .links
-            .iter()
-            .filter(|(to, _)| to.node.is_inside(group))
-            .map(|(a, b)| (a.clone(), b.clone())),
-    );
-    alone.layout.extend(
-        template
-            .layout
-            .iter()
-            .filter(|(id, _)| id.is_inside(group))
-            .map(|(id, at)| (id.clone(), *at)),
-    );
-    // As the template is now, whatever its mark says.
-    if let Some(node) = alone.nodes.get_mut(group) {
-        let node = Arc::make_mut(node);
-        let origin = node.template.as_deref().cloned().unwrap_or_default();
-        node.template = Some(Origin { hash: hash(template, group), ..origin }.into());
-    }
-    let (edit, ids) = part::insert(document, &alone, None, &BTreeMap::new(), within)?;
-    let id = ids.get(group).cloned().ok_or("the group is not in it")?;
-    let mut after = document.clone();
-    edit.apply(&mut after).map_err(|err| err.to_string())?;
-    let is_scalp = |ty| ty == coif_nodes::define::Type::Scalp;
-    let takes = after.def(&id).and_then(|def| def.inputs.iter().find(|input| is_scalp(input.ty)));
-    let stands = document.nodes.keys().filter(|id| id.group().as_ref() == within);
-    let mut gives = stands.filter_map(|id| {
-        let output = document.def(id)?.outputs.iter().find(|output| is_scalp(output.ty))?;
-        Some(Socket::new(id.clone(), output.name))
-    });
-    if let (Some(takes), Some(from)) = (takes, gives.next()) {
-        after.links.insert(Socket::new(id.clone(), takes.name), vec![from]);
-    }
-    Ok((between(document, &after), id))
 }
 
 /// What becomes of a value or wire that a groom has on a port of an instance.
@@ -387,14 +343,18 @@ pub fn lock(document: &Document, id: &NodeId, locked: bool) -> Option<Edit> {
     Some(Edit::ReplaceNode { id: id.clone(), node: Node { template, ..node.clone() }.into() })
 }
 
-/// Makes a group of all nodes of a groom but its heads and outputs, for a template: what it takes is the scalp.
+/// Makes a group of all nodes of a groom but its heads, its outputs and what waits to be drawn into, for a template: what it takes is the
+/// scalp, and what is drawn.
 ///
 /// # Errors
 /// As [`groups::make`].
 pub fn grouped(document: &Document, name: &str) -> Result<(Document, NodeId), String> {
-    let stays = |kind: &str| ["head", "groom_output"].contains(&kind);
-    let nodes =
-        document.nodes.iter().filter(|(id, node)| id.group().is_none() && !stays(&node.kind));
+    let stays = |(id, node): &(&NodeId, &Arc<Node>)| {
+        id.group().is_some()
+            || [HEAD, OUTPUT].contains(&node.kind.as_str())
+            || add::waits_for_a_pen(document, id)
+    };
+    let nodes = document.nodes.iter().filter(|it| !stays(it));
     groups::make(document, &nodes.map(|(id, _)| id.clone()).collect(), name)
 }
 

@@ -20,6 +20,7 @@ pub mod maps;
 pub mod picture;
 mod pipelines;
 pub mod renderer;
+pub mod small;
 mod solids;
 mod source;
 mod strands;

@@ -37,9 +37,9 @@ use crate::editor::event::Event;
 use crate::editor::notes::Note;
 use crate::editor::rooms::Room;
 use crate::editor::state::{Select, State};
-use crate::editor::theme;
+use crate::editor::{templates, theme};
 use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{NodeId, wiring};
+use coif_graphs::document::{Document, NodeId, Point, wiring};
 use edits::Link;
 use egui::{Pos2, Rect, Ui, Vec2, vec2};
 use faces::{FaceCache, Faces};
@@ -224,6 +224,16 @@ impl Canvas {
         self.dragged(state, &faces, &found, shown.nodes_moved, ui, out);
         self.carry(state, &faces, &found, ui, area, out);
         self.overlays(state, &faces, &found, ui, area, out);
+        if let Some(at) = self.memory.pointer.filter(|_| ui.rect_contains_pointer(area)) {
+            out.extend(templates::dropped(ui.ctx(), arrange::point(at)));
+        }
+    }
+
+    /// The middle of what is in sight, where a node can lie; none before it was drawn.
+    pub(crate) fn middle(&self, document: &Document) -> Option<Point> {
+        let area = self.area.filter(|_| view::is_sound(self.view.scene_rect))?;
+        let at = self.to_canvas(area.center()) - vec2(faces::WIDTH / 2.0, 40.0);
+        Some(arrange::free_in(document, arrange::point(at), Point(faces::WIDTH, 120.0)))
     }
 
     /// Notices another document, and forgets what is gone.

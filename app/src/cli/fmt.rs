@@ -98,7 +98,7 @@ fn formatted(path: &Path) -> Result<Option<String>, Vec<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use coif_graphs::grooms::{ALL, RECIPES};
+    use coif_graphs::grooms::{ALL, TEMPLATES};
 
     /// Graphs in a folder of their own, formatted: how it ended.
     fn fmt(folder: &Path, names: &[&str], check: bool) -> Exit {
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn shipped_grooms_are_as_they_would_be_saved() {
-        for (name, text) in ALL.iter().chain(RECIPES) {
+        for (name, text) in ALL.iter().chain(TEMPLATES) {
             let loaded = file::read(text).unwrap();
             assert!(file::write(&loaded.document) == *text, "{name}: coif fmt it");
             assert!(loaded.warnings.is_empty() && loaded.dropped_comments.is_empty(), "{name}");

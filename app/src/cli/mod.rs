@@ -27,6 +27,7 @@ mod schema;
 pub(crate) mod signals;
 mod sweep;
 mod template;
+pub(crate) mod thumbnail;
 mod unreal;
 
 use crate::words::{first_of, plain};

@@ -56,6 +56,7 @@ pub(super) fn schema() -> Json {
             "views": map(reference("view")),
             "look": reference("look"),
             "layout": map_by("id", reference("place")),
+            "thumbnail": {"type": "string", "contentEncoding": "base64", "contentMediaType": "image/png"},
         },
         "$defs": defs,
     })

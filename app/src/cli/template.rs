@@ -4,14 +4,15 @@
 //! an instance needs no template file, for it holds all of it.
 
 use super::carry_out::{Stop, in_one_step};
-use super::{Exit, complain, complain_of, ending, groom, print, print_plain};
-use crate::files::Role;
+use super::{Exit, complain, complain_of, ending, groom, print, print_plain, thumbnail};
+use crate::files::{Role, Together};
 use crate::library::{self, Entry};
 use crate::places::Places;
 use crate::words::plain_json;
 use clap::{Args, Subcommand};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Origin, Socket, groups};
+use coif_graphs::schedule::run::CancelToken;
 use coif_graphs::{compare, file, template};
 use coif_nodes::define::short;
 use serde_json::json;
@@ -38,6 +39,8 @@ enum Command {
     },
     /// Make a template of a group of a graph: a groom that opens and evaluates by itself
     New(Box<NewArgs>),
+    /// Draw a template small, and keep the picture in its file
+    Thumbnail(thumbnail::ThumbnailArgs),
     /// Add an instance of a template to a graph
     Add {
         /// The graph, a .ron file
@@ -117,6 +120,12 @@ struct NewArgs {
     /// What it needs of a head, such as a landmark; may be given again
     #[arg(long = "needs")]
     needs: Vec<String>,
+    /// Draw no thumbnail
+    #[arg(long)]
+    no_thumbnail: bool,
+    /// Where the thumbnail is seen from, as for coif render
+    #[arg(long, value_name = "NAME", default_value = thumbnail::CAMERA)]
+    camera: String,
 }
 
 #[derive(Args)]
@@ -146,6 +155,7 @@ pub(crate) fn run(args: &TemplateArgs) -> Exit {
             said(library::find(template), |entry| print_plain(&info(entry)))
         }
         Command::New(args) => new(args),
+        Command::Thumbnail(args) => thumbnail::run(args),
         Command::Add { graph, template, out } => {
             said(library::find(template), |entry| add(graph, entry, out.as_deref()))
         }
@@ -243,7 +253,7 @@ fn info(entry: &Entry) -> String {
 fn rewritten<T>(
     graph: &Path,
     out: Option<&Path>,
-    change: impl FnOnce(&mut Document) -> Result<T, String>,
+    change: impl FnOnce(&mut Document, &mut Together, &CancelToken) -> Result<T, String>,
 ) -> Result<T, Exit> {
     let out = out.unwrap_or(graph);
     in_one_step("no graph was written", |files, cancel| {
@@ -255,8 +265,8 @@ fn rewritten<T>(
             .writes(out, Role::Output, format!("the graph {}", out.display()))
             .and_then(|()| files.allowed())
             .map_err(refused)?;
-        let given =
-            change(&mut document).map_err(|why| refused(format!("{}: {why}", graph.display())))?;
+        let given = change(&mut document, files, cancel)
+            .map_err(|why| refused(format!("{}: {why}", graph.display())))?;
         let written = files.write_text(out, &file::write(&document), cancel);
         written.map_err(|why| vec![Stop::unwritten(out, &why, cancel)])?;
         Ok(given)
@@ -264,7 +274,7 @@ fn rewritten<T>(
 }
 
 fn new(args: &NewArgs) -> Exit {
-    let made = rewritten(&args.graph, Some(&args.out), |document| {
+    let made = rewritten(&args.graph, Some(&args.out), |document, files, cancel| {
         let group = match &args.group {
             Some(group) => NodeId::new(group).map_err(|err| err.to_string())?,
             None => {
@@ -301,6 +311,18 @@ fn new(args: &NewArgs) -> Exit {
             needs: args.needs.clone(),
         };
         *document = template::new(document, &group, origin)?;
+        if !args.no_thumbnail {
+            let folder = args.graph.parent().unwrap_or(Path::new("")).to_owned();
+            let drawn =
+                thumbnail::of(document, folder, thumbnail::SIZE, &args.camera, cancel, files);
+            match drawn {
+                Ok(drawn) => document.thumbnail = Some(drawn),
+                // A template without a picture is one, too.
+                Err(stop) => {
+                    complain(format_args!("note: no thumbnail: {}", stop.lines().join("; ")))
+                }
+            }
+        }
         let group = template::group_of(document)?;
         Ok(template::hash(document, group))
     });
@@ -315,8 +337,9 @@ fn ended<T>(done: Result<T, Exit>, then: impl FnOnce(T) -> Exit) -> Exit {
 }
 
 fn add(graph: &Path, entry: &Entry, out: Option<&Path>) -> Exit {
-    let added = rewritten(graph, out, |document| {
-        let (edit, id) = template::add(document, &entry.document, None)?;
+    let added = rewritten(graph, out, |document, _, _| {
+        let template::Added { edit, id, .. } =
+            template::add(document, &entry.document, template::Place::default())?;
         edit.apply(document).map_err(|err| err.to_string())?;
         Ok(id)
     });
@@ -425,7 +448,7 @@ fn upgrade(args: &UpgradeArgs) -> Exit {
             Exit::Refused
         })
     } else {
-        rewritten(&args.graph, args.out.as_deref(), change)
+        rewritten(&args.graph, args.out.as_deref(), |document, _, _| change(document))
     };
     ended(told, |told| {
         if told.is_empty() {
@@ -436,7 +459,7 @@ fn upgrade(args: &UpgradeArgs) -> Exit {
 }
 
 fn lock(graph: &Path, node: &str, locked: bool) -> Exit {
-    let done = rewritten(graph, None, |document| {
+    let done = rewritten(graph, None, |document, _, _| {
         let id = NodeId::new(node).map_err(|err| err.to_string())?;
         let edit = template::lock(document, &id, locked);
         let edit = edit.ok_or_else(|| format!("{id} is no instance of a template"))?;

@@ -211,6 +211,18 @@ const ACTIONS: &[Action] = &[
     show_room!("window.canvas", "Nodes", Canvas),
     show_room!("window.inspector", "Inspector", Inspector),
     show_room!("window.outliner", "Outliner", Outliner),
+    Action {
+        id: "window.templates",
+        label: "Templates",
+        tip: "Hair that comes with coif, of your own and of shows: drag it among the nodes.",
+        words: "library browser preset asset group recipe style add insert",
+        menu: "Window",
+        when: always,
+        run: |editor| {
+            editor.apply(Event::Show(Room::Templates));
+            editor.templates.search();
+        },
+    },
     show_room!("window.spreadsheet", "Spreadsheet", Spreadsheet),
     show_room!("window.messages", "Messages", Messages),
     show_room!("window.history", "History", History),

@@ -5,6 +5,7 @@ use super::notes::Note;
 use super::rooms::Room;
 use super::settings::Settings;
 use super::state::Select;
+use super::templates;
 use super::visibility::Visibility;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{NodeId, Socket};
@@ -63,6 +64,8 @@ pub enum Event {
     AllowLarge,
     /// Whatever runs stops; the last picture stays.
     Stop,
+    /// Something happens to templates.
+    Templates(templates::Event),
     /// Something happens to the document as a whole.
     Documents(documents::Event),
     /// Keys are for another room.

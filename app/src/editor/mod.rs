@@ -24,6 +24,7 @@ pub mod rooms;
 pub mod settings;
 mod spreadsheet;
 pub mod state;
+pub mod templates;
 #[cfg(test)]
 mod tests;
 pub mod theme;
@@ -56,6 +57,7 @@ use settings::{Evaluate, Settings};
 use spreadsheet::Spreadsheet;
 use state::{OpenFile, State};
 use std::path::PathBuf;
+use templates::Templates;
 use toasts::Toasts;
 use tour::Tour;
 
@@ -85,6 +87,7 @@ pub struct Editor {
     /// The groom on the screen.
     pub viewport: Viewport,
     pub(crate) outliner: Outliner,
+    pub(crate) templates: Templates,
     /// The pen room: tools, and what they hold.
     pub pen: Pen,
     dock: DockState<Room>,
@@ -146,6 +149,7 @@ impl Editor {
             spreadsheet: Spreadsheet::default(),
             viewport: Viewport::default(),
             outliner: Outliner::default(),
+            templates: Templates::default(),
             pen: Pen::default(),
             dock: rooms::first_layout(),
             toasts: Toasts::default(),
@@ -236,6 +240,10 @@ impl Editor {
         for event in events {
             self.apply(event);
         }
+        self.settle_templates(&ctx);
+        let canvas = self.place_of(Room::Canvas);
+        let at = ctx.pointer_latest_pos();
+        templates::carried(&ctx, canvas.zip(at).is_some_and(|(canvas, at)| canvas.contains(at)));
         documents::after(self, &ctx);
         self.shield(&ctx);
         self.types = ctx.text_edit_focused();
@@ -369,6 +377,7 @@ impl Editor {
                     evaluation.stop();
                 }
             }
+            Event::Templates(event) => self.apply_to_templates(event),
             Event::Documents(event) => self.apply_to_file(event),
             Event::Focus(room) => state.focus = room,
             Event::Show(room) => {
@@ -395,7 +404,7 @@ impl Editor {
         state.revision = old.revision + 1;
         state.changes = old.changes + 1;
         (state.shown, state.run) = (old.shown, old.run);
-        (state.notes, state.focus) = (old.notes, old.focus);
+        (state.notes, state.focus, state.shelf) = (old.notes, old.focus, old.shelf);
         // Also where evaluation waits for a key, a new document is seen.
         self.asked = None;
         self.last_final_ms = 0.0;
@@ -514,6 +523,7 @@ fn means_something(edit: &Edit) -> bool {
         | Edit::SetCollapsed { .. }
         | Edit::SetView { .. }
         | Edit::SetLook(_)
+        | Edit::SetThumbnail(_)
         | Edit::SetComment { .. } => false,
         Edit::Several(edits) => edits.iter().any(means_something),
         _ => true,
@@ -549,7 +559,16 @@ impl egui_dock::TabViewer for Tabs<'_> {
     fn ui(&mut self, ui: &mut egui::Ui, room: &mut Room) {
         self.editor.rooms.push((*room, ui.max_rect()));
         let Editor {
-            state, viewport, pen, canvas, inspector, spreadsheet, outliner, messages, ..
+            state,
+            viewport,
+            pen,
+            canvas,
+            inspector,
+            spreadsheet,
+            outliner,
+            messages,
+            templates,
+            ..
         } = &mut *self.editor;
         match room {
             Room::Viewport => {
@@ -562,6 +581,7 @@ impl egui_dock::TabViewer for Tabs<'_> {
             Room::Canvas => canvas.ui(state, ui, self.out),
             Room::Inspector => inspector.ui(state, ui, self.out),
             Room::Outliner => outliner.ui(state, ui, self.out),
+            Room::Templates => templates.ui(state, ui, self.out),
             Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),
             Room::Messages => messages.ui(state, ui, self.out),
             Room::History => history::ui(state, ui, self.out),

@@ -14,6 +14,8 @@ pub enum Room {
     Inspector,
     /// What the groom is made of.
     Outliner,
+    /// What can be put among the nodes.
+    Templates,
     /// Numbers of curves and points.
     Spreadsheet,
     /// What went wrong, what was done.
@@ -24,11 +26,12 @@ pub enum Room {
 
 impl Room {
     /// All rooms, in the menu's order.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Viewport,
         Self::Canvas,
         Self::Inspector,
         Self::Outliner,
+        Self::Templates,
         Self::Spreadsheet,
         Self::Messages,
         Self::History,
@@ -41,6 +44,7 @@ impl Room {
             Self::Canvas => "Nodes",
             Self::Inspector => "Inspector",
             Self::Outliner => "Outliner",
+            Self::Templates => "Templates",
             Self::Spreadsheet => "Spreadsheet",
             Self::Messages => "Messages",
             Self::History => "History",
@@ -52,8 +56,11 @@ impl Room {
 pub fn first_layout() -> DockState<Room> {
     let mut dock = DockState::new(vec![Room::Viewport]);
     let surface = dock.main_surface_mut();
-    let [left, right] =
-        surface.split_right(NodeIndex::root(), 0.74, vec![Room::Inspector, Room::History]);
+    let [left, right] = surface.split_right(
+        NodeIndex::root(),
+        0.74,
+        vec![Room::Inspector, Room::Templates, Room::History],
+    );
     surface.split_below(right, 0.62, vec![Room::Outliner]);
     surface.split_below(left, 0.58, vec![Room::Canvas, Room::Spreadsheet, Room::Messages]);
     dock
@@ -65,7 +72,14 @@ pub fn show(dock: &mut DockState<Room>, room: Room) {
         Some(found) => {
             dock.set_active_tab(found).ok();
         }
-        None => dock[SurfaceIndex::main()].push_to_first_leaf(room),
+        None => match dock.find_tab(&Room::Inspector) {
+            // Beside what it is dragged to, not over it.
+            Some(at) if room == Room::Templates => {
+                dock[SurfaceIndex::main()].set_focused_node(at.node);
+                dock[SurfaceIndex::main()].push_to_focused_leaf(room);
+            }
+            _ => dock[SurfaceIndex::main()].push_to_first_leaf(room),
+        },
     }
 }
 

@@ -5,6 +5,7 @@ use super::lineage::Ancestor;
 use super::notes::Notes;
 use super::rooms::Room;
 use super::settings::Settings;
+use super::templates::{Offer, Row};
 use super::visibility::Visibility;
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Node, NodeId, Socket};
@@ -52,6 +53,10 @@ pub struct State {
     pub allow_large: bool,
     /// What was said.
     pub notes: Notes,
+    /// The templates that there are; none until they are read.
+    pub(crate) shelf: Option<Arc<Vec<Row>>>,
+    /// The upgrade of an instance that is shown.
+    pub(crate) offer: Option<Offer>,
     /// The room that keys are for.
     pub focus: Room,
 }
@@ -78,6 +83,8 @@ impl State {
             settings,
             allow_large: false,
             notes: Notes::default(),
+            shelf: None,
+            offer: None,
             focus: Room::Viewport,
         }
     }

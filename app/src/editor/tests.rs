@@ -13,9 +13,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{By, NodeT, Queryable};
 
 /// An editor in a window that nobody sees, with hands on it.
-struct Hands(Harness<'static, Editor>);
+pub(super) struct Hands(pub(super) Harness<'static, Editor>);
 
-fn groom(name: &str) -> Document {
+pub(super) fn groom(name: &str) -> Document {
     file::read(grooms::by_name(name).unwrap()).unwrap().document
 }
 
@@ -31,7 +31,7 @@ fn rows() -> Document {
 }
 
 impl Hands {
-    fn on(document: Document, [width, height]: [f32; 2], scale: f32) -> Self {
+    pub(super) fn on(document: Document, [width, height]: [f32; 2], scale: f32) -> Self {
         let mut editor = Editor::new(&egui::Context::default(), document, OpenFile::default());
         editor.state.settings.scale = scale;
         let size = Vec2::new(width, height);
@@ -46,17 +46,17 @@ impl Hands {
         hands.steps(3);
         hands
     }
-    fn steps(&mut self, n: usize) {
+    pub(super) fn steps(&mut self, n: usize) {
         self.0.run_steps(n);
     }
-    fn editor(&mut self) -> &mut Editor {
+    pub(super) fn editor(&mut self) -> &mut Editor {
         self.0.state_mut()
     }
-    fn room(&self, room: Room) -> Rect {
+    pub(super) fn room(&self, room: Room) -> Rect {
         let rooms = &self.0.state().rooms;
         rooms.iter().find(|(known, _)| *known == room).map(|(_, rect)| *rect).unwrap()
     }
-    fn hover(&mut self, at: Pos2) {
+    pub(super) fn hover(&mut self, at: Pos2) {
         self.0.event(Input::PointerMoved(at));
         self.steps(2);
     }
@@ -69,10 +69,10 @@ impl Hands {
         }
         self.steps(2);
     }
-    fn click(&mut self, at: Pos2) {
+    pub(super) fn click(&mut self, at: Pos2) {
         self.click_with(at, PointerButton::Primary);
     }
-    fn key(&mut self, key: Key) {
+    pub(super) fn key(&mut self, key: Key) {
         self.0.key_press(key);
         self.steps(2);
     }
@@ -81,7 +81,7 @@ impl Hands {
         self.steps(2);
     }
     /// Letters as a keyboard sends them, all in one frame.
-    fn types(&mut self, letters: &str) {
+    pub(super) fn types(&mut self, letters: &str) {
         for c in letters.chars() {
             if let Some(key) = Key::from_name(&c.to_uppercase().to_string()) {
                 let (physical_key, repeat, modifiers) = (None, false, Modifiers::NONE);
@@ -92,7 +92,7 @@ impl Hands {
         self.steps(2);
     }
     /// Where something with these words is; menus carry keys behind theirs.
-    fn place(&self, words: &str) -> Option<Rect> {
+    pub(super) fn place(&self, words: &str) -> Option<Rect> {
         let is = |label: &str| {
             label == words || label.strip_prefix(words).is_some_and(|keys| keys.starts_with(' '))
         };
@@ -105,11 +105,11 @@ impl Hands {
         found.find(|node| says(node.accesskit_node())).map(|node| node.rect())
     }
     #[track_caller]
-    fn click_on(&mut self, words: &str) {
+    pub(super) fn click_on(&mut self, words: &str) {
         let at = self.place(words).unwrap_or_else(|| panic!("nothing is called {words:?}"));
         self.click(at.center());
     }
-    fn shows(&self, words: &str) -> bool {
+    pub(super) fn shows(&self, words: &str) -> bool {
         self.place(words).is_some()
     }
 }

@@ -6,6 +6,7 @@
 
 mod colours;
 pub(crate) mod field;
+mod instance;
 pub(crate) mod number;
 mod ports;
 pub(crate) mod ramp;
@@ -109,6 +110,9 @@ impl Inspector {
         let def = state.document.def(id);
         let nodes = alike(state, id, &node.kind, def);
         header(state, ui, (id, node), def, &nodes, out);
+        if let Some(origin) = node.template.as_deref().filter(|_| node.is_group()) {
+            instance::show(state, ui, id, origin, out);
+        }
         ui.separator();
         let Some(def) = def else {
             ui.label(format!("This version has no node {:?}.", node.kind));

@@ -631,10 +631,17 @@ fn cook(editor: &mut Editor, recipe: usize) {
     editor.apply(Event::End);
     editor.apply(Event::Select(Select::Nodes(vec![made.node.clone()])));
     editor.apply(Event::Show(Room::Viewport));
-    editor.pen.tool = match recipe.draws {
-        recipes::Draws::Hair => PenTool::Hair(None),
-        recipes::Draws::Rows | recipes::Draws::Free => PenTool::Draw,
-        recipes::Draws::Nothing => return,
+    if recipe.is_drawn() {
+        take_up_pen(editor, made.node);
+    }
+}
+
+/// Takes up the pen for a node that is to be drawn into.
+pub(crate) fn take_up_pen(editor: &mut Editor, node: NodeId) {
+    let kind = editor.state.document.node(node.as_str()).map_or("", |node| node.kind.as_str());
+    editor.pen.tool = match kind == super::hair::target::KIND {
+        true => PenTool::Hair(None),
+        false => PenTool::Draw,
     };
-    editor.apply(Event::Pin(Some(made.node)));
+    editor.apply(Event::Pin(Some(node)));
 }

@@ -1,20 +1,21 @@
-//! Recipes: small grooms that are put onto the head at hand, in one undo step. Afterwards they are plain nodes.
+//! Recipes: templates that are put onto the head at hand and taken apart, in one undo step: plain nodes, to go on from.
 //!
-//! The grooms are text (`graphs/recipes`), so a recipe is read, changed and reviewed as any graph is. Seeds follow on those
-//! that the document has, so that the same recipe twice is not the same hair twice.
+//! Seeds follow on those that the document has, so that the same recipe twice is not the same hair twice. Who wants what can be upgraded
+//! takes the template itself.
 
 use super::target;
-use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{Document, Node, NodeId, Point, Setting, part};
-use coif_graphs::{file, grooms};
+use crate::library;
+use coif_graphs::document::edit::{Edit, between};
+use coif_graphs::document::{Document, Node, NodeId, Point, Setting, graph, groups};
+use coif_graphs::grooms;
+use coif_graphs::template::{self, Place};
 use coif_nodes::define::Value;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A recipe.
 pub(crate) struct Recipe {
-    /// The groom it puts in.
-    pub(crate) groom: &'static str,
+    /// The template that it puts in, of those that come with coif.
+    pub(crate) template: &'static str,
     /// What menus say.
     pub(crate) label: &'static str,
     /// What it makes.
@@ -23,7 +24,7 @@ pub(crate) struct Recipe {
     pub(crate) action: &'static str,
     /// What the pen draws.
     pub(crate) draws: Draws,
-    /// What is selected then, by its name in the groom; else what is drawn into, or the colour of the hair.
+    /// The kind of node that is selected then; else what is drawn into, or the colour of the hair.
     selects: Option<&'static str>,
 }
 
@@ -43,7 +44,7 @@ pub(crate) enum Draws {
 /// All recipes: first those to draw into.
 pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
-        groom: "sketch_hair",
+        template: "sketch_hair",
         label: "Sketch hair",
         tip: "Draw hair on the head: press and draw to plant a cluster, lightly on from its tip, over hair to comb it.",
         action: "recipe.sketch_hair",
@@ -51,7 +52,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         selects: None,
     },
     Recipe {
-        groom: "cornrows",
+        template: "draw_cornrows",
         label: "Cornrows",
         tip: "Draw rows on the head; each becomes a three-strand braid that lies on it.",
         action: "recipe.cornrows",
@@ -59,7 +60,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         selects: None,
     },
     Recipe {
-        groom: "flat_twists",
+        template: "flat_twists",
         label: "Flat twists",
         tip: "Draw rows on the head; each becomes two strands turned about each other.",
         action: "recipe.flat_twists",
@@ -67,7 +68,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         selects: None,
     },
     Recipe {
-        groom: "box_braids",
+        template: "draw_box_braids",
         label: "Box braids",
         tip: "Draw braids in space, from the root on the scalp to the tip; each hangs as three strands.",
         action: "recipe.box_braids",
@@ -75,7 +76,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         selects: None,
     },
     Recipe {
-        groom: "two_strand_twists",
+        template: "draw_two_strand_twists",
         label: "Two-strand twists",
         tip: "Draw twists in space, from the root on the scalp to the tip; each is a rope of two.",
         action: "recipe.two_strand_twists",
@@ -83,7 +84,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         selects: None,
     },
     Recipe {
-        groom: "locks",
+        template: "locks",
         label: "Locks",
         tip: "Draw locks in space, from the root on the scalp to the tip; each is filled with hair.",
         action: "recipe.locks",
@@ -91,7 +92,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         selects: None,
     },
     Recipe {
-        groom: "long_straight",
+        template: "long_straight",
         label: "Long straight",
         tip: "Long hair, parted in the middle and cut to one length.",
         action: "recipe.long_straight",
@@ -99,7 +100,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         selects: None,
     },
     Recipe {
-        groom: "bob",
+        template: "bob",
         label: "Bob with a side parting",
         tip: "Cut level at the jaw and parted at the side.",
         action: "recipe.bob",
@@ -107,7 +108,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         selects: None,
     },
     Recipe {
-        groom: "waves",
+        template: "waves",
         label: "Waves",
         tip: "Shoulder-length waves with a side parting, in locks of many sizes.",
         action: "recipe.waves",
@@ -115,7 +116,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         selects: None,
     },
     Recipe {
-        groom: "fringe",
+        template: "fringe",
         label: "Fringe",
         tip: "Hair from a wedge above the forehead, combed forward and cut level over the brows.",
         action: "recipe.fringe",
@@ -123,23 +124,23 @@ pub(crate) const ALL: [Recipe; 14] = [
         selects: None,
     },
     Recipe {
-        groom: "pony_tail",
+        template: "pony_tail",
         label: "Pony tail",
         tip: "Combed from everywhere into a tie at the back, with a lock wound round the band.",
         action: "recipe.pony_tail",
         draws: Draws::Nothing,
-        selects: Some("base"),
+        selects: Some("gather"),
     },
     Recipe {
-        groom: "puff",
+        template: "puff",
         label: "Puff",
         tip: "A round puff at the back of the crown, in coils. Drag its handle to move it.",
         action: "recipe.puff",
         draws: Draws::Nothing,
-        selects: Some("base"),
+        selects: Some("gather"),
     },
     Recipe {
-        groom: "afro",
+        template: "afro",
         label: "Afro",
         tip: "Kinks picked out and cut round.",
         action: "recipe.afro",
@@ -147,7 +148,7 @@ pub(crate) const ALL: [Recipe; 14] = [
         selects: None,
     },
     Recipe {
-        groom: "short_back_and_sides",
+        template: "short_back_and_sides",
         label: "Short back and sides",
         tip: "Clipped at the back and over the ears, longer on top and combed forward.",
         action: "recipe.short_back_and_sides",
@@ -181,52 +182,71 @@ impl Recipe {
         strokes: Option<&NodeId>,
         mirror: bool,
     ) -> Result<Made, String> {
-        let found = grooms::RECIPES.iter().find(|(name, _)| *name == self.groom);
+        let found = grooms::TEMPLATES.iter().find(|(name, _)| *name == self.template);
         let (_, text) = found.ok_or("it does not come with this version")?;
-        let mut recipe = file::read(text).map_err(|err| err.to_string())?.document;
+        let template = library::shipped(text)?.document;
+        let drawn = strokes.filter(|_| self.draws == Draws::Rows);
+        // Where it stands in its own file, until all of it is moved.
+        let at = template::group_of(&template)?;
+        let at = Some(template.layout.get(at).copied().unwrap_or_default());
+        let added = template::add(document, &template, Place { drawn, at, ..Place::default() })?;
+        let mut grouped = document.clone();
+        added.edit.apply(&mut grouped).map_err(|err| err.to_string())?;
+        let (mut plain, _) = groups::ungroup(&grouped, &added.id)?;
         let after = last_seed(document);
-        let mut known = BTreeMap::new();
-        let (mut drawn, mut out) = (None, None);
-        let idle = |id: &&NodeId| {
-            let takes = document.links.values().flatten().any(|from| from.node == **id);
-            !takes && target::draws_curves(document, id)
-        };
-        for (id, node) in &mut recipe.nodes {
-            let is = |kind: &str| node.kind == kind;
-            if is(target::HEAD) {
-                known.extend(target::head(document).map(|head| (id.clone(), head)));
-            }
-            let draws = match self.draws {
-                Draws::Rows | Draws::Free => is(target::KIND),
-                Draws::Hair => is(super::hair::target::KIND),
-                Draws::Nothing => false,
-            };
-            let theirs = strokes.filter(|_| draws && self.draws == Draws::Rows).filter(idle);
-            known.extend(theirs.map(|theirs| (id.clone(), theirs.clone())));
-            drawn = drawn.or(draws.then(|| id.clone()));
-            out = out.or(is("groom_output").then(|| id.clone()));
+        let is_new = |id: &NodeId| !document.nodes.contains_key(id);
+        for (id, node) in plain.nodes.iter_mut().filter(|(id, _)| is_new(id)) {
             let node = Arc::make_mut(node);
-            follow(node, after);
-            if draws && mirror && self.draws != Draws::Hair {
+            match added.draws.as_ref() == Some(id) {
+                true => drop(node.inputs.remove("seed")),
+                false => follow(node, after),
+            }
+        }
+        move_under(document, &mut plain, &template);
+        let seed = graph::free_seed(&plain);
+        if let Some(node) = added.draws.as_ref().and_then(|id| plain.nodes.get_mut(id)) {
+            let node = Arc::make_mut(node);
+            node.inputs.entry("seed".to_owned()).or_insert(Setting::Known(Value::Int(seed)));
+            if mirror && self.draws != Draws::Hair {
                 let both = Setting::Known(Value::Text("both".into()));
                 node.inputs.insert("mirror".to_owned(), both);
             }
         }
-        let shift = shift(document, &recipe, &known);
-        let (edit, ids) = part::insert(document, &recipe, Some(shift), &known, None)?;
-        let hair = out.and_then(|out| {
-            let from = recipe.links.iter().find(|(to, _)| to.node == out)?.1.first()?;
-            ids.get(&from.node).cloned()
+        let kind = |id: &NodeId, kind: &str| plain.nodes[id].kind == kind;
+        let outputs =
+            plain.links.iter().filter(|(to, _)| is_new(&to.node) && kind(&to.node, "groom_output"));
+        let hair = outputs.flat_map(|(_, from)| from).find(|from| kind(&from.node, "hair_colour"));
+        let hair = hair.map(|from| from.node.clone()).ok_or("it gives no hair")?;
+        let selected = self.selects.and_then(|kind_of| {
+            plain.nodes.keys().find(|id| is_new(id) && kind(id, kind_of)).cloned()
         });
-        let hair = hair.ok_or("it gives no hair")?;
-        let wanted = self.selects.and_then(|id| NodeId::new(id).ok()).or(drawn);
-        let node = wanted.and_then(|id| ids.get(&id).cloned()).unwrap_or(hair.clone());
+        let node = selected.or(added.draws).unwrap_or(hair.clone());
         // With other hair all outputs are shown, or the one would hide the other.
         let rest = document.nodes.values().any(|node| node.kind == "groom_output");
         let show = (!rest).then_some(hair);
-        let edits = vec![edit, Edit::SetDisplay(show)];
-        Ok(Made { node, edits })
+        plain.display = None;
+        Ok(Made { node, edits: vec![between(document, &plain), Edit::SetDisplay(show)] })
     }
+}
+
+/// Moves what is new: its head onto the head at hand, but under everything else that is there.
+fn move_under(document: &Document, plain: &mut Document, template: &Document) {
+    let head = |of: &Document| of.layout.get(&graph::head_at_hand(of)?).copied();
+    let (from, to) = (head(template).unwrap_or_default(), head(document).unwrap_or_default());
+    let is_new = |id: &NodeId| !document.nodes.contains_key(id);
+    let known = graph::head_at_hand(document);
+    let beside = |id: &NodeId| id.group().is_none() && known.as_ref() != Some(id);
+    let theirs = document.layout.iter().filter(|(id, _)| beside(id)).map(|(_, at)| at.1);
+    let new = plain.layout.iter().filter(|(id, _)| is_new(id)).map(|(_, at)| at.1);
+    let by = to.1 - from.1;
+    let down = match (theirs.reduce(f32::max), new.reduce(f32::min)) {
+        (Some(lowest), Some(top)) => by.max(lowest + target::STEP.1 - top),
+        _ => by,
+    };
+    let moved = |at: &mut Point| *at = Point(at.0 + to.0 - from.0, at.1 + down);
+    plain.layout.iter_mut().filter(|(id, _)| is_new(id)).for_each(|(_, at)| moved(at));
+    let bends = plain.bends.iter_mut().filter(|(to, _)| is_new(&to.node));
+    bends.flat_map(|(_, wires)| wires).flatten().for_each(moved);
 }
 
 fn seed_of(node: &Node) -> Option<i64> {
@@ -248,24 +268,6 @@ fn follow(node: &mut Node, after: i64) {
     }
 }
 
-/// From the recipe's canvas to the document's: its head onto the head at hand, but under everything else that is there.
-fn shift(document: &Document, recipe: &Document, known: &BTreeMap<NodeId, NodeId>) -> Point {
-    let place = |document: &Document, id: &NodeId| document.layout.get(id).copied();
-    let head = known.iter().find_map(|(old, id)| {
-        let (from, to) = (place(recipe, old)?, place(document, id)?);
-        Some(Point(to.0 - from.0, to.1 - from.1))
-    });
-    let by = head.unwrap_or_default();
-    let theirs = document.layout.iter().filter(|(id, _)| !known.values().any(|known| known == *id));
-    let lowest = theirs.map(|(_, at)| at.1).reduce(f32::max);
-    let new = recipe.layout.iter().filter(|(id, _)| !known.contains_key(*id));
-    let top = new.map(|(_, at)| at.1).reduce(f32::min);
-    match (lowest, top) {
-        (Some(lowest), Some(top)) => Point(by.0, by.1.max(lowest + target::STEP.1 - top)),
-        _ => by,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -284,15 +286,13 @@ mod tests {
     }
 
     #[test]
-    fn recipes_have_the_names_of_their_grooms() {
+    fn recipes_are_templates_and_those_to_draw_bring_what_is_drawn_into() {
         for recipe in &ALL {
-            let text = grooms::RECIPES.iter().find(|(name, _)| *name == recipe.groom).unwrap().1;
-            let read = file::read(text).unwrap();
-            assert!(read.warnings.is_empty(), "{}", recipe.groom);
-            assert_eq!(read.document.title, recipe.label);
-            assert_eq!(file::write(&read.document), text, "{}", recipe.groom);
+            let text = grooms::TEMPLATES.iter().find(|(name, _)| *name == recipe.template);
+            let template = library::shipped(text.unwrap().1).unwrap().document;
+            let added = template::add(&head(), &template, Place::default()).unwrap();
+            assert_eq!(added.draws.is_some(), recipe.is_drawn(), "{}", recipe.label);
         }
-        assert_eq!(ALL.len(), grooms::RECIPES.len());
     }
 
     #[test]
@@ -341,10 +341,11 @@ mod tests {
             let tied = recipe.selects.is_some();
             assert_eq!(active, Some(if tied { "gather" } else { "hair_colour" }));
             let kinds: Vec<&str> = document.nodes.values().map(|node| node.kind.as_str()).collect();
-            for kind in ["groom_output", "hair_colour", "head"] {
+            for kind in ["hair_colour", "head"] {
                 let count = kinds.iter().filter(|it| **it == kind).count();
                 assert_eq!(count, 1, "{}: {kind}", recipe.label);
             }
+            assert!(!kinds.contains(&"group"), "{}: plain nodes", recipe.label);
         }
     }
 

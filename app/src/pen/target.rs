@@ -7,6 +7,8 @@
 use crate::editor::evaluation::displayed;
 use crate::editor::state::State;
 use coif_graphs::document::edit::Edit;
+use coif_graphs::document::graph::free_seed;
+pub(super) use coif_graphs::document::graph::{HEAD, head_at_hand as head};
 use coif_graphs::document::{Document, Node, NodeId, Point, Setting, Socket};
 use coif_nodes::data::strokes::Strokes;
 use coif_nodes::define::{Type, Value};
@@ -15,8 +17,6 @@ use std::sync::Arc;
 
 /// The kind of node that drawing makes.
 pub(super) const KIND: &str = "stroke_input";
-/// The kind that strokes are drawn on.
-pub(super) const HEAD: &str = "head";
 /// Free space between nodes that are placed here, in units of the canvas.
 pub(super) const STEP: Point = Point(260.0, 140.0);
 
@@ -95,36 +95,6 @@ pub(crate) fn choice(document: &Document, id: &NodeId, input: &str) -> Option<St
             input.default().and_then(|default| word(&default))
         }
     }
-}
-
-/// The head that new strokes are wired to: the one that the displayed hair stands on, else the first.
-pub(crate) fn head(document: &Document) -> Option<NodeId> {
-    let kind = |id: &NodeId| document.node(id.as_str()).is_some_and(|node| node.kind == HEAD);
-    let mut open: Vec<NodeId> = document.display.iter().cloned().collect();
-    let mut seen = BTreeSet::new();
-    while let Some(id) = open.pop() {
-        if kind(&id) {
-            return Some(id);
-        }
-        if seen.insert(id.clone()) {
-            let up = document.links.iter().filter(|(to, _)| to.node == id);
-            open.extend(up.flat_map(|(_, from)| from.iter().map(|from| from.node.clone())));
-        }
-    }
-    document.nodes.keys().find(|id| kind(id)).cloned()
-}
-
-/// A seed that no node of the document has, so that two nodes of a kind differ.
-pub(crate) fn free_seed(document: &Document) -> i64 {
-    let seeds: BTreeSet<i64> = document
-        .nodes
-        .values()
-        .filter_map(|node| match node.inputs.get("seed") {
-            Some(Setting::Known(Value::Int(seed))) => Some(*seed),
-            _ => None,
-        })
-        .collect();
-    (1..).find(|seed| !seeds.contains(seed)).unwrap_or(1)
 }
 
 /// A free place on the canvas, `right` columns beside a node.

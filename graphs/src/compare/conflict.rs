@@ -135,6 +135,7 @@ fn place(fact: &Fact) -> Place {
         Fact::Seed => field("seed"),
         Fact::Display => field("display"),
         Fact::Look => field("look"),
+        Fact::Thumbnail => field("thumbnail"),
         Fact::Kind(id) => of_node(id, "kind"),
         Fact::Label(id) => of_node(id, "label"),
         Fact::NodeNote(id) => of_node(id, "note"),

@@ -62,6 +62,7 @@ fn counts(a: &Document, b: &Document, change: &Change) -> bool {
         | Fact::Note
         | Fact::Display
         | Fact::Look
+        | Fact::Thumbnail
         | Fact::Label(_)
         | Fact::Template(_)
         | Fact::NodeNote(_)

@@ -5,6 +5,7 @@
 
 use crate::document::{
     Document, Frame, Node, NodeId, Origin, Place, Point, SavedLook, SavedView, Setting, Socket,
+    Thumbnail,
 };
 use coif_nodes::declared::Interface;
 use std::collections::BTreeMap;
@@ -23,6 +24,8 @@ pub enum Fact {
     Display,
     /// Light and skin.
     Look,
+    /// The small picture.
+    Thumbnail,
     /// A node's kind. It is there exactly when the node is.
     Kind(NodeId),
     /// What people call a node.
@@ -76,6 +79,8 @@ pub enum Said {
     View(SavedView),
     /// Light and skin.
     Look(SavedLook),
+    /// A small picture.
+    Thumbnail(Thumbnail),
     /// A place on the canvas.
     At(Point),
     /// Comment lines.
@@ -122,6 +127,7 @@ impl Fact {
             | Fact::Seed
             | Fact::Display
             | Fact::Look
+            | Fact::Thumbnail
             | Fact::Frame(_)
             | Fact::View(_) => None,
         }
@@ -140,6 +146,7 @@ impl Fact {
             Fact::Seed => ("seed", None),
             Fact::Display => ("display", None),
             Fact::Look => ("look", None),
+            Fact::Thumbnail => ("thumbnail", None),
             Fact::Kind(_) => ("kind", None),
             Fact::Label(_) => ("label", None),
             Fact::Bypass(_) => ("bypass", None),
@@ -179,6 +186,7 @@ pub(super) fn facts(document: &Document) -> Facts {
         views,
         look,
         layout,
+        thumbnail,
         comments,
     } = document;
     let mut facts = Facts::new();
@@ -188,6 +196,7 @@ pub(super) fn facts(document: &Document) -> Facts {
     facts.extend((*seed != 0).then_some((Fact::Seed, Said::Seed(*seed))));
     facts.extend(display.iter().map(|id| (Fact::Display, Said::Node(id.clone()))));
     facts.extend(look.iter().map(|look| (Fact::Look, Said::Look(look.clone()))));
+    facts.extend(thumbnail.iter().map(|it| (Fact::Thumbnail, Said::Thumbnail(it.clone()))));
     for (id, node) in nodes {
         let Node { kind, label, note, bypass, inputs, interface, template } = &**node;
         let id = || id.clone();
@@ -233,6 +242,7 @@ pub(super) fn document(facts: Facts) -> Document {
             (Fact::Seed, Said::Seed(seed)) => document.seed = seed,
             (Fact::Display, Said::Node(id)) => document.display = Some(id),
             (Fact::Look, Said::Look(look)) => document.look = Some(look),
+            (Fact::Thumbnail, Said::Thumbnail(it)) => document.thumbnail = Some(it),
             (Fact::Kind(id), Said::Text(kind)) => {
                 nodes.insert(id, Node { kind, ..Node::default() });
             }

@@ -39,6 +39,7 @@ impl fmt::Display for Fact {
             Fact::Seed => write!(f, "seed"),
             Fact::Display => write!(f, "display"),
             Fact::Look => write!(f, "look"),
+            Fact::Thumbnail => write!(f, "thumbnail"),
             Fact::Kind(id) => write!(f, "{id}: kind"),
             Fact::Label(id) => write!(f, "{id}: label"),
             Fact::NodeNote(id) => write!(f, "{id}: note"),
@@ -97,6 +98,7 @@ pub(super) fn plain(said: &Said) -> String {
         Said::View(view) => {
             format!("eye {:?}, target {:?}, focal_mm {:?}", view.eye, view.target, view.focal_mm)
         }
+        Said::Thumbnail(thumbnail) => thumbnail.to_string(),
         Said::Look(look) => {
             format!("light {:?}, exposure {:?}, skin {:?}", look.light, look.exposure, look.skin)
         }

@@ -6,8 +6,8 @@
 //! because undo must also restore a broken file.
 
 use super::{
-    Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket, graph,
-    values,
+    Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket, Thumbnail,
+    graph, values,
 };
 use coif_nodes::data::gestures::Gesture;
 use coif_nodes::data::strokes::Stroke;
@@ -129,6 +129,8 @@ pub enum Edit {
     },
     /// Light and skin that the groom is looked at with; none where nobody chose.
     SetLook(Option<SavedLook>),
+    /// Sets the small picture, or takes it away.
+    SetThumbnail(Option<Thumbnail>),
     /// Moves a node on the canvas.
     Move {
         /// Which.
@@ -470,6 +472,10 @@ impl Edit {
             Edit::SetTitle(title) => {
                 Ok(Edit::SetTitle(std::mem::replace(&mut document.title, title.clone())))
             }
+            Edit::SetThumbnail(thumbnail) => {
+                let old = std::mem::replace(&mut document.thumbnail, thumbnail.clone());
+                Ok(Edit::SetThumbnail(old))
+            }
             Edit::SetNote(note) => {
                 Ok(Edit::SetNote(std::mem::replace(&mut document.note, note.clone())))
             }
@@ -567,6 +573,7 @@ impl Edit {
             | (SetNote(_), SetNote(_))
             | (SetSeed(_), SetSeed(_))
             | (SetDisplay(_), SetDisplay(_))
+            | (Edit::SetThumbnail(_), Edit::SetThumbnail(_))
             | (Edit::SetLook(_), Edit::SetLook(_)) => true,
             (
                 Edit::ReplaceStroke { node, input, stroke },

@@ -239,6 +239,29 @@ fn reached<'a>(
     found
 }
 
+/// The kind of node that hair grows on.
+pub const HEAD: &str = "head";
+
+/// The head that what is added stands on: the one that the displayed hair stands on, else the first.
+pub fn head_at_hand(document: &Document) -> Option<NodeId> {
+    let is_head = |id: &NodeId| document.node(id.as_str()).is_some_and(|node| node.kind == HEAD);
+    let under = upstream(document, &document.display);
+    under
+        .into_iter()
+        .find(is_head)
+        .or_else(|| document.nodes.keys().find(|id| id.group().is_none() && is_head(id)).cloned())
+}
+
+/// A seed that no node of a document has, so that two nodes of a kind differ.
+pub fn free_seed(document: &Document) -> i64 {
+    let seed = |node: &Node| match node.inputs.get("seed") {
+        Some(Setting::Known(Value::Int(seed))) => Some(*seed),
+        _ => None,
+    };
+    let seeds: BTreeSet<i64> = document.nodes.values().filter_map(|node| seed(node)).collect();
+    (1..).find(|seed| !seeds.contains(seed)).unwrap_or(1)
+}
+
 /// What a document is evaluated for: the displayed node and the nodes of the output stage; when
 /// there is none of these, every node that feeds no other.
 pub fn targets(document: &Document) -> BTreeSet<NodeId> {

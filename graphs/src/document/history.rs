@@ -77,6 +77,7 @@ fn node_of(edit: &Edit) -> Option<&NodeId> {
         | E::SetFrame { .. }
         | E::SetView { .. }
         | E::SetLook(_)
+        | E::SetThumbnail(_)
         | E::Several(_) => None,
     }
 }
@@ -340,6 +341,7 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
             None => format!("view {name}: removed"),
         },
         E::SetLook(_) => "light and skin".to_owned(),
+        E::SetThumbnail(_) => "thumbnail".to_owned(),
         E::SetBypass { id, bypass: true } => format!("{}: works again", name(id)),
         E::SetBypass { id, bypass: false } => format!("{}: bypassed", name(id)),
         E::SetComment { .. } => "comment".to_owned(),

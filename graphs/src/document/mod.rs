@@ -27,10 +27,12 @@ pub mod strokes;
 mod suggest;
 #[cfg(test)]
 pub(crate) mod testing;
+mod thumbnail;
 pub mod values;
 pub mod wiring;
 
 pub use layout::{Frame, LONGEST_NAME, SavedLook, SavedView};
+pub use thumbnail::Thumbnail;
 
 /// A groom as it is edited. Cloning is the snapshot: maps of pointers are copied, nodes are shared.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -59,6 +61,8 @@ pub struct Document {
     pub look: Option<SavedLook>,
     /// Where nodes stand on the canvas, in its own units. Means nothing to evaluation.
     pub layout: BTreeMap<NodeId, Point>,
+    /// What it looks like, small: of templates.
+    pub thumbnail: Option<Thumbnail>,
     /// Comment lines of a hand-edited file, each with its `//`, by the entry that they stand
     /// before.
     pub comments: BTreeMap<Place, Vec<String>>,
@@ -535,6 +539,7 @@ impl Document {
                 "bends" => !self.bends.is_empty(),
                 "views" => !self.views.is_empty(),
                 "look" => self.look.is_some(),
+                "thumbnail" => self.thumbnail.is_some(),
                 _ => false,
             },
             Place::Node(id) => self.nodes.contains_key(id),

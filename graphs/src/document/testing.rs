@@ -3,7 +3,7 @@
 use super::edit::Edit;
 use super::{
     Document, Frame, Node, NodeId, Origin, Place, Point, SavedLook, SavedView, Setting, Socket,
-    gestures, strokes, values,
+    Thumbnail, gestures, strokes, thumbnail, values,
 };
 use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
@@ -227,6 +227,10 @@ impl Random {
         values::fit(ty, value).unwrap()
     }
 
+    fn thumbnail(&mut self) -> Thumbnail {
+        let side = 1 + self.below(1024) as u32;
+        Thumbnail::new(thumbnail::tests::framed(side, 9, self.below(40))).unwrap()
+    }
     fn id(&mut self) -> NodeId {
         NodeId::new(
             self.pick(&[
@@ -459,7 +463,10 @@ impl Random {
             27 => {
                 let light = self.pick(&["studio", "of-tomorrow", "", "a b"]).to_owned();
                 let look = SavedLook { light, exposure: 30.0 * self.unit(), skin: "5".to_owned() };
-                Edit::SetLook((!self.chance(4)).then_some(look))
+                match self.chance(2) {
+                    true => Edit::SetThumbnail((!self.chance(4)).then(|| self.thumbnail())),
+                    false => Edit::SetLook((!self.chance(4)).then_some(look)),
+                }
             }
             28..=29 => self.edit_of_list(document, id),
             _ => {

@@ -8,6 +8,7 @@ use super::{FORMAT, FileError, Loaded, OLDEST, PART, upgrade};
 use crate::compare::CONFLICT;
 use crate::document::{
     BadId, Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
+    Thumbnail,
 };
 use coif_nodes::declared;
 use coif_nodes::define::{NodeDef, short};
@@ -55,6 +56,8 @@ struct FileGroom<'a> {
     look: Option<FileLook>,
     #[serde(default)]
     layout: Entries<NodeId, (f32, f32)>,
+    #[serde(default)]
+    thumbnail: String,
 }
 
 /// Nodes as they are copied.
@@ -525,6 +528,15 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
                 reader.warn(&place, format!("look: {why}: dropped"));
             }
             None => document.look = Some(look),
+        }
+    }
+    if !groom.thumbnail.is_empty() {
+        match Thumbnail::from_text(&groom.thumbnail) {
+            Ok(thumbnail) => document.thumbnail = Some(thumbnail),
+            Err(why) => {
+                let place = Place::Field("thumbnail".to_owned());
+                reader.warn(&place, format!("thumbnail: {why}: dropped"));
+            }
         }
     }
     for (id, (x, y)) in groom.layout.0 {

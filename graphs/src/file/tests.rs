@@ -324,7 +324,7 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
     said(
         "(format: 1, colour: 3)",
         expect![
-            "x.ron:1:13: unexpected field named `colour` in `Groom`, expected one of `format`, `title`, `note`, `seed`, `display`, `nodes`, `links`, `frames`, `bends`, `collapsed`, `views`, `look`, or `layout` instead"
+            "x.ron:1:13: unexpected field named `colour` in `Groom`, expected one of `format`, `title`, `note`, `seed`, `display`, `nodes`, `links`, `frames`, `bends`, `collapsed`, `views`, `look`, `layout`, or `thumbnail` instead"
         ],
     );
     said("(format: 1, seed: -1)", expect!["x.ron:1:21: the number is out of range"]);

@@ -161,6 +161,10 @@ impl Writer<'_> {
                 out.text(")");
             });
         }
+        // Last, for it is long.
+        if let Some(thumbnail) = &document.thumbnail {
+            out.field("thumbnail", |out| out.quoted(&thumbnail.text()));
+        }
         out.text("\n)\n");
     }
     fn text(&mut self, text: &str) {

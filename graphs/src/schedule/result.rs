@@ -111,6 +111,7 @@ pub fn document_hash(document: &Document) -> String {
     meaning.collapsed.clear();
     meaning.views.clear();
     meaning.look = None;
+    meaning.thumbnail = None;
     meaning.comments.clear();
     meaning.note.clear();
     for node in meaning.nodes.values_mut() {

@@ -1,6 +1,7 @@
 //! Laws of templates: what their hash sees, what an instance gives, and what an upgrade does to each value.
 
 use super::*;
+use crate::document::Point;
 use crate::file;
 use crate::grooms;
 use crate::schedule::files::DiskFiles;
@@ -65,7 +66,7 @@ fn an_instance_gives_the_bits_of_its_nodes_pasted_plainly() {
     let made = template("1.0");
     let head = r#"(format: 2, nodes: {"head": (kind: "head")})"#;
     let mut document = file::read(head).unwrap().document;
-    let (edit, instance) = add(&document, &made, None).unwrap();
+    let Added { edit, id: instance, .. } = add(&document, &made, Place::default()).unwrap();
     edit.apply(&mut document).unwrap();
     set(&mut document, instance.as_str(), "radius", Value::Float(0.4));
     let out = Node { kind: "groom_output".into(), ..Node::default() };
@@ -150,7 +151,7 @@ fn any_value_of_any_node_in_it_changes_its_hash() {
 fn upgraded(change: &dyn Fn(&mut Vec<Port>)) -> (Document, Vec<String>) {
     let head = r#"(format: 2, nodes: {"head": (kind: "head")})"#;
     let mut document = file::read(head).unwrap().document;
-    let (edit, row) = add(&document, &template("1.0"), None).unwrap();
+    let Added { edit, id: row, .. } = add(&document, &template("1.0"), Place::default()).unwrap();
     edit.apply(&mut document).unwrap();
     set(&mut document, "row", "radius", Value::Float(0.4));
     set(&mut document, "row", "count", Value::Int(30));
@@ -187,7 +188,8 @@ fn an_upgrade_accounts_for_every_value_and_wire() {
         expect![[r#"
             count = 30: kept
             radius = 0.4: kept
-            scalp = head.scalp: kept"#]],
+            scalp = head.scalp: kept
+            curves = wired to out.curves: kept"#]],
     );
     // Renamed.
     check(
@@ -198,7 +200,8 @@ fn an_upgrade_accounts_for_every_value_and_wire() {
         expect![[r#"
             count = 30: kept
             radius = 0.4: moved to thickness
-            scalp = head.scalp: kept"#]],
+            scalp = head.scalp: kept
+            curves = wired to out.curves: kept"#]],
     );
     // Removed, and with another range.
     check(
@@ -210,7 +213,8 @@ fn an_upgrade_accounts_for_every_value_and_wire() {
         expect![[r#"
             count = 30: kept, clamped to 2 to 12
             radius = 0.4: lost, there is no such input any more
-            scalp = head.scalp: kept"#]],
+            scalp = head.scalp: kept
+            curves = wired to out.curves: kept"#]],
     );
     // Of another type.
     check(
@@ -222,7 +226,8 @@ fn an_upgrade_accounts_for_every_value_and_wire() {
         expect![[r#"
             count = 30: lost, takes a text, not a whole number
             radius = 0.4: kept
-            scalp = head.scalp: lost, it takes text now"#]],
+            scalp = head.scalp: lost, it takes text now
+            curves = wired to out.curves: kept"#]],
     );
 }
 
@@ -246,4 +251,71 @@ fn a_template_is_a_groom_that_opens_by_itself() {
     assert_eq!(group_of(&made).unwrap(), &id("row"));
     assert_eq!(group_of(&groom("start")).unwrap_err(), "no group in it is marked as a template");
     assert_ne!(hair(&made), ["nothing"]);
+}
+
+#[test]
+fn an_added_template_stands_on_the_head_at_hand_gives_to_an_output_and_is_shown() {
+    let made = template("1.0");
+    let head = r#"(format: 2, display: "head", nodes: {"head": (kind: "head", at: (10.0, 20.0))})"#;
+    let mut document = file::read(head).unwrap().document;
+    let before = document.clone();
+    let mut undo = vec![];
+    for (instance, out) in [("row", "out"), ("row_2", "out_2")] {
+        let added = add(&document, &made, Place::default()).unwrap();
+        undo.push(added.edit.apply(&mut document).unwrap());
+        assert_eq!((added.id.as_str(), added.draws), (instance, None));
+        let wires = |to: String| format!("{:?}", document.links.get(&to.parse().unwrap()));
+        assert_eq!(wires(format!("{instance}.scalp")), "Some([head.scalp])");
+        assert_eq!(wires(format!("{out}.curves")), format!("Some([{instance}.curves])"));
+    }
+    assert_eq!(document.nodes.values().filter(|node| node.kind == "head").count(), 1);
+    assert_eq!(document.display, None, "all outputs are shown");
+    let places: std::collections::BTreeSet<String> =
+        ["row", "row_2", "out", "out_2"].map(|id| format!("{:?}", document.layout.get(id))).into();
+    assert_eq!(places.len(), if document.layout.contains_key("row") { 4 } else { 1 });
+    undo.into_iter().rev().for_each(|undo| drop(undo.apply(&mut document).unwrap()));
+    assert_eq!(document, before);
+    // Without a head the template's own comes along; at a place that is said it lies there.
+    let empty = Document::default();
+    let place = Place { at: Some(Point(500.0, 60.0)), ..Place::default() };
+    let mut document = empty.clone();
+    add(&empty, &made, place).unwrap().edit.apply(&mut document).unwrap();
+    assert!(document.nodes.contains_key("head"));
+    assert_ne!(hair(&document), ["nothing"]);
+    let at = document.layout.get("row").copied();
+    assert_eq!(at, Some(Point(500.0, 60.0)));
+}
+
+#[test]
+fn what_a_template_has_drawn_for_it_comes_along_empty_to_be_drawn() {
+    let text = r#"(format: 2, nodes: {
+        "head": (kind: "head"),
+        "rows": (kind: "stroke_input", links: {"scalp": "head.scalp"}, inputs: {"radius": 0.7, "strokes": [
+            (points: [(2.0, 8.5, 6.0), (2.2, 9.5, 2.0), (2.0, 8.5, -3.0)])]}),
+        "row": (kind: "group", template: (name: "row"),
+            interface: (inputs: [(name: "rows", type: "curves", needed: true)], outputs: [(name: "curves", type: "curves")]),
+            links: {"rows": "rows.curves"},
+            nodes: {
+                "in": (kind: "group_input"),
+                "thin": (kind: "resample", links: {"curves": "in.rows"}),
+                "out": (kind: "group_output", links: {"curves": "thin.curves"}),
+            }),
+        "out": (kind: "groom_output", links: {"curves": "row.curves"}),
+    })"#;
+    let made = file::read(text).unwrap().document;
+    assert_ne!(hair(&made), ["nothing"], "the file shows what is made of it");
+    let head = r#"(format: 2, nodes: {"head": (kind: "head"), "mine": (kind: "stroke_input", links: {"scalp": "head.scalp"}, inputs: {"seed": 1})})"#;
+    let mut document = file::read(head).unwrap().document;
+    let mine = id("mine");
+    let place = Place { drawn: Some(&mine), ..Place::default() };
+    let first = add(&document, &made, place).unwrap();
+    first.edit.apply(&mut document).unwrap();
+    assert_eq!(first.draws, Some(mine.clone()), "it had nothing to do");
+    let second = add(&document, &made, place).unwrap();
+    second.edit.apply(&mut document).unwrap();
+    let drawn = second.draws.unwrap();
+    assert_ne!(drawn, mine, "that feeds the first");
+    let node = &document.nodes[&drawn];
+    assert_eq!(node.inputs.keys().collect::<Vec<_>>(), ["radius", "seed"], "no strokes");
+    assert_ne!(node.inputs["seed"], document.nodes[&mine].inputs["seed"]);
 }

@@ -11,7 +11,7 @@ use serde_json::Value as Json;
 /// Where a document is not as coif writes it, `UPDATE_EXPECT=1` writes it so.
 #[test]
 fn every_shipped_document_reads_checks_and_writes_back_unchanged() {
-    for (folder, all) in [("grooms", grooms::ALL), ("recipes", grooms::RECIPES)] {
+    for (folder, all) in [("grooms", grooms::ALL), ("templates", grooms::TEMPLATES)] {
         for (name, text) in all {
             let loaded = file::read(text).unwrap_or_else(|err| panic!("{name}.ron:{err}"));
             assert_eq!(loaded.warnings, [], "{name}");
@@ -91,15 +91,22 @@ fn on_real_heads(test: &str, more: &[&str]) {
     }
 }
 
-/// Recipes that are full of hair at once; the others wait for the pen.
+/// Templates of loose hair, which recipes are made of.
 #[test]
-fn recipes_sit_on_the_built_in_head_and_on_real_ones() {
-    let hair = grooms::RECIPES
-        .iter()
-        .filter(|(_, text)| !text.contains("\"rows\"") && !text.contains("hair_sketch"));
-    let names: Vec<String> = hair.map(|(name, _)| recipe(name)).collect();
-    assert_eq!(names.len(), 8);
-    let heads: Vec<_> = smooth_heads("recipes_sit_on_the_built_in_head_and_on_real_ones").collect();
+fn loose_hair_sits_on_the_built_in_head_and_on_real_ones() {
+    let loose = [
+        "long_straight",
+        "bob",
+        "waves",
+        "fringe",
+        "pony_tail",
+        "puff",
+        "afro",
+        "short_back_and_sides",
+    ];
+    let names = loose.map(template);
+    let heads: Vec<_> =
+        smooth_heads("loose_hair_sits_on_the_built_in_head_and_on_real_ones").collect();
     let preview = ["--quality", "preview"];
     for name in &names {
         check_on(name, "the built-in head", &evaluate(name, None, &preview), 0.005);
@@ -109,6 +116,6 @@ fn recipes_sit_on_the_built_in_head_and_on_real_ones() {
     }
 }
 
-fn recipe(name: &str) -> String {
-    coif_tests::repository().join(format!("graphs/recipes/{name}.ron")).display().to_string()
+fn template(name: &str) -> String {
+    coif_tests::repository().join(format!("graphs/templates/{name}.ron")).display().to_string()
 }

@@ -27,7 +27,7 @@ use coif_shaders::camera::Camera;
 use coif_shaders::display::Transform;
 use coif_shaders::hdri::Hdri;
 use coif_shaders::light::Rig;
-use coif_shaders::picture::Samples;
+use coif_shaders::picture::{Picture, Samples};
 use coif_shaders::surface::{RootGrid, Solid};
 use coif_shaders::view::{Paint, Shading, View};
 use coif_shaders::{Gpu, Look, Material, Model, Precision, Renderer, chart};
@@ -317,15 +317,52 @@ pub(crate) fn draw_open(
     report: &mut Report,
     files: &mut Together,
 ) -> Result<(), Stop> {
-    use clap::Parser;
-    let words = ["coif", "render"].into_iter().chain(words.iter().map(String::as_str));
-    let args = super::Args::try_parse_from(words).map_err(|err| Stop::refused(err.to_string()))?;
-    let Some(super::Command::Render(args)) = args.command else {
-        return Err(Stop::refused("no picture was asked for"));
-    };
+    let args = in_words(words.iter().map(String::as_str))?;
     args.claim(files)?;
     draw_opened(&args, &args.understood()?, opened, cancel, tell, report, files)
 }
+
+/// What words of `coif render` ask for.
+fn in_words<'a>(words: impl Iterator<Item = &'a str>) -> Result<Box<RenderArgs>, Stop> {
+    use clap::Parser;
+    let words = ["coif", "render"].into_iter().chain(words);
+    let args = super::Args::try_parse_from(words).map_err(|err| Stop::refused(err.to_string()))?;
+    match args.command {
+        Some(super::Command::Render(args)) => Ok(args),
+        _ => Err(Stop::refused("no picture was asked for")),
+    }
+}
+
+/// Draws a graph into memory: one picture, as words of `coif render` describe it, and how it is displayed.
+pub(super) fn draw_one(
+    words: &[&str],
+    opened: &Opened,
+    cancel: &CancelToken,
+    tell: &dyn Tell,
+    files: &mut Together,
+) -> Result<(Picture, Transform, f32), Stop> {
+    let args = in_words(words.iter().copied())?;
+    let asked = args.understood()?;
+    let (mut drawn, mut report) = (None, Report::new(String::new()));
+    let mut keep = |_: &mut Together, shot: Shot| {
+        drawn = Some(shot.picture);
+        Ok(vec![])
+    };
+    draw_shots(&args, &asked, opened, cancel, tell, &mut report, files, &mut keep)?;
+    let drawn = drawn.ok_or_else(|| Stop::failed("nothing was drawn"))?;
+    Ok((drawn, asked.transform, asked.rig.exposure))
+}
+
+/// One picture of a series.
+struct Shot<'a> {
+    number: u32,
+    camera: &'a str,
+    picture: Picture,
+    texts: &'a [(String, String)],
+}
+
+/// What becomes of each picture: the names of the files that hold it.
+type Keep<'a> = &'a mut dyn FnMut(&mut Together, Shot) -> Result<Vec<String>, Stop>;
 
 fn draw_opened(
     args: &RenderArgs,
@@ -335,6 +372,38 @@ fn draw_opened(
     tell: &dyn Tell,
     report: &mut Report,
     files: &mut Together,
+) -> Result<(), Stop> {
+    let mut keep = |files: &mut Together, shot: Shot| {
+        let Shot { number, camera, picture, texts } = shot;
+        let mut written = vec![];
+        for (path, format) in args.pictures(number, camera).zip(&asked.formats) {
+            tell.say(format!("writing {}", path.display()));
+            let done = files.write(&path, cancel, |out| {
+                let done = match format {
+                    Format::Png => {
+                        picture.write_png(out, asked.transform, asked.rig.exposure, texts)
+                    }
+                    Format::Exr => picture.write_exr(out, Samples::Half, texts),
+                };
+                done.map_err(|err| err.to_string())
+            });
+            done.map_err(|reason| Stop::unwritten(&path, &reason, cancel))?;
+            written.push(path.display().to_string());
+        }
+        Ok(written)
+    };
+    draw_shots(args, asked, opened, cancel, tell, report, files, &mut keep)
+}
+
+fn draw_shots(
+    args: &RenderArgs,
+    asked: &Asked,
+    opened: &Opened,
+    cancel: &CancelToken,
+    tell: &dyn Tell,
+    report: &mut Report,
+    files: &mut Together,
+    keep: Keep,
 ) -> Result<(), Stop> {
     let places = args.camera.iter().map(|name| Place::of(name, opened));
     let places = places.collect::<Result<Vec<Place>, Stop>>()?;
@@ -450,20 +519,8 @@ fn draw_opened(
         if args.chart {
             chart::draw(&mut picture, &asked.rig, &camera);
         }
-        for (path, format) in args.pictures(number, &place.name).zip(&asked.formats) {
-            tell.say(format!("writing {}", path.display()));
-            let written = files.write(&path, cancel, |out| {
-                let written = match format {
-                    Format::Png => {
-                        picture.write_png(out, asked.transform, asked.rig.exposure, &texts)
-                    }
-                    Format::Exr => picture.write_exr(out, Samples::Half, &texts),
-                };
-                written.map_err(|err| err.to_string())
-            });
-            written.map_err(|reason| Stop::unwritten(&path, &reason, cancel))?;
-            pictures.push(path.display().to_string());
-        }
+        let shot = Shot { number, camera: &place.name, picture, texts: &texts };
+        pictures.extend(keep(files, shot)?);
     }
     report.picture = Some(About {
         files: pictures,

@@ -8,6 +8,7 @@ use super::recent::Recent;
 use crate::editor::notes::Note;
 use crate::editor::settings::Settings;
 use crate::editor::{Editor, rooms, theme};
+use crate::library;
 
 impl Editor {
     /// Keeps what it keeps in these folders from now on, takes what was kept there, and offers what sessions left that did
@@ -33,6 +34,11 @@ impl Editor {
             Err(err) if err.kind() == std::io::ErrorKind::NotFound => {}
             Err(err) => told.push(format!("{}: {err}", home.keys().display())),
         }
+        self.templates.folders = library::folders(&home)
+            .into_iter()
+            .enumerate()
+            .map(|(n, folder)| (library::called(n, &folder), folder))
+            .collect();
         let documents = &mut self.documents;
         let damage;
         (documents.recent, damage) = Recent::load(home.recent());

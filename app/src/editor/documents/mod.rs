@@ -200,6 +200,11 @@ pub struct Documents {
 }
 
 impl Documents {
+    /// What wakes the window from a thread.
+    pub(in crate::editor) fn waker(&self) -> Arc<dyn Fn() + Send + Sync> {
+        self.wake.clone()
+    }
+
     /// Without a home: nothing is kept.
     pub(crate) fn new(ctx: &egui::Context) -> Self {
         let for_wake = ctx.clone();

@@ -9,6 +9,7 @@ use crate::editor::panel;
 use crate::editor::settings::Settings;
 use crate::editor::state::State;
 use crate::pen::recipes;
+use coif_graphs::document::Thumbnail;
 use coif_graphs::grooms;
 use egui::{
     Align, Button, ColorImage, Image, Layout, Pos2, Rect, RichText, ScrollArea, TextureHandle, Vec2,
@@ -39,18 +40,6 @@ const PICTURES: &[(&str, &[u8])] = &[
     ("sketch_bob", include_bytes!("thumbnails/sketch_bob.png")),
     ("sketch_ponytail", include_bytes!("thumbnails/sketch_ponytail.png")),
     ("sketch_mohawk", include_bytes!("thumbnails/sketch_mohawk.png")),
-];
-
-/// Pictures of recipes in which the hair is there at once, likewise.
-const RECIPES: &[(&str, &[u8])] = &[
-    ("long_straight", include_bytes!("thumbnails/recipes/long_straight.png")),
-    ("bob", include_bytes!("thumbnails/recipes/bob.png")),
-    ("waves", include_bytes!("thumbnails/recipes/waves.png")),
-    ("fringe", include_bytes!("thumbnails/recipes/fringe.png")),
-    ("pony_tail", include_bytes!("thumbnails/recipes/pony_tail.png")),
-    ("puff", include_bytes!("thumbnails/recipes/puff.png")),
-    ("afro", include_bytes!("thumbnails/recipes/afro.png")),
-    ("short_back_and_sides", include_bytes!("thumbnails/recipes/short_back_and_sides.png")),
 ];
 
 const SIZE: Vec2 = Vec2::new(160.0, 120.0);
@@ -143,13 +132,10 @@ pub(super) fn window(
                     let size = SIZE * ((wide / columns - CARD.x) / SIZE.x).clamp(0.25, 1.0);
                     ui.heading("Recipes").on_hover_text("Hair on an empty head, to go on from");
                     ui.horizontal_wrapped(|ui| {
-                        for (name, bytes) in RECIPES {
-                            let Some(recipe) = recipes::ALL.iter().find(|it| it.groom == *name)
-                            else {
-                                continue;
-                            };
-                            let picture =
-                                picture(&mut welcome.pictures, (recipe.action, bytes), ctx);
+                        // Templates have square pictures.
+                        let size = Vec2::splat(size.y);
+                        for recipe in recipes::ALL.iter().filter(|it| !it.is_drawn()) {
+                            let picture = of_template(&mut welcome.pictures, recipe, ctx);
                             if card(ui, recipe.tip, recipe.label, picture, size) {
                                 say(FileEvent::Begin(recipe.action));
                             }
@@ -254,6 +240,25 @@ fn picture<'a>(
     known.get(name)
 }
 
+/// The picture that a recipe's template has in its file.
+fn of_template<'a>(
+    known: &'a mut BTreeMap<&'static str, TextureHandle>,
+    recipe: &recipes::Recipe,
+    ctx: &egui::Context,
+) -> Option<&'a TextureHandle> {
+    if known.contains_key(recipe.action) {
+        return known.get(recipe.action);
+    }
+    picture(known, (recipe.action, thumbnail_of(recipe.template)?.png()), ctx)
+}
+
+/// The picture of a template that comes with coif, from its text, where it stands last.
+fn thumbnail_of(name: &str) -> Option<Thumbnail> {
+    let (_, text) = grooms::TEMPLATES.iter().find(|(known, _)| *known == name)?;
+    let (_, last) = text.rsplit_once("thumbnail: \"")?;
+    Thumbnail::from_text(last.split_once('"')?.0).ok()
+}
+
 /// The title of a shipped groom, from its text.
 fn title_of(text: &str) -> &str {
     let found = text.lines().find_map(|line| line.trim().strip_prefix("title: \""));
@@ -274,13 +279,10 @@ mod tests {
             assert_eq!(title_of(text), coif_graphs::file::read(text).unwrap().document.title);
         }
         assert_eq!(PICTURES.len(), grooms::ALL.len());
-        let there = recipes::ALL.iter().filter(|it| !it.is_drawn());
-        let named: Vec<&str> = there.map(|it| it.groom).collect();
-        assert_eq!(named, RECIPES.iter().map(|(name, _)| *name).collect::<Vec<_>>());
-        for (name, bytes) in RECIPES {
-            let icon = eframe::icon_data::from_png_bytes(bytes).unwrap();
-            assert_eq!((icon.width, icon.height), (160, 120), "{name}");
-            assert!(bytes.len() <= 12 << 10, "{name}: {} bytes", bytes.len());
+        for recipe in recipes::ALL.iter().filter(|it| !it.is_drawn()) {
+            let thumbnail = thumbnail_of(recipe.template).expect(recipe.template);
+            assert_eq!(thumbnail.size(), [160, 160], "{}", recipe.template);
+            assert!(eframe::icon_data::from_png_bytes(thumbnail.png()).is_ok());
         }
     }
 }

@@ -305,3 +305,40 @@ fn panels_of_heads_toasts_and_colours_fit_every_window() {
     assert!(wrong.is_empty(), "{wrong:#?}");
     assert!(opened.iter().all(|times| *times > 0), "all were seen: {opened:?}");
 }
+
+/// The room of templates: what it holds is as wide as it is, with a template chosen and with one that is broken.
+#[test]
+fn the_room_of_templates_fits_every_window() {
+    let folder = Folder::new("sizes-templates");
+    std::fs::write(folder.path("a_file_that_is_no_template_and_has_a_long_name.ron"), "(").unwrap();
+    let mut hands = Hands::on(groom("cornrows"), [1600.0, 1000.0], 1.0);
+    hands.editor().templates.folders = vec![("a show".to_owned(), folder.root().to_owned())];
+    hands.editor().apply(Event::Show(Room::Templates));
+    hands.read();
+    let mut wrong = vec![];
+    let mut seen = 0;
+    for (size, scale) in SIZES.iter().flat_map(|size| SCALES.map(|scale| (*size, scale))) {
+        hands.resize(size, scale);
+        for (n, words) in ["", "bob", "long name"].into_iter().enumerate() {
+            hands.editor().templates.find(words);
+            hands.steps(4);
+            let name = format!("templates {n} at {size:?} and {scale}");
+            hands.picture(&name);
+            let room = hands.room(Room::Templates).expand(1.0);
+            for node in hands.0.query_all(By::new()) {
+                if node.accesskit_node().raw_bounds().is_none() {
+                    continue;
+                }
+                let rect = node.rect();
+                if room.contains(rect.center()) && rect.width() < room.width() + 40.0 {
+                    seen += 1;
+                    if rect.left() < room.left() || rect.right() > room.right() {
+                        wrong.push(format!("{name}: {rect:?} is wider than {room:?}"));
+                    }
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(seen > 200, "{seen}");
+}

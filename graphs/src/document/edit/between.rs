@@ -73,6 +73,9 @@ fn besides(before: &Document, after: &Document, edits: &mut Vec<Edit>) {
     if before.seed != after.seed {
         edits.push(Edit::SetSeed(after.seed));
     }
+    if before.thumbnail != after.thumbnail {
+        edits.push(Edit::SetThumbnail(after.thumbnail.clone()));
+    }
     if before.look != after.look {
         edits.push(Edit::SetLook(after.look.clone()));
     }

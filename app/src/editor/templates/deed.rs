@@ -1,0 +1,182 @@
+//! What is done with templates: one is added to the document, one's file gets a picture.
+
+use super::{Event, Listed, Which};
+use crate::cli::thumbnail;
+use crate::editor::Editor;
+use crate::editor::event::Event as EditorEvent;
+use crate::editor::notes::Note;
+use crate::editor::state::Select;
+use crate::files::Together;
+use crate::library::{self, Entry};
+use coif_graphs::document::{NodeId, Point};
+use coif_graphs::grooms;
+use coif_graphs::schedule::run::CancelToken;
+use coif_graphs::template::{self, Added, Place};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What threads do for the room.
+#[derive(Default)]
+pub(crate) struct AtWork {
+    drawing: Option<Arc<Mutex<Option<Result<(), String>>>>>,
+    /// The file that is drawn.
+    path: PathBuf,
+    reading: Option<Arc<Mutex<Reading>>>,
+}
+
+/// What a template is read for.
+#[derive(Clone)]
+pub(super) enum Purpose {
+    /// To be added, there.
+    Add(Option<Point>),
+    /// To be compared with an instance.
+    Compare(NodeId),
+}
+
+/// A template that is read.
+struct Reading {
+    read: Option<Result<Entry, String>>,
+    purpose: Purpose,
+}
+
+impl AtWork {
+    /// Whether a picture is being drawn.
+    pub(crate) fn is_busy(&self) -> bool {
+        self.drawing.is_some()
+    }
+}
+
+impl Editor {
+    /// Something happens to templates.
+    pub(crate) fn apply_to_templates(&mut self, event: Event) {
+        match event {
+            Event::Add { template: Which(listed), at } => {
+                self.read_listed(&listed, Purpose::Add(at));
+            }
+            Event::Compare { id, template } => self.compare(id, template),
+            Event::Upgrade => self.upgrade(),
+            Event::NotNow => self.state.offer = None,
+            Event::Keep { id, kept } => self.keep_version(&id, kept),
+            Event::Thumbnail(path) => self.make_thumbnail(path),
+        }
+    }
+
+    /// Reads a template for a purpose: what comes with coif at once, a file on a thread.
+    pub(super) fn read_listed(&mut self, listed: &Listed, purpose: Purpose) {
+        let Some(path) = listed.path.clone() else {
+            let name = &listed.origin.name;
+            let text = grooms::TEMPLATES.iter().find(|(known, _)| known == name);
+            let read = text.ok_or_else(|| "it does not come with this version".to_owned());
+            return self.take_read(read.and_then(|(_, text)| library::shipped(text)), purpose);
+        };
+        // A folder that hangs keeps nobody waiting.
+        let reading = Arc::new(Mutex::new(Reading { read: None, purpose }));
+        let (to, wake) = (reading.clone(), self.documents.waker());
+        let begun = std::thread::Builder::new().name("template".to_owned()).spawn(move || {
+            let read = library::read(&path).map_err(|why| format!("{}: {why}", path.display()));
+            to.lock().unwrap_or_else(PoisonError::into_inner).read = Some(read);
+            wake();
+        });
+        match begun {
+            Ok(_) => self.templates.at_work.reading = Some(reading),
+            Err(why) => self.apply(EditorEvent::Say(Note::error(why.to_string()))),
+        }
+    }
+
+    fn take_read(&mut self, read: Result<Entry, String>, purpose: Purpose) {
+        match (read, purpose) {
+            (Err(why), _) => self.apply(EditorEvent::Say(Note::warning(why))),
+            (Ok(entry), Purpose::Add(at)) => self.add_template(&entry, at),
+            (Ok(entry), Purpose::Compare(id)) => self.offer(id, entry),
+        }
+    }
+
+    /// Adds a template to the group that the canvas shows, in one step, and selects it.
+    fn add_template(&mut self, entry: &Entry, at: Option<Point>) {
+        let within = self.state.group.clone();
+        let at = at.or_else(|| self.canvas.middle(&self.state.document));
+        let drawn = self.state.active().cloned();
+        let place = Place { within: within.as_ref(), at, drawn: drawn.as_ref() };
+        let added = match template::add(&self.state.document, &entry.document, place) {
+            Ok(added) => added,
+            Err(why) => {
+                let note = Note::warning(format!("{}: {why}", entry.title));
+                return self.apply(EditorEvent::Say(note));
+            }
+        };
+        let Added { edit, id, draws } = added;
+        self.apply(EditorEvent::Begin(format!("template: {}", entry.title.to_lowercase())));
+        self.apply(EditorEvent::Edit(edit));
+        self.apply(EditorEvent::End);
+        self.apply(EditorEvent::Select(Select::Nodes(vec![id])));
+        // What it has drawn for it waits for the pen.
+        if let Some(draws) = draws {
+            crate::pen::actions::take_up_pen(self, draws);
+        }
+    }
+
+    fn make_thumbnail(&mut self, path: PathBuf) {
+        if self.templates.at_work.is_busy() {
+            return;
+        }
+        let done = Arc::new(Mutex::new(None));
+        let (to, wake, file) = (done.clone(), self.documents.waker(), path.clone());
+        let begun = std::thread::Builder::new().name("thumbnail".to_owned()).spawn(move || {
+            let drawn = drawn(&file);
+            *to.lock().unwrap_or_else(PoisonError::into_inner) = Some(drawn);
+            wake();
+        });
+        match begun {
+            Ok(_) => {
+                self.templates.at_work.drawing = Some(done);
+                self.templates.at_work.path = path;
+            }
+            Err(why) => self.apply(EditorEvent::Say(Note::error(why.to_string()))),
+        }
+    }
+
+    /// Takes what threads have done.
+    pub(crate) fn settle_templates(&mut self, ctx: &egui::Context) {
+        let at_work = &mut self.templates.at_work;
+        let read = at_work.reading.as_ref().and_then(|reading| {
+            let mut reading = reading.lock().unwrap_or_else(PoisonError::into_inner);
+            Some((reading.read.take()?, reading.purpose.clone()))
+        });
+        let done = at_work
+            .drawing
+            .as_ref()
+            .and_then(|done| done.lock().unwrap_or_else(PoisonError::into_inner).take());
+        if read.is_some() {
+            at_work.reading = None;
+        }
+        if let Some(done) = done {
+            at_work.drawing = None;
+            let note = match done {
+                Ok(()) => Note::done(format!("thumbnail kept in {}", at_work.path.display())),
+                Err(why) => Note::error(why),
+            };
+            self.apply(EditorEvent::Say(note));
+            self.templates.look(ctx);
+        }
+        if let Some((read, purpose)) = read {
+            self.take_read(read, purpose);
+        }
+        // What a groom is made of is compared with what there is.
+        let shelf = &self.templates.shelf;
+        if shelf.is_new()
+            && !shelf.is_looking()
+            && template::instances(&self.state.document).next().is_some()
+        {
+            self.templates.look(ctx);
+        }
+        self.state.shelf = (!shelf.is_new()).then(|| shelf.rows());
+        self.keep_offer();
+    }
+}
+
+fn drawn(path: &std::path::Path) -> Result<(), String> {
+    let (cancel, mut files) = (CancelToken::default(), Together::default());
+    thumbnail::renew(path, thumbnail::SIZE, thumbnail::CAMERA, &cancel, &mut files)
+        .map_err(|stop| stop.lines().join("; "))?;
+    files.place(&cancel).map_err(|(path, why)| format!("{}: {why}", path.display()))
+}
