@@ -4,6 +4,7 @@ mod frames;
 mod fuzz;
 mod grooms;
 mod harness;
+mod landmarks;
 mod own_head;
 mod stories;
 mod story;
