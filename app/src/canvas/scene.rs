@@ -202,7 +202,11 @@ impl Scene<'_> {
             });
         let response: egui::Response = (*shown).clone();
         found.corners.insert(face.id.clone(), response.rect.min);
-        node::describe(ui.ctx(), &response, face, mood.selected);
+        let mark = self.memory.marks.as_ref().and_then(|marks| marks.nodes.get(&face.id).copied());
+        node::describe(ui.ctx(), &response, face, mood.selected, mark);
+        if let Some(mark) = mark {
+            mark.on_node(ui.painter(), response.rect, self.scale);
+        }
         if let Some(touched) = shown.into_inner().inner {
             self.flags(face, &touched);
             for (end, socket) in touched.ends {
@@ -350,6 +354,10 @@ impl Scene<'_> {
             let hovered = hovered.as_ref() == Some(&run.wire);
             let strength = if hidden.contains(&run.wire) { 0.25 } else { 1.0 };
             draw(p, run, self.scale, Tone { marked, selected, hovered, strength });
+            let mark = self.memory.marks.as_ref().and_then(|marks| marks.wires.get(&run.wire));
+            if let Some(mark) = mark {
+                mark.on_wire(p, run, self.scale);
+            }
         }
         self.memory.hovered = hovered;
     }

@@ -7,6 +7,7 @@
 //! groom's hash.
 
 pub mod actions;
+pub mod compare;
 pub mod documents;
 pub mod evaluation;
 pub mod event;
@@ -41,6 +42,7 @@ use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::cache::usual_budget;
 use coif_graphs::{file, grooms};
 use coif_nodes::eval::Quality;
+use compare::Compare;
 use documents::Documents;
 use documents::places::Places;
 use egui_dock::{DockArea, DockState};
@@ -85,6 +87,8 @@ pub struct Editor {
     /// The groom on the screen.
     pub viewport: Viewport,
     pub(crate) outliner: Outliner,
+    /// Another document beside this one.
+    compare: Option<Compare>,
     /// The pen room: tools, and what they hold.
     pub pen: Pen,
     dock: DockState<Room>,
@@ -146,6 +150,7 @@ impl Editor {
             spreadsheet: Spreadsheet::default(),
             viewport: Viewport::default(),
             outliner: Outliner::default(),
+            compare: None,
             pen: Pen::default(),
             dock: rooms::first_layout(),
             toasts: Toasts::default(),
@@ -199,6 +204,7 @@ impl Editor {
             }
             self.state.run = evaluation.status();
         }
+        self.before_compare();
         self.follow_pointer(&ctx);
         let spent = self.closes_topmost(&ctx);
         if !self.palette.is_open() && !self.documents.takes_keys() {
@@ -388,6 +394,7 @@ impl Editor {
 
     /// Another document takes the place of this one.
     pub(crate) fn replace(&mut self, document: Document, file: OpenFile, history: History) {
+        self.end_compare();
         let state = &mut self.state;
         let new = State::new(document, file, state.settings.clone());
         let old = std::mem::replace(state, new);
@@ -549,17 +556,38 @@ impl egui_dock::TabViewer for Tabs<'_> {
     fn ui(&mut self, ui: &mut egui::Ui, room: &mut Room) {
         self.editor.rooms.push((*room, ui.max_rect()));
         let Editor {
-            state, viewport, pen, canvas, inspector, spreadsheet, outliner, messages, ..
+            state,
+            viewport,
+            pen,
+            canvas,
+            inspector,
+            spreadsheet,
+            outliner,
+            messages,
+            compare,
+            ..
         } = &mut *self.editor;
         match room {
             Room::Viewport => {
                 pen.bar(state, ui, self.out);
-                viewport.pen = pen.holds(ui.ctx());
-                viewport.ui(state, ui, self.out);
-                pen.ui(state, &viewport.projection(), ui, viewport.is_hovered(), self.out);
+                let flipped = compare.as_ref().and_then(Compare::flipped);
+                viewport.pen = pen.holds(ui.ctx(), flipped.is_some());
+                let mut said = vec![];
+                viewport.ui(flipped.unwrap_or(state), ui, &mut said);
+                // What is only looked at is not picked, drawn on, or edited.
+                said.retain(|event| flipped.is_none() || compare::is_of_the_view(event));
+                self.out.append(&mut said);
+                let hovered = viewport.is_hovered() && flipped.is_none();
+                pen.ui(state, &viewport.projection(), ui, hovered, self.out);
                 pen.settings_window(state, ui.ctx(), self.out);
+                if let Some(compare) = compare {
+                    compare.over_the_picture(viewport.projection().rect, ui, self.out);
+                }
             }
-            Room::Canvas => canvas.ui(state, ui, self.out),
+            Room::Canvas => match compare {
+                Some(compare) => compare.ui(state, canvas, ui, self.out),
+                None => canvas.ui(state, ui, self.out),
+            },
             Room::Inspector => inspector.ui(state, ui, self.out),
             Room::Outliner => outliner.ui(state, ui, self.out),
             Room::Spreadsheet => spreadsheet.ui(state, ui, self.out),

@@ -25,4 +25,4 @@ pub use conflict::{CONFLICT, Clash, Conflict};
 pub use diff::{Change, Drawn, diff, drawn, is_same_hair};
 pub use fact::{Fact, Said, Wire};
 pub use merge::{Merged, merge};
-pub use words::lines;
+pub use words::{Told, lines, told};
