@@ -572,6 +572,7 @@ impl egui_dock::TabViewer for Tabs<'_> {
                 pen.bar(state, ui, self.out);
                 let flipped = compare.as_ref().and_then(Compare::flipped);
                 viewport.pen = pen.holds(ui.ctx(), flipped.is_some());
+                viewport.whose = compare.as_ref().map(Compare::whose);
                 let mut said = vec![];
                 viewport.ui(flipped.unwrap_or(state), ui, &mut said);
                 // What is only looked at is not picked, drawn on, or edited.
@@ -580,9 +581,6 @@ impl egui_dock::TabViewer for Tabs<'_> {
                 let hovered = viewport.is_hovered() && flipped.is_none();
                 pen.ui(state, &viewport.projection(), ui, hovered, self.out);
                 pen.settings_window(state, ui.ctx(), self.out);
-                if let Some(compare) = compare {
-                    compare.over_the_picture(viewport.projection().rect, ui, self.out);
-                }
             }
             Room::Canvas => match compare {
                 Some(compare) => compare.ui(state, canvas, ui, self.out),
@@ -600,12 +598,17 @@ impl egui_dock::TabViewer for Tabs<'_> {
     }
 }
 
-/// Opens the window on a groom and returns when it is closed. `greets`: with the welcome panel, unless somebody does not want
+/// Opens the window on a groom, with another and its name beside it, and returns when it is closed. `greets`: with the welcome panel, unless somebody does not want
 /// it.
 ///
 /// # Errors
 /// When there is no display or nothing can draw on it.
-pub fn run(document: Document, file: OpenFile, greets: bool) -> Result<(), String> {
+pub fn run(
+    document: Document,
+    file: OpenFile,
+    other: Option<(Document, OpenFile, String)>,
+    greets: bool,
+) -> Result<(), String> {
     #[cfg_attr(
         not(target_os = "linux"),
         expect(unused_mut, reason = "only Linux has two kinds of display")
@@ -643,6 +646,10 @@ pub fn run(document: Document, file: OpenFile, greets: bool) -> Result<(), Strin
             editor.keep_in(&cc.egui_ctx, Places::here());
             if greets {
                 editor.greet();
+            }
+            editor.tell_conflicts(&editor.state.file.name());
+            if let Some((document, file, name)) = other {
+                editor.compare_document(document, file, name);
             }
             Ok(Box::new(Window { editor }))
         }),

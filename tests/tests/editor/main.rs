@@ -1,5 +1,6 @@
 //! The editor as a whole, without a window: what hands do, and what must be true afterwards.
 
+mod compare;
 mod frames;
 mod fuzz;
 mod grooms;

@@ -50,6 +50,8 @@ pub struct Compare {
     same_hair: bool,
     /// The node that is brought into sight.
     frames: Option<NodeId>,
+    /// Whether everything was brought into sight once.
+    is_fitted: bool,
     /// The group that one's own canvas showed last.
     group: Option<NodeId>,
 }
@@ -71,6 +73,7 @@ impl Compare {
             marks: Default::default(),
             same_hair: false,
             frames: None,
+            is_fitted: false,
             group: None,
         }
     }
@@ -175,7 +178,6 @@ impl Editor {
             compare.other.revision = compare.other.revision.max(before.other.revision + 1);
         }
         self.compare = Some(compare);
-        self.canvas.look_at_all();
         self.apply(Event::Show(Room::Canvas));
         self.ask_beside();
     }
@@ -233,7 +235,7 @@ impl Editor {
 pub(crate) fn is_of_the_view(event: &Event) -> bool {
     use coif_graphs::document::edit::Edit;
     match event {
-        Event::Act(id) => id.starts_with("view."),
+        Event::Act(id) => id.starts_with("view.") || *id == "compare.flip",
         Event::Edit(edit) => {
             matches!(edit, Edit::SetLook(_) | Edit::SetView { view: Some(_), .. })
         }

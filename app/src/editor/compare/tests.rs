@@ -213,10 +213,10 @@ fn its_hair_is_shown_in_place_and_ones_own_comes_back() {
     let before = all(&ui);
     let mine = ui.state().state.shown.clone().unwrap();
     let camera = *ui.state().viewport.camera();
-    ui.get_by_label("Hair: yours");
+    ui.get_by_label("Shown: yours");
     ui.key_press(Key::F8);
     ui.run_steps(3);
-    ui.get_by_label("Hair: theirs.ron");
+    ui.get_by_label("Shown: theirs.ron");
     let compare = ui.state().compare().unwrap();
     let shown = compare.flipped().expect("it was made").shown.clone().unwrap();
     assert_ne!(shown.curves.point_count(), mine.curves.point_count(), "four strands, not three");
@@ -229,8 +229,8 @@ fn its_hair_is_shown_in_place_and_ones_own_comes_back() {
     assert_eq!(all(&ui), before);
     assert!(ui.state().state.selection.curves.is_empty());
     assert!(std::sync::Arc::ptr_eq(ui.state().state.shown.as_ref().unwrap(), &mine));
-    press(&mut ui, "Hair: theirs.ron");
-    ui.get_by_label("Hair: yours");
+    press(&mut ui, "Shown: theirs.ron");
+    ui.get_by_label("Shown: yours");
     assert!(ui.state().compare().unwrap().flipped().is_none());
 }
 

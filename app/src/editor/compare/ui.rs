@@ -6,7 +6,7 @@ use crate::editor::event::Event;
 use crate::editor::state::{Select, State};
 use crate::editor::theme;
 use coif_graphs::document::NodeId;
-use egui::{Align, Button, Label, Layout, Rect, RichText, ScrollArea, Ui, UiBuilder, vec2};
+use egui::{Align, Color32, Label, Layout, Rect, RichText, ScrollArea, Ui, UiBuilder, Vec2};
 
 /// Height of what stands over each canvas, points.
 const CAPTION: f32 = 22.0;
@@ -28,15 +28,8 @@ fn parts(room: Rect) -> ([Rect; 2], Rect) {
         room.split_top_bottom_at_y(room.bottom() - height)
     };
     let (left, right) = canvases.split_left_right_at_fraction(0.5);
-    let half = GAP * 0.5;
-    let inner = if is_wide { vec2(-half, 0.0) } else { vec2(0.0, -half) };
-    let left = Rect::from_min_max(left.min, left.max + inner - vec2(half, 0.0));
-    let right = Rect::from_min_size(
-        right.min + vec2(half, 0.0) + if is_wide { vec2(-half, 0.0) } else { vec2(0.0, 0.0) },
-        left.size(),
-    );
-    let list = Rect::from_min_max(list.min - inner, list.max);
-    ([left, right], list)
+    let size = (left.size() - Vec2::splat(GAP)).max(Vec2::ZERO);
+    ([left, right].map(|half| Rect::from_min_size(half.min, size)), list)
 }
 
 impl Compare {
@@ -66,6 +59,11 @@ impl Compare {
             ui.ctx().request_repaint();
         }
         part(ui, "differences", list, |ui| self.list(mine, ui, out));
+        if !std::mem::replace(&mut self.is_fitted, true) {
+            // Once the canvases know their sizes.
+            canvas.look_at_all();
+            ui.ctx().request_repaint();
+        }
     }
 
     fn list(&mut self, mine: &State, ui: &mut Ui, out: &mut Vec<Event>) {
@@ -97,9 +95,10 @@ impl Compare {
                     match &line.node {
                         None => drop(ui.add(Label::new(&line.text).wrap())),
                         Some(id) => {
-                            let button = Button::new(&line.text).frame(false).wrap();
-                            let pressed = ui.add(button).on_hover_text("Shows it on both canvases");
-                            if pressed.clicked() {
+                            ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Wrap);
+                            let line =
+                                ui.link(&line.text).on_hover_text("Shows it on both canvases");
+                            if line.clicked() {
                                 chosen = Some(id.clone());
                             }
                         }
@@ -147,35 +146,16 @@ impl Compare {
         }
     }
 
-    /// Whose hair the picture shows, over its upper right corner.
-    pub(crate) fn over_the_picture(&self, picture: Rect, ui: &mut Ui, out: &mut Vec<Event>) {
-        let place = picture.shrink(8.0);
-        let layout = Layout::right_to_left(Align::Min);
-        ui.scope_builder(
-            UiBuilder::new().id_salt("whose hair").max_rect(place).layout(layout),
-            |ui| {
-                let (text, colour) = match (self.flipped, &self.other.shown) {
-                    (false, _) => ("Hair: yours".to_owned(), theme::TEXT),
-                    (true, Some(_)) => (format!("Hair: {}", self.name), theme::ACCENT),
-                    (true, None) if self.answered => {
-                        (format!("Hair: yours; {} has nothing to show", self.name), theme::WARNING)
-                    }
-                    (true, None) => {
-                        (format!("Hair: yours; {} is being made", self.name), theme::WARNING)
-                    }
-                };
-                ui.visuals_mut().widgets.inactive.weak_bg_fill =
-                    egui::Color32::from_black_alpha(170);
-                let button = Button::new(RichText::new(text).color(colour)).truncate();
-                if ui
-                    .add(button)
-                    .on_hover_text("Shows the other's hair, or yours again (F8)")
-                    .clicked()
-                {
-                    out.push(Event::Act("compare.flip"));
-                }
-            },
-        );
+    /// Whose hair the picture shows, and how that is said.
+    pub(crate) fn whose(&self) -> (String, Color32) {
+        match (self.flipped, &self.other.shown) {
+            (false, _) => ("Shown: yours".to_owned(), theme::TEXT),
+            (true, Some(_)) => (format!("Shown: {}", self.name), theme::ACCENT),
+            (true, None) => {
+                let why = if self.answered { "has nothing to show" } else { "is being made" };
+                (format!("Shown: yours; {} {why}", self.name), theme::WARNING)
+            }
+        }
     }
 }
 

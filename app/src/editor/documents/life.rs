@@ -8,8 +8,10 @@ use super::watch::hash_of;
 use super::{Asking, Disk, Event, HeadChoice, Left, Next, Unsaved, journal, own_head, paths};
 use crate::editor::Editor;
 use crate::editor::notes::Note;
+use crate::editor::rooms::Room;
 use crate::editor::state::OpenFile;
 use crate::files::{Role, Together, read_at_most};
+use coif_graphs::compare::undecided;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Node, NodeId, Point, SavedView, Setting};
@@ -160,14 +162,26 @@ impl Editor {
         self.documents.watch.knows(&path, hash);
         self.put(loaded.document, OpenFile::at(path.clone()), History::new());
         self.remember(&path);
-        for warning in loaded.conflicts.iter().chain(&loaded.warnings) {
+        for warning in &loaded.warnings {
             self.state.notes.say(Note::warning(warning.of_file(&shown)));
         }
+        self.tell_conflicts(&shown);
         for comment in &loaded.dropped_comments {
             let text = format!("{} (saving drops this comment)", comment.of_file(&shown));
             self.state.notes.say(Note::warning(text));
         }
         true
+    }
+
+    /// Says how much a merge left to decide; what it is, and what decides it, the messages say.
+    pub(in super::super) fn tell_conflicts(&mut self, shown: &str) {
+        let left = undecided(&self.state.document).len();
+        if left > 0 {
+            let left = crate::words::counted(left, "conflict");
+            let text = format!("{shown}: {left} of a merge left to decide, in the messages");
+            self.state.notes.say(Note::warning(text));
+            self.apply(crate::editor::event::Event::Show(Room::Messages));
+        }
     }
 
     fn remember(&mut self, path: &Path) {

@@ -214,7 +214,7 @@ fn two_documents_side_by_side_fit_every_window() {
                 }
             }
             let picture = hands.room(Room::Viewport).expand(1.0);
-            let whose = hands.place("Hair: yours").unwrap();
+            let whose = hands.place("Shown: yours").unwrap();
             if picture.height() > 120.0 && !picture.contains_rect(whose) {
                 wrong.push(format!("whose hair at {size:?} and {scale}: {whose:?} in {picture:?}"));
             }
