@@ -5,6 +5,8 @@
 //! the state and says what happened; it never changes anything itself. What it keeps between frames is
 //! what hands and eyes hold: the view, an open search, a wire in the hand.
 //!
+//! A canvas may be for looking alone ([`Canvas::to_look_at`]): it draws a state, is moved and zoomed, and says nothing.
+//!
 //! Not kept with a groom: the view, selected wires, the last kinds that were added.
 
 mod actions;
@@ -16,6 +18,7 @@ mod finder;
 mod frames;
 mod hand;
 mod look;
+mod marks;
 mod menu;
 mod naming;
 mod node;
@@ -32,6 +35,7 @@ mod wires;
 
 pub(crate) use actions::ACTIONS;
 pub(crate) use arrange::free_in as free_place;
+pub(crate) use marks::{Mark, Marks, marks};
 
 use crate::editor::event::Event;
 use crate::editor::notes::Note;
@@ -61,6 +65,8 @@ pub struct Canvas {
     /// The nodes that were there last, to notice another document.
     known: BTreeSet<NodeId>,
     memory: Memory,
+    /// What is drawn is looked at alone.
+    looks: bool,
 }
 
 /// What hands and eyes hold.
@@ -105,6 +111,8 @@ struct Memory {
     pasting: bool,
     /// What is to be brought into sight when the room is drawn next.
     look_at: Option<BTreeSet<NodeId>>,
+    /// What differs from another document.
+    marks: Option<Arc<Marks>>,
 }
 
 impl Memory {
@@ -141,12 +149,32 @@ enum Clipboard {
     Paste,
 }
 
-/// The id of the graph's widgets.
-fn graph_id() -> egui::Id {
-    egui_graph::id("coif canvas")
-}
-
 impl Canvas {
+    /// A canvas for a second document, which is looked at alone.
+    pub(crate) fn to_look_at() -> Self {
+        Self { looks: true, ..Self::default() }
+    }
+
+    /// The id of the graph's widgets.
+    fn graph_id(&self) -> egui::Id {
+        egui_graph::id(if self.looks { "coif canvas beside" } else { "coif canvas" })
+    }
+
+    /// Marks nodes and wires, or none.
+    pub(crate) fn mark(&mut self, marks: Option<Arc<Marks>>) {
+        self.memory.marks = marks;
+    }
+
+    /// Brings everything into sight when the room is drawn next.
+    pub(crate) fn look_at_all(&mut self) {
+        self.memory.look_at = Some(BTreeSet::new());
+    }
+
+    /// Where a node of a state stands, where the group that is shown has it.
+    pub(crate) fn place(&mut self, state: &State, id: &NodeId) -> Option<Rect> {
+        self.cache.of(state).rect(id)
+    }
+
     /// Whether a search is open.
     pub(crate) fn searches(&self) -> bool {
         self.memory.finder.is_some()
@@ -188,7 +216,9 @@ impl Canvas {
         let faces = self.cache.of(state);
         self.meet(state, &faces, area);
         self.steer(ui, area);
-        self.clipboard(state, &faces, ui, out);
+        if !self.looks {
+            self.clipboard(state, &faces, ui, out);
+        }
         self.settle(state, &faces);
         let pointer = ui.input(|i| i.pointer.latest_pos());
         let over =
@@ -197,25 +227,34 @@ impl Canvas {
         ui.painter().rect_filled(area, 0.0, theme::SUNKEN);
         let selected: HashSet<egui_graph::NodeId> =
             state.selection.nodes.iter().map(|id| egui_graph::NodeId::new(id.as_str())).collect();
-        let scale = self.scale();
+        let (id, scale, looks) = (self.graph_id(), self.scale(), self.looks);
         let Self { view, memory, .. } = self;
-        let given_up = memory.given_up;
+        let given_up = memory.given_up || looks;
         let scene = Scene { state, faces: &faces, pointer: memory.pointer, memory, out, scale };
         let shown = ui.scope(|ui| {
             // The crate finds sockets within this; ours lie over them and take the pointer.
             ui.spacing_mut().interact_size = vec2(8.0, 8.0);
             ui.visuals_mut().window_corner_radius = egui::CornerRadius::ZERO;
-            egui_graph::Graph::from_id(graph_id())
+            egui_graph::Graph::from_id(id)
                 .background(false)
                 .dot_grid(false)
                 .zoom_range(view::ZOOM)
                 .immutable(given_up)
                 .selected_nodes(selected)
                 .align_threshold(6.0)
-                .show(view, ui, |ui, show| scene.show(ui, show))
+                .show(view, ui, |ui, show| {
+                    if looks {
+                        ui.visuals_mut().disabled_alpha = 1.0;
+                        ui.disable();
+                    }
+                    scene.show(ui, show)
+                })
         });
         let shown = shown.inner;
         let found = shown.inner;
+        if looks {
+            return;
+        }
         let keys = ui.input(|i| i.modifiers);
         if let Some(nodes) = shown.selection_changed {
             self.selected(state, &faces, &nodes, keys, ui, out);

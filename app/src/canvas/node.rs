@@ -5,6 +5,7 @@
 
 use super::faces::{Face, Plug, ROW, Trouble, WIDTH};
 use super::look;
+use super::marks::Mark;
 use super::text::line;
 use crate::editor::theme;
 use egui::accesskit::Role;
@@ -116,7 +117,13 @@ pub(super) fn show(ui: &mut Ui, face: &Face, detail: Detail, mood: Mood) -> Touc
 }
 
 /// Tells screen readers what a node is.
-pub(super) fn describe(ctx: &egui::Context, response: &Response, face: &Face, selected: bool) {
+pub(super) fn describe(
+    ctx: &egui::Context,
+    response: &Response,
+    face: &Face,
+    selected: bool,
+    mark: Option<Mark>,
+) {
     ctx.accesskit_node_builder(response.id, |node| {
         // The crate makes its widget before its size is known.
         let (min, max) = (response.rect.min, response.rect.max);
@@ -137,7 +144,9 @@ pub(super) fn describe(ctx: &egui::Context, response: &Response, face: &Face, se
         };
         let bypass = if face.bypass { ", bypassed" } else { "" };
         let shown = if face.displayed { ", displayed" } else { "" };
-        node.set_description(format!("{kind}{shown}{bypass}{trouble} {}", face.footer));
+        let mark = mark.map_or(String::new(), |mark| format!(", {}", mark.name()));
+        let text = format!("{kind}{shown}{bypass}{mark}{trouble} {}", face.footer);
+        node.set_description(text);
         node.set_selected(selected);
     });
 }

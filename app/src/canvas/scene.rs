@@ -72,6 +72,7 @@ impl Scene<'_> {
         let corner = |id: &NodeId| found.corners.get(id).copied();
         found.runs = wires::runs(&self.state.document, self.faces, corner, bent);
         self.wires(ui, &found);
+        self.marks(ui, &found);
         self.bends(ui, &found);
         self.held(ui, &found);
         found
@@ -202,7 +203,8 @@ impl Scene<'_> {
             });
         let response: egui::Response = (*shown).clone();
         found.corners.insert(face.id.clone(), response.rect.min);
-        node::describe(ui.ctx(), &response, face, mood.selected);
+        let mark = self.memory.marks.as_ref().and_then(|marks| marks.nodes.get(&face.id).copied());
+        node::describe(ui.ctx(), &response, face, mood.selected, mark);
         if let Some(touched) = shown.into_inner().inner {
             self.flags(face, &touched);
             for (end, socket) in touched.ends {
@@ -354,6 +356,22 @@ impl Scene<'_> {
         self.memory.hovered = hovered;
     }
 
+    /// Marks what differs from another document, over nodes and wires.
+    fn marks(&self, ui: &Ui, found: &Found) {
+        let Some(marks) = &self.memory.marks else { return };
+        let p = &over(ui, "marks");
+        for run in &found.runs {
+            if let Some(mark) = marks.wires.get(&run.wire) {
+                mark.on_wire(p, run, self.scale);
+            }
+        }
+        for (id, mark) in &marks.nodes {
+            if let (Some(face), Some(corner)) = (self.faces.all.get(id), found.corners.get(id)) {
+                mark.on_node(p, Rect::from_min_size(*corner, face.size()), self.scale);
+            }
+        }
+    }
+
     fn wire_clicked(&mut self, response: &egui::Response, run: &Run, bend: usize, at: Pos2) {
         let document = &self.state.document;
         if response.double_clicked() {
@@ -459,14 +477,7 @@ impl Scene<'_> {
         if matches!(self.memory.hand, Hand::Empty) {
             return;
         }
-        let layer = LayerId::new(ui.layer_id().order, ui.id().with("hand"));
-        let ctx = ui.ctx();
-        ctx.set_sublayer(ui.layer_id(), layer);
-        ctx.move_to_top(layer);
-        if let Some(transform) = ctx.layer_transform_to_global(ui.layer_id()) {
-            ctx.set_transform_layer(layer, transform);
-        }
-        let p = ui.painter().clone().with_layer_id(layer);
+        let p = over(ui, "hand");
         match &self.memory.hand {
             Hand::Cut(line) => {
                 let stroke = Stroke::new(1.6 / self.scale, theme::ERROR);
@@ -532,6 +543,18 @@ impl Scene<'_> {
             }
         }
     }
+}
+
+/// Paints over all nodes, in the scene.
+fn over(ui: &Ui, name: &str) -> Painter {
+    let layer = LayerId::new(ui.layer_id().order, ui.id().with(name));
+    let ctx = ui.ctx();
+    ctx.set_sublayer(ui.layer_id(), layer);
+    ctx.move_to_top(layer);
+    if let Some(transform) = ctx.layer_transform_to_global(ui.layer_id()) {
+        ctx.set_transform_layer(layer, transform);
+    }
+    ui.painter().clone().with_layer_id(layer)
 }
 
 /// How a wire looks just now.

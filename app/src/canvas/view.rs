@@ -60,19 +60,38 @@ impl Canvas {
         self.view.scene_rect = Rect::from_center_size(center, size / ZOOM.clamp(scale));
     }
 
+    /// Sees the same part of the canvas as another; whether it saw another.
+    pub(crate) fn see_as(&mut self, other: &Self) -> bool {
+        let (mine, theirs) = (self.view.scene_rect, other.view.scene_rect);
+        let off = (mine.min - theirs.min).abs() + (mine.max - theirs.max).abs();
+        // A view that was never drawn is no view.
+        let is_new = is_sound(theirs) && off.max_elem() >= 0.1;
+        if is_new {
+            self.view.scene_rect = theirs;
+        }
+        is_new
+    }
+
+    /// Brings a part of the canvas into sight, no larger than full size.
+    pub(crate) fn look_at_part(&mut self, part: Rect) {
+        let size = self.area.map_or(vec2(1.0, 1.0), |area| area.size());
+        let room = (size - Vec2::splat(2.0 * MARGIN)).max(vec2(8.0, 8.0));
+        self.see(part.center(), (room / part.size()).min_elem().min(1.0));
+    }
+
     pub(super) fn center_on(&mut self, at: Pos2) {
         self.see(at, self.scale());
     }
 
     /// Brings nodes into sight whole, no larger than full size.
     pub(super) fn look_at(&mut self, faces: &Faces, nodes: &BTreeSet<NodeId>) {
-        let size = self.area.map_or(vec2(1.0, 1.0), |area| area.size());
-        let Some(all) = faces.bounds(nodes) else {
-            self.see(Pos2::ZERO + size / 2.0, 1.0);
-            return;
-        };
-        let room = (size - Vec2::splat(2.0 * MARGIN)).max(vec2(8.0, 8.0));
-        self.see(all.center(), (room / all.size()).min_elem().min(1.0));
+        match faces.bounds(nodes) {
+            Some(all) => self.look_at_part(all),
+            None => {
+                let size = self.area.map_or(vec2(1.0, 1.0), |area| area.size());
+                self.see(Pos2::ZERO + size / 2.0, 1.0);
+            }
+        }
     }
 
     /// Brings a node into sight, moving the view no more than that takes.

@@ -10,6 +10,9 @@ use std::path::PathBuf;
 pub(crate) struct EditArgs {
     /// The graph: a .ron file, or the name of a shipped groom
     pub(super) graph: Option<PathBuf>,
+    /// Another graph, shown beside it with all that differs
+    #[arg(long, value_name = "OTHER", requires = "graph")]
+    compare: Option<PathBuf>,
 }
 
 /// Whether there is anything to open a window on. Only Linux has machines without.
@@ -19,20 +22,29 @@ pub(crate) fn has_display() -> bool {
 }
 
 pub(crate) fn run(args: &EditArgs) -> Exit {
-    let (document, file) = match &args.graph {
-        None => Editor::start_up(),
-        Some(path) => match open(path) {
-            Ok(opened) => opened,
-            Err(stop) => {
-                stop.lines().iter().for_each(complain);
-                if is_mesh(path) {
-                    complain(
-                        "a mesh opens in the window: start coif, and choose it in Your head (Ctrl+K, \"own head\")",
-                    );
-                }
-                return Exit::Refused;
+    let opened = |path: &PathBuf| {
+        open(path).map_err(|stop| {
+            stop.lines().iter().for_each(complain);
+            if is_mesh(path) {
+                complain(
+                    "a mesh opens in the window: start coif, and choose it in Your head (Ctrl+K, \"own head\")",
+                );
             }
-        },
+            Exit::Refused
+        })
+    };
+    let both = match (&args.graph, &args.compare) {
+        (None, _) => Ok((Editor::start_up(), None)),
+        (Some(path), None) => opened(path).map(|mine| (mine, None)),
+        (Some(path), Some(other)) => {
+            let name = other.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let both = opened(path).and_then(|mine| Ok((mine, opened(other)?)));
+            both.map(|(mine, (document, file))| (mine, Some((document, file, name))))
+        }
+    };
+    let ((document, file), other) = match both {
+        Ok(both) => both,
+        Err(exit) => return exit,
     };
     if !has_display() {
         complain("there is no display to open a window on; coif eval and coif render need none");
@@ -40,7 +52,7 @@ pub(crate) fn run(args: &EditArgs) -> Exit {
     }
     // Steps that nobody saved are offered at the next start.
     signals::on_end(|| files::end(Exit::Interrupted as i32));
-    match editor::run(document, file, args.graph.is_none()) {
+    match editor::run(document, file, other, args.graph.is_none()) {
         Ok(()) => Exit::Done,
         Err(why) => {
             complain(why);

@@ -2,7 +2,7 @@
 //!
 //! Guarantees: asking never waits; of several requests only the newest is run; a newer one stops what runs, except that a
 //! preview which follows a stopped one is let through, so that a picture comes however fast the hand is. What is handed over
-//! is final only when nothing newer was asked for meanwhile.
+//! is final only when nothing newer was asked for meanwhile. Another document is evaluated beside it when nothing else is to be done.
 //! Not guaranteed: that every request has an answer.
 
 use super::lineage::{Ancestor, lineage};
@@ -144,6 +144,9 @@ pub struct Trace {
 #[derive(Default)]
 struct Desk {
     next: Option<Request>,
+    /// Another document, which is evaluated when nothing else is to be done, and what came out.
+    beside: Option<Request>,
+    finished_beside: Option<Finished>,
     trace: Option<Trace>,
     traced: Option<Vec<Ancestor>>,
     running: Option<(CancelToken, Quality)>,
@@ -211,10 +214,28 @@ impl Evaluation {
     /// Stops what runs and forgets what was asked.
     pub fn stop(&self) {
         let mut desk = self.shared.desk();
-        desk.next = None;
+        (desk.next, desk.beside) = (None, None);
         if let Some((cancel, _)) = &desk.running {
             cancel.cancel();
         }
+    }
+
+    /// Asks for an evaluation of another document, instead of what was asked so before; answered when nothing else is to be done.
+    /// What both documents have is made once.
+    pub fn ask_beside(&self, request: Request) {
+        self.shared.desk().beside = Some(request);
+        self.shared.work.notify_one();
+    }
+
+    /// Forgets the other document.
+    pub fn leave_beside(&self) {
+        let mut desk = self.shared.desk();
+        (desk.beside, desk.finished_beside) = (None, None);
+    }
+
+    /// What came out of the other document since the last call.
+    pub fn take_beside(&self) -> Option<Finished> {
+        self.shared.desk().finished_beside.take()
     }
 
     /// Asks where a curve comes from; answered when nothing else is to be done.
@@ -242,6 +263,8 @@ impl Evaluation {
     pub fn is_idle(&self) -> bool {
         let desk = self.shared.desk();
         desk.next.is_none()
+            && desk.beside.is_none()
+            && desk.finished_beside.is_none()
             && desk.trace.is_none()
             && desk.running.is_none()
             && desk.finished.is_none()
@@ -265,7 +288,7 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
     let mut before = Document::default();
     loop {
         let mut desk = shared.desk();
-        while desk.next.is_none() && desk.trace.is_none() && !desk.closed {
+        while desk.next.is_none() && desk.trace.is_none() && desk.beside.is_none() && !desk.closed {
             desk = shared.work.wait(desk).unwrap_or_else(PoisonError::into_inner);
         }
         if desk.closed {
@@ -283,6 +306,11 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
                 desk.traced = (!cancel.is_cancelled()).then_some(line);
                 drop(desk);
                 (shared.wake)();
+            } else if let Some(request) = desk.beside.clone() {
+                // So does it this; then it begins again.
+                desk.running = Some((cancel.clone(), request.quality));
+                drop(desk);
+                beside(shared, evaluator, &request, &cancel);
             }
             continue;
         };
@@ -296,7 +324,8 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
         }
         let changed = changed(&before, &request.document);
         reports.nodes.retain(|id, _| !changed.contains(id));
-        let shown = evaluate(shared, evaluator, &request, &files.1, &cancel, &mut reports);
+        let told = Told { shared };
+        let shown = evaluate(evaluator, &request, &files.1, (&cancel, &told), &mut reports);
         before = request.document.clone();
         let mut desk = shared.desk();
         desk.running = None;
@@ -363,12 +392,28 @@ fn changed(before: &Document, now: &Document) -> BTreeSet<NodeId> {
     downstream(now, ids)
 }
 
+/// Evaluates another document, unless it is stopped.
+fn beside(shared: &Shared, evaluator: &Evaluator, request: &Request, cancel: &CancelToken) {
+    let files = DiskFiles::new(&request.folder);
+    let mut reports = Reports::default();
+    let shown = evaluate(evaluator, request, &files, (cancel, &Quiet), &mut reports);
+    let mut desk = shared.desk();
+    desk.running = None;
+    // Meanwhile somebody may have asked for another, or for none.
+    let is_due = desk.beside.as_ref().is_some_and(|asked| asked.revision == request.revision);
+    if is_due && !cancel.is_cancelled() {
+        desk.beside = None;
+        desk.finished_beside = Some(Finished { shown, reports });
+        drop(desk);
+        (shared.wake)();
+    }
+}
+
 fn evaluate(
-    shared: &Shared,
     evaluator: &Evaluator,
     request: &Request,
     files: &DiskFiles,
-    cancel: &CancelToken,
+    (cancel, told): (&CancelToken, &dyn Progress),
     reports: &mut Reports,
 ) -> Option<Shown> {
     let began = Instant::now();
@@ -393,9 +438,8 @@ fn evaluate(
         }
     }
     planned.allow_large = request.allow_large;
-    let told = Told { shared };
     let Outcome { targets: values, nodes, cancelled } =
-        evaluator.run(&planned, OnFailure::PassThrough, cancel, &told);
+        evaluator.run(&planned, OnFailure::PassThrough, cancel, told);
     if cancelled {
         return None;
     }

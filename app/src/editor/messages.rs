@@ -1,6 +1,8 @@
 //! The messages room: everything that is wrong with the groom, what its nodes said, and what was done. Errors, warnings and
 //! notes differ by shape and colour; each leads to its node and can be copied.
 //!
+//! What a merge left to decide is there with what decides it, until it is decided.
+//!
 //! What is wrong with the document is said before anything runs; what nodes say is of their last run. Nothing is said
 //! twice: a node whose document is wrong is not repeated as failed. Remedies are the kernel's own words.
 
@@ -10,6 +12,7 @@ use super::notes::{Gravity, Note};
 use super::rooms::Room;
 use super::state::{Select, State};
 use crate::inspector::text::spoken;
+use coif_graphs::compare::{Undecided, undecided};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::graph::{Severity, check};
 use coif_graphs::document::{Document, NodeId};
@@ -19,7 +22,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// One message, as it is shown.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Message {
     /// How bad it is.
     pub gravity: Gravity,
@@ -39,6 +42,8 @@ pub struct Message {
     pub missing: Option<String>,
     /// Whether a node would make more than it may.
     pub too_large: bool,
+    /// What decides it, where a merge left it: what keeps ours, and what takes theirs.
+    pub decides: Option<(Edit, Option<Edit>)>,
 }
 
 impl Message {
@@ -53,6 +58,7 @@ impl Message {
             ids: vec![],
             missing: None,
             too_large: false,
+            decides: None,
         }
     }
 
@@ -84,6 +90,7 @@ impl Message {
 /// Everything that there is to say about a state, the worst first.
 pub fn all(state: &State) -> Vec<Message> {
     let mut all = of_document(&state.document);
+    all.extend(undecided(&state.document).into_iter().map(|left| of_merge(&state.document, left)));
     let told: BTreeSet<NodeId> = all
         .iter()
         .filter(|message| message.gravity == Gravity::Error)
@@ -147,6 +154,22 @@ fn of_document(document: &Document) -> Vec<Message> {
         message
     };
     check(document).into_iter().map(of).collect()
+}
+
+/// What a merge left, without the name that the comment begins with where the node is named anyway.
+fn of_merge(document: &Document, left: Undecided) -> Message {
+    let Undecided { node, text, keep, take } = left;
+    let text = format!("a merge left this to decide: {text}");
+    let mut message = match &node {
+        Some(id) => about(document, id, Gravity::Warning, &text),
+        None => Message::new(Gravity::Warning, "", text),
+    };
+    message.remedy = match &take {
+        Some(_) => "ours is there now; keep it, or take theirs".to_owned(),
+        None => "ours is there now; keep it, or make it as theirs and then keep it".to_owned(),
+    };
+    message.decides = Some((keep, take));
+    message
 }
 
 fn about(document: &Document, id: &NodeId, gravity: Gravity, text: &str) -> Message {
@@ -272,6 +295,9 @@ fn row(message: &Message, ui: &mut egui::Ui, out: &mut Vec<Event>) {
             {
                 out.push(Event::Act(action.id));
             }
+            if let Some((keep, take)) = &message.decides {
+                decide(keep, take.as_ref(), ui, out);
+            }
             if let (Some(node), Some(input)) = (&message.node, &message.missing) {
                 missing(node, input, ui, out);
             }
@@ -292,6 +318,20 @@ fn row(message: &Message, ui: &mut egui::Ui, out: &mut Vec<Event>) {
             });
         });
     });
+}
+
+/// The buttons that decide what a merge left.
+fn decide(keep: &Edit, take: Option<&Edit>, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+    let take_theirs = ui.add_enabled(take.is_some(), egui::Button::new("Take theirs").small());
+    let take_theirs = take_theirs
+        .on_hover_text("Says what theirs says")
+        .on_disabled_hover_text("The comment does not hold all of it: compare with their file");
+    if let Some(edit) = take.filter(|_| take_theirs.clicked()) {
+        out.push(Event::Edit(edit.clone()));
+    }
+    if ui.small_button("Keep ours").on_hover_text("Leaves what is there").clicked() {
+        out.push(Event::Edit(keep.clone()));
+    }
 }
 
 fn missing(node: &NodeId, input: &str, ui: &mut egui::Ui, out: &mut Vec<Event>) {
@@ -371,6 +411,61 @@ mod tests {
         assert_eq!(about.len(), 1, "{all:?}");
         assert!(!about[0].remedy.is_empty() && about[0].line().contains(&place));
         assert!(all.is_sorted_by_key(|m| std::cmp::Reverse(m.gravity)));
+    }
+
+    #[test]
+    fn what_a_merge_left_is_decided_by_buttons_and_saving_writes_none_of_it() {
+        let folder = documents::testing::Folder::new("conflicts");
+        let base = coif_graphs::file::read(coif_graphs::grooms::by_name("braids").unwrap());
+        let base = base.unwrap().document;
+        let braid = base.nodes.iter().find(|(_, node)| node.kind == "lissajous_braid");
+        let braid = braid.map(|(id, _)| id.clone()).unwrap();
+        let with = |strands: i32, seed: u64| {
+            let mut document = base.clone();
+            let setting = Setting::Known(Value::Int(strands.into()));
+            let (node, input) = (braid.clone(), "strands".to_owned());
+            Edit::SetInput { node, input, setting }.apply(&mut document).unwrap();
+            Edit::SetSeed(seed).apply(&mut document).unwrap();
+            document
+        };
+        let (ours, theirs) = (with(4, 11), with(5, 12));
+        let merged = coif_graphs::compare::merge(&base, &ours, &theirs).document;
+        let path = folder.path("merged.ron");
+        std::fs::write(&path, coif_graphs::file::write(&merged)).unwrap();
+        let mut ui = on("start", vec![]);
+        let open = documents::Event::Open(path.clone());
+        ui.state_mut().apply(Event::Documents(documents::Event::New(None)));
+        ui.state_mut().apply(Event::Documents(open));
+        ui.run_steps(3);
+        let said = ui.state().state.notes.all().last().unwrap().text.clone();
+        assert!(said.contains("2 conflicts of a merge left to decide"), "{said}");
+        let left = |ui: &Harness<'static, Editor>| -> Vec<String> {
+            let all = all(&ui.state().state).into_iter();
+            all.filter(|message| message.decides.is_some()).map(|message| message.text).collect()
+        };
+        let before = left(&ui);
+        assert!(
+            before.len() == 2 && before[0].contains("base 0, ours 11, theirs 12"),
+            "{before:?}"
+        );
+        // Theirs for the seed, ours for the braid; each is one step.
+        ui.get_all_by_label("Take theirs").next().unwrap().click();
+        ui.run_steps(2);
+        assert_eq!(ui.state().state.document.seed, 12);
+        assert_eq!(left(&ui).len(), 1);
+        ui.get_all_by_label("Keep ours").next().unwrap().click();
+        ui.run_steps(2);
+        assert_eq!(left(&ui), Vec::<String>::new());
+        assert_eq!(ui.state().state.history.done(), 2);
+        ui.state_mut().apply(Event::Documents(documents::Event::Save));
+        ui.run_steps(2);
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(!text.contains(coif_graphs::compare::CONFLICT), "{text}");
+        let saved = coif_graphs::file::read(&text).unwrap();
+        assert_eq!((saved.document, saved.conflicts), (with(4, 12), vec![]));
+        ui.state_mut().apply(Event::Undo);
+        ui.run_steps(2);
+        assert_eq!(left(&ui).len(), 1);
     }
 
     #[test]

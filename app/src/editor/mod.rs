@@ -7,6 +7,7 @@
 //! groom's hash.
 
 pub mod actions;
+pub mod compare;
 pub mod documents;
 pub mod evaluation;
 pub mod event;
@@ -42,6 +43,7 @@ use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::cache::usual_budget;
 use coif_graphs::{file, grooms};
 use coif_nodes::eval::Quality;
+use compare::Compare;
 use documents::Documents;
 use documents::places::Places;
 use egui_dock::{DockArea, DockState};
@@ -88,6 +90,8 @@ pub struct Editor {
     pub viewport: Viewport,
     pub(crate) outliner: Outliner,
     pub(crate) templates: Templates,
+    /// Another document beside this one.
+    compare: Option<Compare>,
     /// The pen room: tools, and what they hold.
     pub pen: Pen,
     dock: DockState<Room>,
@@ -150,6 +154,7 @@ impl Editor {
             viewport: Viewport::default(),
             outliner: Outliner::default(),
             templates: Templates::default(),
+            compare: None,
             pen: Pen::default(),
             dock: rooms::first_layout(),
             toasts: Toasts::default(),
@@ -203,6 +208,7 @@ impl Editor {
             }
             self.state.run = evaluation.status();
         }
+        self.before_compare();
         self.follow_pointer(&ctx);
         let spent = self.closes_topmost(&ctx);
         if !self.palette.is_open() && !self.documents.takes_keys() {
@@ -397,6 +403,7 @@ impl Editor {
 
     /// Another document takes the place of this one.
     pub(crate) fn replace(&mut self, document: Document, file: OpenFile, history: History) {
+        self.end_compare();
         let state = &mut self.state;
         let new = State::new(document, file, state.settings.clone());
         let old = std::mem::replace(state, new);
@@ -568,17 +575,28 @@ impl egui_dock::TabViewer for Tabs<'_> {
             outliner,
             messages,
             templates,
+            compare,
             ..
         } = &mut *self.editor;
         match room {
             Room::Viewport => {
                 pen.bar(state, ui, self.out);
-                viewport.pen = pen.holds(ui.ctx());
-                viewport.ui(state, ui, self.out);
-                pen.ui(state, &viewport.projection(), ui, viewport.is_hovered(), self.out);
+                let flipped = compare.as_ref().and_then(Compare::flipped);
+                viewport.pen = pen.holds(ui.ctx(), flipped.is_some());
+                viewport.whose = compare.as_ref().map(Compare::whose);
+                let mut said = vec![];
+                viewport.ui(flipped.unwrap_or(state), ui, &mut said);
+                // What is only looked at is not picked, drawn on, or edited.
+                said.retain(|event| flipped.is_none() || compare::is_of_the_view(event));
+                self.out.append(&mut said);
+                let hovered = viewport.is_hovered() && flipped.is_none();
+                pen.ui(state, &viewport.projection(), ui, hovered, self.out);
                 pen.settings_window(state, ui.ctx(), self.out);
             }
-            Room::Canvas => canvas.ui(state, ui, self.out),
+            Room::Canvas => match compare {
+                Some(compare) => compare.ui(state, canvas, ui, self.out),
+                None => canvas.ui(state, ui, self.out),
+            },
             Room::Inspector => inspector.ui(state, ui, self.out),
             Room::Outliner => outliner.ui(state, ui, self.out),
             Room::Templates => templates.ui(state, ui, self.out),
@@ -592,12 +610,17 @@ impl egui_dock::TabViewer for Tabs<'_> {
     }
 }
 
-/// Opens the window on a groom and returns when it is closed. `greets`: with the welcome panel, unless somebody does not want
+/// Opens the window on a groom, with another and its name beside it, and returns when it is closed. `greets`: with the welcome panel, unless somebody does not want
 /// it.
 ///
 /// # Errors
 /// When there is no display or nothing can draw on it.
-pub fn run(document: Document, file: OpenFile, greets: bool) -> Result<(), String> {
+pub fn run(
+    document: Document,
+    file: OpenFile,
+    other: Option<(Document, OpenFile, String)>,
+    greets: bool,
+) -> Result<(), String> {
     #[cfg_attr(
         not(target_os = "linux"),
         expect(unused_mut, reason = "only Linux has two kinds of display")
@@ -635,6 +658,10 @@ pub fn run(document: Document, file: OpenFile, greets: bool) -> Result<(), Strin
             editor.keep_in(&cc.egui_ctx, Places::here());
             if greets {
                 editor.greet();
+            }
+            editor.tell_conflicts(&editor.state.file.name());
+            if let Some((document, file, name)) = other {
+                editor.compare_document(document, file, name);
             }
             Ok(Box::new(Window { editor }))
         }),

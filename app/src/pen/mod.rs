@@ -261,11 +261,13 @@ impl<'a> Scene<'a> {
 
 impl Pen {
     /// What the pen has hold of at this moment, and the viewport leaves alone.
-    pub fn holds(&self, ctx: &egui::Context) -> Holds {
+    /// A picture that is only looked at is turned, and nothing else.
+    pub fn holds(&self, ctx: &egui::Context, looks: bool) -> Holds {
+        let works = looks || self.tool != PenTool::Select;
         Holds {
-            pointer: self.is_drawing() || (self.tool != PenTool::Select && !turns_view(ctx)),
+            pointer: self.is_drawing() || (works && !turns_view(ctx)),
             wheel: self.is_drawing(),
-            near: self.devices.is_near(),
+            near: self.devices.is_near() || looks,
             skin: self.is_on_skin(),
         }
     }

@@ -164,6 +164,13 @@ fn tools(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Ve
     menu.on_hover_text("What is drawn over the picture.");
     let menu = panel::menu_button(ui, "From ⏷".to_owned(), |ui| views(viewport, state, ui, out));
     menu.on_hover_text("Where it is seen from.");
+    if let Some((text, colour)) = &viewport.whose {
+        let button = egui::Button::new(RichText::new(text).color(*colour)).truncate();
+        let tip = "Shows the other's hair with the same camera, or yours again (F8).";
+        if ui.add(button).on_hover_text(tip).clicked() {
+            out.push(Event::Act("compare.flip"));
+        }
+    }
 }
 
 pub(super) fn over(options: &mut Options, ui: &mut egui::Ui) {

@@ -74,6 +74,8 @@ pub struct Viewport {
     pub stats: DrawStats,
     /// What the pen has hold of, and is left alone here.
     pub pen: Holds,
+    /// Whose hair is shown, where two documents are compared.
+    pub(crate) whose: Option<(String, egui::Color32)>,
     camera: Camera,
     views: Views,
     /// Whether the eye was put somewhere for this groom.
@@ -170,6 +172,7 @@ impl Default for Viewport {
             chosen: Options::default().saved(),
             stats: DrawStats::default(),
             pen: Holds::default(),
+            whose: None,
             hovered: false,
             camera: Camera {
                 eye: Vec3::new(0.0, 4.0, 110.0),

@@ -6,7 +6,7 @@
 use super::diff::Change;
 use super::fact::{Fact, Said};
 use super::words::{cut, one_line, plain};
-use crate::document::{Document, Place};
+use crate::document::{Document, Place, Setting};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -57,7 +57,7 @@ pub enum Clash {
 impl fmt::Display for Conflict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let said = |said: &Option<Said>, most: usize| match said {
-            Some(said) => cut(&plain(said), most),
+            Some(said) => cut(&exactly(said), most),
             None if matches!(self.clash, Clash::Item(..)) => "none".to_owned(),
             None => self.fact.unsaid().to_owned(),
         };
@@ -102,6 +102,36 @@ impl fmt::Display for Conflict {
         };
         f.write_str(&one_line(&text))
     }
+}
+
+/// What is said, so that nothing of a text is lost on one line: a blank that is no space, or stands behind another, is escaped.
+fn exactly(said: &Said) -> String {
+    let text = plain(said);
+    if !matches!(said, Said::Text(_) | Said::Setting(Setting::Known(_))) {
+        return text;
+    }
+    let (mut out, mut was_blank) = (String::new(), false);
+    for c in text.chars() {
+        let is_blank = c.is_whitespace();
+        match is_blank && (was_blank || c != ' ') {
+            true => out.extend(c.escape_unicode()),
+            false => out.push(c),
+        }
+        was_blank = is_blank;
+    }
+    out
+}
+
+/// What a conflict tells of what theirs says of a fact.
+pub(super) fn as_told(fact: &Fact, said: Option<&Said>) -> String {
+    let text = said.map_or_else(|| fact.unsaid().to_owned(), exactly);
+    one_line(&cut(&text, MOST_OF_THEIRS))
+}
+
+/// The same of ours.
+pub(super) fn told_of_ours(fact: &Fact, said: Option<&Said>) -> String {
+    let text = said.map_or_else(|| fact.unsaid().to_owned(), exactly);
+    one_line(&cut(&text, MOST_OF_OTHERS))
 }
 
 /// The nearest place that the document has: the entry itself, what it stands in, the top.

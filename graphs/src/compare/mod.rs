@@ -19,10 +19,12 @@ mod lists;
 mod merge;
 #[cfg(test)]
 mod tests;
+mod undecided;
 mod words;
 
 pub use conflict::{CONFLICT, Clash, Conflict};
 pub use diff::{Change, Drawn, diff, drawn, is_same_hair};
 pub use fact::{Fact, Said, Wire};
 pub use merge::{Merged, merge};
-pub use words::lines;
+pub use undecided::{Undecided, undecided};
+pub use words::{Told, lines, told};

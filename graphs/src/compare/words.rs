@@ -121,32 +121,53 @@ impl Said {
     }
 }
 
+/// A line on what changed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Told {
+    /// The node that it is about, if it is about one.
+    pub node: Option<NodeId>,
+    /// What changed.
+    pub text: String,
+}
+
 /// All that changed from `a` to `b`, a line each, as a groomer says it: the document's own, then node by node, then what stands
 /// beside. Where things stand on the canvas is told in numbers, and only where `all` is asked for.
 pub fn lines(a: &Document, b: &Document, all: bool) -> Vec<String> {
-    let changes = diff(a, b);
+    told(a, b, &diff(a, b), all).into_iter().map(|line| line.text).collect()
+}
+
+/// The same of changes that are known, each with the node that it is about.
+pub fn told(a: &Document, b: &Document, changes: &[Change], all: bool) -> Vec<Told> {
     let telling = Telling { a, b };
+    let of_none = |text: String| Told { node: None, text };
     let mut of_node = BTreeMap::<&NodeId, Vec<&Change>>::new();
     let (mut before, mut behind, mut comments) = (vec![], vec![], 0);
-    for change in &changes {
+    for change in changes {
         match &change.fact {
             Fact::Layout(_) | Fact::Collapsed(_) => {}
             Fact::Comment(_) => comments += 1,
             Fact::Frame(name) => {
-                behind.push(format!("frame {:?}: {}", short(name), became(change)))
+                behind.push(of_none(format!("frame {:?}: {}", short(name), became(change))));
             }
-            Fact::View(name) => behind.push(format!("view {:?}: {}", short(name), became(change))),
+            Fact::View(name) => {
+                behind.push(of_none(format!("view {:?}: {}", short(name), became(change))));
+            }
             fact => match fact.node() {
                 Some(id) => of_node.entry(id).or_default().push(change),
-                None => before.push(telling.of_document(change)),
+                None => before.push(of_none(telling.of_document(change))),
             },
         }
     }
-    let nodes = of_node.into_iter().flat_map(|(id, changes)| telling.of_node(id, &changes));
-    let mut lines: Vec<String> = before.into_iter().chain(nodes).chain(behind).collect();
-    lines.extend((comments > 0).then(|| format!("{} changed", counted(comments, "comment"))));
+    let nodes = of_node.into_iter().flat_map(|(id, changes)| {
+        let texts = telling.of_node(id, &changes).into_iter();
+        texts.map(|text| Told { node: Some(id.clone()), text })
+    });
+    let mut lines: Vec<Told> = before.into_iter().chain(nodes).chain(behind).collect();
+    lines.extend(
+        (comments > 0).then(|| of_none(format!("{} changed", counted(comments, "comment")))),
+    );
     if all {
-        lines.extend(on_the_canvas(&changes));
+        lines.extend(on_the_canvas(changes).into_iter().map(of_none));
     }
     lines
 }

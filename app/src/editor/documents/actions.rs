@@ -9,6 +9,13 @@ fn file(editor: &mut Editor, event: FileEvent) {
     editor.apply(Event::Documents(event));
 }
 
+fn compares(editor: &Editor) -> Result<(), &'static str> {
+    match editor.compare() {
+        Some(_) => Ok(()),
+        None => Err("no other groom is open beside this one"),
+    }
+}
+
 /// The menu "File".
 pub(crate) const ACTIONS: &[Action] = &[
     Action {
@@ -100,6 +107,45 @@ pub(crate) const ACTIONS: &[Action] = &[
         menu: "",
         when: |editor| editor.exports(),
         run: |editor| file(editor, FileEvent::StopExport),
+    },
+    Action {
+        id: "compare.file",
+        label: "Compare with…",
+        tip: "Shows another groom (.ron) beside this one, with all that differs.",
+        words: "diff difference versions two side by side review",
+        menu: "File",
+        when: always,
+        run: |editor| file(editor, FileEvent::Ask(Purpose::Compare)),
+    },
+    Action {
+        id: "compare.saved",
+        label: "Compare with saved",
+        tip: "Shows this groom beside its file as it was saved, with all that changed since.",
+        words: "diff difference changes revert review",
+        menu: "File",
+        when: |editor| match editor.state.file.path {
+            Some(_) => Ok(()),
+            None => Err("this groom has no file yet"),
+        },
+        run: Editor::compare_with_saved,
+    },
+    Action {
+        id: "compare.flip",
+        label: "Flip hair",
+        tip: "Shows the other groom's hair in the viewport with the same camera, or one's own again.",
+        words: "compare toggle swap a b wipe other",
+        menu: "View",
+        when: compares,
+        run: Editor::flip,
+    },
+    Action {
+        id: "compare.end",
+        label: "End comparing",
+        tip: "Shows this groom alone again.",
+        words: "diff close stop",
+        menu: "File",
+        when: compares,
+        run: Editor::end_compare,
     },
     Action {
         id: "file.close",

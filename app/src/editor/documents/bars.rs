@@ -5,7 +5,7 @@ use super::{Disk, Documents, Event as FileEvent, Left, Next, Unsaved, journal};
 use crate::editor::Editor;
 use crate::editor::event::Event;
 use crate::editor::panel;
-use crate::editor::state::{Select, State};
+use crate::editor::state::State;
 use egui::{Panel, ProgressBar};
 
 /// Documents that are offered at once; the others come up when these are dealt with.
@@ -38,40 +38,21 @@ pub(super) fn show(documents: &Documents, ui: &mut egui::Ui, out: &mut Vec<Event
 
 /// The question about a file that others changed.
 pub(crate) fn changed(editor: &Editor, ui: &mut egui::Ui, out: &mut Vec<Event>) {
-    let (state, Some(changed)) = (&editor.state, &editor.documents.changed) else { return };
+    let state = &editor.state;
+    if !editor.documents.changed {
+        return;
+    }
     let lost = match state.history.is_changed() {
         true => " Reloading loses what you have not saved.",
         false => "",
     };
     let text = format!("{} was changed by another program.{lost}", state.file.name());
     ui.add(egui::Label::new(text).wrap());
-    // Above the buttons, which stay where they are.
-    if let Some(differences) = &changed.differences {
-        if differences.is_empty() {
-            ui.label("No node differs.");
-        }
-        egui::ScrollArea::vertical().max_height(160.0).show(ui, |ui| {
-            for difference in differences {
-                match &difference.node {
-                    None => {
-                        ui.label(format!("the document {}", difference.words));
-                    }
-                    Some(id) => {
-                        let name = state.document.name_of(id);
-                        let line = ui.link(format!("{name} {}", difference.words));
-                        if line.on_hover_text("Selects the node").clicked() {
-                            out.push(Event::Select(Select::Nodes(vec![id.clone()])));
-                        }
-                    }
-                }
-            }
-        });
-    }
     ui.horizontal_wrapped(|ui| {
         for (word, tip, answer) in [
             ("Reload", "Opens the file as it is now", Disk::Reload),
             ("Keep mine", "Saving replaces the file", Disk::Keep),
-            ("Compare", "Lists the nodes that differ", Disk::Compare),
+            ("Compare", "Shows both side by side", Disk::Compare),
         ] {
             if ui.button(word).on_hover_text(tip).clicked() {
                 out.push(Event::Documents(FileEvent::Disk(answer)));

@@ -15,6 +15,8 @@ use std::time::{Duration, Instant};
 pub enum Purpose {
     /// A groom to open.
     Open,
+    /// A groom to compare this one with.
+    Compare,
     /// A mesh for the head.
     Mesh,
     /// A mesh instead of one that is missing, for the same node.
@@ -32,6 +34,7 @@ impl Purpose {
     pub(crate) fn title(self) -> &'static str {
         match self {
             Self::Open => "Open a groom",
+            Self::Compare => "Compare with a groom",
             Self::Mesh => "Choose a head",
             Self::Find => "Find the missing file",
             Self::Save => "Save the groom as",
@@ -46,7 +49,7 @@ impl Purpose {
     /// What the files are called, and how their names end. The first is taken where somebody writes no ending.
     pub(crate) fn endings(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::Open | Self::Save => ("Grooms", &["ron"]),
+            Self::Open | Self::Compare | Self::Save => ("Grooms", &["ron"]),
             Self::Mesh | Self::Find => ("Meshes", MESHES),
             Self::Export => ("Hair", HAIR),
             Self::Picture => ("Pictures", &["png", "exr"]),

@@ -5,7 +5,7 @@ use super::dialogs::{Answer, MESHES};
 use super::export::Ended;
 use super::remedies::with_remedy;
 use super::watch::Change;
-use super::{Browser, Changed, Event, bars, browser, home, own_head, welcome};
+use super::{Browser, Event, bars, browser, home, own_head, welcome};
 use crate::editor::Editor;
 use crate::editor::notes::Note;
 use crate::editor::rooms::Room;
@@ -116,11 +116,11 @@ fn changed(editor: &mut Editor, change: &Change) {
     let shown = path.display();
     if editor.state.file.path.as_ref() == Some(path) {
         if gone {
-            editor.documents.changed = None;
+            editor.documents.changed = false;
             let text = format!("{shown} is not there any more; saving writes it again");
             editor.state.notes.say(Note::warning(text));
         } else {
-            editor.documents.changed = Some(Changed { differences: None });
+            editor.documents.changed = true;
         }
         return;
     }
@@ -199,7 +199,7 @@ pub(crate) fn after(editor: &mut Editor, ctx: &egui::Context) {
 fn save_by_itself(editor: &mut Editor, ctx: &egui::Context) {
     let minutes = editor.state.settings.save_minutes;
     let Some(path) = editor.state.file.path.clone() else { return };
-    let waits = editor.state.gesture || editor.documents.changed.is_some();
+    let waits = editor.state.gesture || editor.documents.changed;
     if !editor.state.history.is_changed() {
         editor.documents.saved_at = editor.now;
     } else if minutes > 0 && !waits {

@@ -5,14 +5,13 @@ use super::export::{Content, Export};
 use super::journal::About;
 use super::remedies::with_remedy;
 use super::watch::hash_of;
-use super::{
-    Asking, Changed, Disk, Event, HeadChoice, Left, Next, Unsaved, differences, journal, own_head,
-    paths,
-};
+use super::{Asking, Disk, Event, HeadChoice, Left, Next, Unsaved, journal, own_head, paths};
 use crate::editor::Editor;
 use crate::editor::notes::Note;
+use crate::editor::rooms::Room;
 use crate::editor::state::OpenFile;
 use crate::files::{Role, Together, read_at_most};
+use coif_graphs::compare::undecided;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Node, NodeId, Point, SavedView, Setting};
@@ -125,7 +124,7 @@ impl Editor {
         self.replace(document, file, history);
         // What was said is about the one before.
         self.state.notes.clear();
-        self.documents.changed = None;
+        self.documents.changed = false;
         self.documents.head = None;
         self.documents.frames = Some(self.state.revision);
         self.documents.welcome.is_open = false;
@@ -153,16 +152,7 @@ impl Editor {
     fn open(&mut self, path: &Path) -> bool {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let shown = path.display().to_string();
-        let read = read_at_most(&path, MOST_BYTES)
-            .map_err(|why| with_remedy(&format!("{shown}: {why}"), ""))
-            .and_then(|bytes| {
-                let loaded = file::read_bytes(&bytes).map_err(|err| {
-                    let mend = "mend it in a text editor, or open an earlier copy";
-                    with_remedy(&err.of_file(&shown), mend)
-                })?;
-                Ok((loaded, hash_of(&bytes)))
-            });
-        let (loaded, hash) = match read {
+        let (loaded, hash) = match read(&path) {
             Ok(read) => read,
             Err(why) => {
                 self.state.notes.say(Note::error(format!("not opened: {why}")));
@@ -172,14 +162,26 @@ impl Editor {
         self.documents.watch.knows(&path, hash);
         self.put(loaded.document, OpenFile::at(path.clone()), History::new());
         self.remember(&path);
-        for warning in loaded.conflicts.iter().chain(&loaded.warnings) {
+        for warning in &loaded.warnings {
             self.state.notes.say(Note::warning(warning.of_file(&shown)));
         }
+        self.tell_conflicts(&shown);
         for comment in &loaded.dropped_comments {
             let text = format!("{} (saving drops this comment)", comment.of_file(&shown));
             self.state.notes.say(Note::warning(text));
         }
         true
+    }
+
+    /// Says how much a merge left to decide; what it is, and what decides it, the messages say.
+    pub(in super::super) fn tell_conflicts(&mut self, shown: &str) {
+        let left = undecided(&self.state.document).len();
+        if left > 0 {
+            let left = crate::words::counted(left, "conflict");
+            let text = format!("{shown}: {left} of a merge left to decide, in the messages");
+            self.state.notes.say(Note::warning(text));
+            self.apply(crate::editor::event::Event::Show(Room::Messages));
+        }
     }
 
     fn remember(&mut self, path: &Path) {
@@ -224,7 +226,7 @@ impl Editor {
             state.revision += 1;
         }
         (state.document, state.history, state.file) = (document, history, file);
-        documents.changed = None;
+        documents.changed = false;
         documents.saved_at = self.now;
         state.notes.say(Note::done(format!("saved {}", path.display())));
         self.remember(&path);
@@ -267,6 +269,7 @@ impl Editor {
         self.documents.last_folder = path.parent().map(Path::to_owned);
         match (purpose, input) {
             (Purpose::Open, _) => self.apply_to_file(Event::Open(path)),
+            (Purpose::Compare, _) => self.compare_with(&path),
             (Purpose::Save, _) => self.apply_to_file(Event::SaveTo(path)),
             (Purpose::Export, _) => self.export(Content::Hair, path),
             (Purpose::Picture, _) => self.picture(path, PICTURE),
@@ -325,33 +328,13 @@ impl Editor {
     fn changed_on_disk(&mut self, answer: Disk) {
         let Some(path) = self.state.file.path.clone() else { return };
         match answer {
-            Disk::Keep => {
-                self.documents.changed = None;
-            }
+            Disk::Keep => self.documents.changed = false,
             Disk::Reload => {
                 if self.open(&path) {
                     self.state.notes.say(Note::done(format!("opened again: {}", path.display())));
                 }
             }
-            Disk::Compare => {
-                let Some(Changed { differences: shown }) = &mut self.documents.changed else {
-                    return;
-                };
-                if shown.take().is_some() {
-                    return;
-                }
-                let read = read_at_most(&path, MOST_BYTES)
-                    .and_then(|bytes| file::read_bytes(&bytes).map_err(|err| err.to_string()));
-                match read {
-                    Ok(loaded) => {
-                        *shown = Some(differences(&self.state.document, &loaded.document));
-                    }
-                    Err(why) => {
-                        let text = format!("{}: {why}", path.display());
-                        self.state.notes.say(Note::error(text));
-                    }
-                }
-            }
+            Disk::Compare => self.compare_with_disk(),
         }
     }
 
@@ -439,6 +422,18 @@ impl Editor {
 const PRESENT: &str = "present view";
 /// Pixels of a picture, where nobody says otherwise.
 const PICTURE: [u32; 2] = [1920, 1080];
+
+/// Reads a groom, with the hash of its bytes. The error is one line, with what to do.
+pub(in super::super) fn read(path: &Path) -> Result<(file::Loaded, u64), String> {
+    let shown = path.display().to_string();
+    let bytes = read_at_most(path, MOST_BYTES)
+        .map_err(|why| with_remedy(&format!("{shown}: {why}"), ""))?;
+    let loaded = file::read_bytes(&bytes).map_err(|err| {
+        let mend = "mend it in a text editor, or open an earlier copy";
+        with_remedy(&err.of_file(&shown), mend)
+    })?;
+    Ok((loaded, hash_of(&bytes)))
+}
 
 /// Writes a document's text, and never over a file that the document reads. The error is one line.
 fn put(document: &Document, file: &OpenFile, path: &Path, text: &str) -> Result<(), String> {

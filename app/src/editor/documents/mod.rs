@@ -10,7 +10,6 @@
 pub(crate) mod actions;
 mod bars;
 mod browser;
-mod compare;
 pub(crate) mod dialogs;
 mod export;
 mod frame;
@@ -46,7 +45,6 @@ use welcome::Welcome;
 
 pub(crate) use bars::changed;
 pub(crate) use bars::export_line;
-pub use compare::{Difference, differences};
 pub use dialogs::Purpose;
 pub(crate) use frame::{after, before, panels};
 
@@ -109,7 +107,7 @@ pub enum Disk {
     Reload,
     /// The document stays; saving replaces the file.
     Keep,
-    /// The nodes that differ are listed, or not any more.
+    /// Both are shown side by side.
     Compare,
 }
 
@@ -152,12 +150,6 @@ struct Asking {
     input: Option<(NodeId, String)>,
 }
 
-/// A file that others changed.
-struct Changed {
-    /// What differs, once somebody wants to know.
-    differences: Option<Vec<Difference>>,
-}
-
 /// What the editor knows about documents as files.
 pub struct Documents {
     wake: Arc<dyn Fn() + Send + Sync>,
@@ -182,7 +174,8 @@ pub struct Documents {
     /// Waits for the document to be saved.
     after_save: Option<Next>,
     leftovers: Vec<Leftover>,
-    changed: Option<Changed>,
+    /// Others changed the present file.
+    changed: bool,
     export: Option<Export>,
     /// The window closes once the export has stopped.
     closes_after_export: bool,
@@ -225,7 +218,7 @@ impl Documents {
             unsaved: None,
             after_save: None,
             leftovers: vec![],
-            changed: None,
+            changed: false,
             export: None,
             closes_after_export: false,
             head: None,
@@ -256,7 +249,7 @@ impl Documents {
 
     /// Whether the present file was changed by others and nothing was decided.
     pub fn is_changed_on_disk(&self) -> bool {
-        self.changed.is_some()
+        self.changed
     }
 
     /// Whether a head that was just chosen waits for an answer.

@@ -349,8 +349,8 @@ fn a_file_that_others_change_is_told_and_reloaded_kept_or_compared() {
     ui.run_steps(3);
     press(&mut ui, "Compare");
     ui.run_steps(3);
-    ui.get_by_label("the document differs in the seed");
-    ui.get_by_label("bald is only on the disk");
+    let told: Vec<&str> = ui.state().compare().unwrap().lines().collect();
+    assert_eq!(told, ["seed: 0 to 5", "bald: added (Head)"]);
     press(&mut ui, "Keep mine");
     assert!(ui.query_by_label("Compare").is_none());
     assert_eq!(ui.state().state.document.seed, 0);

@@ -183,6 +183,51 @@ fn panels_and_dialogues_fit_every_window_and_sizes_come_back() {
     assert_eq!(hands.widgets(None), before, "rooms come back");
 }
 
+/// Two documents side by side: what is in the room of nodes stays in it, and the rooms come back.
+#[test]
+fn two_documents_side_by_side_fit_every_window() {
+    let mut other = groom("cornrows");
+    other.seed = 7;
+    for node in ["braid", "rows"] {
+        let id = NodeId::new(node).unwrap();
+        let edit = coif_graphs::document::edit::Edit::SetBypass { id, bypass: true };
+        edit.apply(&mut other).unwrap();
+    }
+    let name = "a groom whose name is longer than any of the windows is wide.ron".to_owned();
+    let mut hands = Hands::on(groom("cornrows"), [1600.0, 1000.0], 1.0);
+    hands.steps(4);
+    let before = hands.widgets(None);
+    let mut wrong = vec![];
+    for size in SIZES {
+        for scale in SCALES {
+            hands.resize(size, scale);
+            let file = OpenFile::default();
+            hands.editor().compare_document(other.clone(), file, name.clone());
+            hands.steps(6);
+            hands.picture(&format!("compare at {size:?} and {scale}"));
+            let room = hands.room(Room::Canvas).expand(1.0);
+            for words in ["Its hair", "End"] {
+                let place = hands.place(words).unwrap();
+                // A room lower than a button has none to press.
+                if room.height() > 60.0 && !room.contains_rect(place) {
+                    wrong.push(format!("{words} at {size:?} and {scale}: {place:?} in {room:?}"));
+                }
+            }
+            let picture = hands.room(Room::Viewport).expand(1.0);
+            let whose = hands.place("Shown: yours").unwrap();
+            if picture.height() > 120.0 && !picture.contains_rect(whose) {
+                wrong.push(format!("whose hair at {size:?} and {scale}: {whose:?} in {picture:?}"));
+            }
+            hands.editor().act("compare.end");
+            hands.steps(2);
+        }
+    }
+    hands.resize([1600.0, 1000.0], 1.0);
+    hands.steps(4);
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert_eq!(hands.widgets(None), before, "rooms come back");
+}
+
 fn menus(sizes: &[([f32; 2], f32)]) {
     let mut hands = Hands::on(groom("cornrows"), [1600.0, 1000.0], 1.0);
     let mut wrong = vec![];
