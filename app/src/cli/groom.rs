@@ -6,6 +6,7 @@
 
 use super::Exit;
 use super::carry_out::{Stop, not_strict};
+use super::given::{apply_scalp, apply_set};
 use super::measure::MOST_POINTS;
 use super::memory;
 use super::progress::Bar;
@@ -13,7 +14,7 @@ use super::report::{ContentHash, Head, Output, Report};
 use crate::files::Together;
 use clap::{Args, ValueEnum};
 use coif_graphs::document::graph::{Fault, Severity, check_for, upstream};
-use coif_graphs::document::{Document, NodeId, Setting, Socket};
+use coif_graphs::document::{Document, Setting, Socket};
 use coif_graphs::file::{self, Loaded};
 use coif_graphs::grooms;
 use coif_graphs::schedule::files::{DiskFiles, read_by};
@@ -23,8 +24,7 @@ use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
 use coif_nodes::data::attributes::DRIFT;
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
-use coif_nodes::declared::PARAMETERS;
-use coif_nodes::define::{InputDef, NodeError, Type, Value, short};
+use coif_nodes::define::{NodeError, Type, Value, short};
 use coif_nodes::eval::{Host, Quality};
 use coif_nodes::formats::conform::{Conformed, FEW, conform, over_partings};
 use coif_nodes::formats::export;
@@ -474,128 +474,6 @@ pub(super) fn is_shipped(path: &Path) -> bool {
 
 /// The largest document that is read: strokes take 30 bytes a sample, so this holds millions.
 pub(super) const MOST_DOCUMENT: u64 = 256 << 20;
-
-/// `NODE.INPUT=VALUE`, or `PARAMETER=VALUE`.
-fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {
-    let fault = |reason: String| Stop::refused(format!("--set {}: {reason}", short(set)));
-    let (name, text) = set
-        .split_once('=')
-        .ok_or_else(|| fault("write it as NODE.INPUT=VALUE or PARAMETER=VALUE".to_owned()))?;
-    set_value(document, name.trim(), text.trim()).map_err(fault)
-}
-
-/// Sets an input of a node, written `node.input`, or a parameter of the graph, written as its name.
-///
-/// # Errors
-/// There is no such input or parameter, or the text is no value of its type.
-pub(super) fn set_value(document: &mut Document, name: &str, text: &str) -> Result<(), String> {
-    let (socket, input) = input_of(document, name)?;
-    let value = file::parse_value(input.ty, text)?;
-    let node = document.nodes.get_mut(&socket.node).ok_or("there is no such node")?;
-    Arc::make_mut(node).inputs.insert(input.name.to_owned(), Setting::Known(value));
-    document.links.remove(&Socket::new(socket.node, input.name));
-    Ok(())
-}
-
-/// The input that [`set_value`] sets by this name.
-///
-/// # Errors
-/// There is no such input or parameter.
-pub(super) fn input_of(
-    document: &Document,
-    name: &str,
-) -> Result<(Socket, &'static InputDef), String> {
-    let socket = match name.contains('.') {
-        true => name.parse::<Socket>().map_err(|err| err.to_string())?,
-        false => parameter(document, name)?,
-    };
-    let def = document.def(&socket.node);
-    let node = document
-        .nodes
-        .get(&socket.node)
-        .ok_or_else(|| format!("there is no node {:?}", short(socket.node.as_str())))?;
-    let def = def.ok_or_else(|| format!("its kind {:?} is not known", node.kind))?;
-    let (_, input) = def.input(&socket.name).ok_or_else(|| {
-        let known: Vec<&str> = def.inputs.iter().map(|i| i.name).collect();
-        format!(
-            "{} has no input {:?}; it has {}",
-            def.told(),
-            short(&socket.name),
-            known.join(", ")
-        )
-    })?;
-    Ok((socket, input))
-}
-
-/// The input that a parameter of the graph is set by.
-fn parameter(document: &Document, name: &str) -> Result<Socket, String> {
-    let all: Vec<Socket> = document
-        .nodes
-        .iter()
-        .filter(|(id, node)| node.kind == PARAMETERS && id.group().is_none())
-        .flat_map(|(id, node)| {
-            let ports = node.interface.unwrap_or_default().inputs().iter();
-            ports.map(|port| Socket::new(id.clone(), &port.name))
-        })
-        .collect();
-    let mut found = all.iter().filter(|socket| *socket.name == *name);
-    match (found.next(), found.next()) {
-        (Some(one), None) => Ok(one.clone()),
-        (Some(one), Some(other)) => {
-            Err(format!("{one} and {other} are parameters of this name: write one of these"))
-        }
-        _ if all.is_empty() => {
-            Err("the graph has no parameters: write NODE.INPUT=VALUE".to_owned())
-        }
-        _ => {
-            let known: Vec<&str> = all.iter().map(|socket| &*socket.name).collect();
-            Err(format!(
-                "the graph has no parameter {:?}; it has {}",
-                short(name),
-                known.join(", ")
-            ))
-        }
-    }
-}
-
-/// `[NODE=]FILE` of an option; gives the node.
-pub(super) fn apply_scalp(
-    document: &mut Document,
-    option: &str,
-    scalp: &str,
-) -> Result<NodeId, Stop> {
-    let fault = |reason: String| Stop::refused(format!("{option} {scalp}: {reason}"));
-    let named =
-        scalp.split_once('=').and_then(|(node, file)| Some((NodeId::new(node).ok()?, file)));
-    let (id, path) = match named {
-        Some((id, path)) if document.nodes.contains_key(&id) => (id, path),
-        _ => {
-            let heads: Vec<&NodeId> =
-                document.nodes.iter().filter(|(_, n)| n.kind == "head").map(|(id, _)| id).collect();
-            match heads[..] {
-                [one] => (one.clone(), scalp),
-                [] => return Err(fault("the graph has no head node".to_owned())),
-                _ => {
-                    let names: Vec<&str> = heads.iter().map(|id| id.as_str()).collect();
-                    return Err(fault(format!(
-                        "the graph has several heads; write NODE=FILE with one of {}",
-                        names.join(", ")
-                    )));
-                }
-            }
-        }
-    };
-    // The document's paths are relative to its folder, this one to where the command was given.
-    let full = std::path::absolute(path).map_err(|err| fault(err.to_string()))?;
-    let text: Arc<str> = full.to_string_lossy().into();
-    let node = document.nodes.get_mut(&id).map(Arc::make_mut);
-    if let Some(node) = node.filter(|node| node.kind == "head") {
-        node.inputs.insert("mesh".to_owned(), Setting::Known(Value::Text(text)));
-        document.links.remove(&Socket::new(id.clone(), "mesh"));
-        return Ok(id);
-    }
-    Err(fault(format!("{id} is no head node")))
-}
 
 /// One output to be given.
 pub(crate) struct Wanted {

@@ -13,6 +13,7 @@ mod ending;
 pub(crate) mod eval;
 mod fit;
 mod fmt;
+mod given;
 pub(crate) mod groom;
 mod lines;
 mod measure;

@@ -9,7 +9,8 @@
 use super::Exit;
 use super::carry_out::Stop;
 use super::eval::EvalArgs;
-use super::groom::{input_of, load};
+use super::given::input_of;
+use super::groom::load;
 use coif_nodes::define::short;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
