@@ -12,12 +12,13 @@ use super::memory;
 use super::progress::Bar;
 use super::report::{ContentHash, Head, Output, Report};
 use crate::files::Together;
+use crate::pack::{is_pack, read::Pack};
 use clap::{Args, ValueEnum};
 use coif_graphs::document::graph::{Fault, Severity, check_for, upstream};
 use coif_graphs::document::{Document, Setting, Socket};
 use coif_graphs::file::{self, Loaded};
 use coif_graphs::grooms;
-use coif_graphs::schedule::files::{DiskFiles, read_by};
+use coif_graphs::schedule::files::{DiskFiles, mount, read_by};
 use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::result::inputs_hash;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
@@ -110,7 +111,9 @@ impl GroomArgs {
             let path = scalp.split_once('=').map_or(scalp.as_str(), |(_, path)| path);
             files.reads(Path::new(path), format!("--scalp {scalp}")).map_err(Stop::refused)?;
         }
-        let (mut document, folder) = load(&self.graph, &mut report.warnings)?;
+        let Read { loaded, folder, shown: graph, .. } = read_packed(&self.graph, self.allow_large)?;
+        tell_of(&graph, &loaded, &mut report.warnings);
+        let (mut document, folder) = (loaded.document, folder.unwrap_or_default());
         reads_all(&document, &folder, files)?;
         if let Some(seed) = self.seed {
             document.seed = seed;
@@ -126,7 +129,6 @@ impl GroomArgs {
         report.scalp.clone_from(&self.scalp);
         report.set.clone_from(&self.set);
         let outputs = outputs(&document, &self.output)?;
-        let graph = self.graph.display().to_string();
         let (allow_large, strict) = (self.allow_large, self.strict);
         Ok(Opened { document, outputs, folder, graph, allow_large, strict })
     }
@@ -426,18 +428,60 @@ pub(crate) fn reads_all(
         .map_err(Stop::refused)
 }
 
-/// The document of a file, or the shipped groom of that name, and the folder that its paths are relative to.
+/// A graph that was read.
+pub(crate) struct Read {
+    /// The document, and all that is said of it.
+    pub(crate) loaded: Loaded,
+    /// Its text.
+    pub(crate) text: Vec<u8>,
+    /// What its paths are relative to; none where the graph comes with coif.
+    pub(crate) folder: Option<PathBuf>,
+    /// What messages call it: of a pack the graph in it.
+    pub(crate) shown: String,
+}
+
+/// The document of a file, or the shipped groom of that name, and the folder that its paths are relative to. For who
+/// writes a graph: none of a pack is given, whose files lie nowhere.
 pub(crate) fn load(path: &Path, warnings: &mut Vec<String>) -> Result<(Document, PathBuf), Stop> {
     let (loaded, folder) = read(path)?;
-    let told = loaded.conflicts.iter().chain(&loaded.warnings);
-    warnings.extend(told.map(|w| w.of_file(path.display())));
+    tell_of(path.display(), &loaded, warnings);
     Ok((loaded.document, folder))
 }
 
 /// The same, with all that is said of it.
 pub(super) fn read(path: &Path) -> Result<(Loaded, PathBuf), Stop> {
+    if is_pack(path) {
+        return Err(Stop::refused(format!(
+            "{}: is a pack: unpack it first, by coif template install {0} --into FOLDER",
+            path.display()
+        )));
+    }
+    let Read { loaded, folder, .. } = read_file(path)?;
+    Ok((loaded, folder.unwrap_or_default()))
+}
+
+/// The same of a pack, too, which is proven first: paths lead into it as into a folder. `allow_large` also takes one that holds
+/// more than grooms do.
+pub(super) fn read_packed(path: &Path, allow_large: bool) -> Result<Read, Stop> {
+    if !is_pack(path) {
+        return read_file(path);
+    }
+    let pack = Pack::open(path, allow_large).map_err(Stop::refused)?;
+    let (loaded, text) = (pack.graph.clone(), pack.text.clone());
+    let shown = pack.shown(&pack.manifest.graph);
+    mount(path, pack);
+    Ok(Read { loaded, text, folder: Some(path.to_owned()), shown })
+}
+
+/// Tells what this version cannot use of a graph.
+fn tell_of(shown: impl std::fmt::Display, loaded: &Loaded, warnings: &mut Vec<String>) {
+    let told = loaded.conflicts.iter().chain(&loaded.warnings);
+    warnings.extend(told.map(|warning| warning.of_file(&shown)));
+}
+
+fn read_file(path: &Path) -> Result<Read, Stop> {
     let shown = path.display();
-    let (bytes, folder) = match std::fs::metadata(path) {
+    let (text, folder) = match std::fs::metadata(path) {
         Ok(about) if !about.is_file() => {
             return Err(Stop::refused(format!("{shown}: is not a file")));
         }
@@ -447,12 +491,12 @@ pub(super) fn read(path: &Path) -> Result<(Loaded, PathBuf), Stop> {
             )));
         }
         Ok(_) => {
-            let bytes =
+            let text =
                 std::fs::read(path).map_err(|err| Stop::refused(format!("{shown}: {err}")))?;
-            (bytes, path.parent().unwrap_or(Path::new("")).to_owned())
+            (text, Some(path.parent().unwrap_or(Path::new("")).to_owned()))
         }
         Err(err) => match grooms::by_name(&path.to_string_lossy()) {
-            Some(text) => (text.as_bytes().to_vec(), PathBuf::new()),
+            Some(text) => (text.as_bytes().to_vec(), None),
             None if err.kind() == std::io::ErrorKind::NotFound => {
                 let known: Vec<&str> = grooms::ALL.iter().map(|(name, _)| *name).collect();
                 return Err(Stop::refused(format!(
@@ -463,8 +507,9 @@ pub(super) fn read(path: &Path) -> Result<(Loaded, PathBuf), Stop> {
             None => return Err(Stop::refused(format!("{shown}: {err}"))),
         },
     };
-    let loaded = file::read_bytes(&bytes).map_err(|err| Stop::refused(err.of_file(&shown)))?;
-    Ok((loaded, folder))
+    let loaded = file::read_bytes(&text).map_err(|err| Stop::refused(err.of_file(&shown)))?;
+    let shown = shown.to_string();
+    Ok(Read { loaded, text, folder, shown })
 }
 
 /// Whether a path is the name of a shipped groom.
@@ -473,7 +518,7 @@ pub(super) fn is_shipped(path: &Path) -> bool {
 }
 
 /// The largest document that is read: strokes take 30 bytes a sample, so this holds millions.
-pub(super) const MOST_DOCUMENT: u64 = 256 << 20;
+pub(crate) const MOST_DOCUMENT: u64 = 256 << 20;
 
 /// One output to be given.
 pub(crate) struct Wanted {

@@ -20,6 +20,7 @@ mod measure;
 pub(crate) mod memory;
 mod merge;
 mod nodes;
+mod pack;
 pub(crate) mod progress;
 #[cfg(feature = "render")]
 pub(crate) mod render;
