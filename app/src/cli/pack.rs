@@ -109,9 +109,8 @@ fn graph_of(path: &Path) -> Result<Graph, Stop> {
     if is_pack(path) {
         return Err(Stop::refused(format!("{name}: is a pack already")));
     }
-    if symlink_metadata(path).is_err()
-        && let Ok(entry) = library::find(&name)
-    {
+    let is_there = symlink_metadata(path).is_ok();
+    if !is_there && let Ok(entry) = library::find(&name) {
         let Some(path) = &entry.path else {
             let text = file::write(&entry.document);
             let loaded = file::read(&text).map_err(|err| Stop::refused(err.of_file(&name)))?;
@@ -120,6 +119,11 @@ fn graph_of(path: &Path) -> Result<Graph, Stop> {
         };
         let called = path.file_name().unwrap_or_default().to_string_lossy();
         return Ok(graph(groom::read_packed(path, false)?, &called));
+    }
+    if !is_there && !groom::is_shipped(path) {
+        return Err(Stop::refused(format!(
+            "{name}: no such file, and no template or shipped groom of that name; coif template list has the templates"
+        )));
     }
     let read = groom::read_packed(path, false)?;
     let called = match read.folder {

@@ -5,7 +5,7 @@
 //! somebody asked to collect what does; what was left out is told. Not followed: what else a mesh file mentions (a folder above it,
 //! an address of the network), and text that this version does not know.
 
-use super::{Packed, Template, names};
+use super::{Packed, SEE, Template, names};
 use crate::cli::extension_of;
 use coif_graphs::document::{Document, Setting};
 use coif_graphs::file::{self, Loaded};
@@ -376,7 +376,7 @@ impl Bag {
         }
         let named: Vec<String> =
             found.iter().map(|(licence, _)| format!("{within}{licence}")).collect();
-        if named.is_empty() { String::new() } else { format!("see {}", named.join(", ")) }
+        if named.is_empty() { String::new() } else { format!("{SEE}{}", named.join(", ")) }
     }
 }
 

@@ -28,6 +28,8 @@ const MOST_TOTAL: u64 = 4 << 30;
 /// What unpacks to more than this, and to [`MOST_RATIO`] times the pack, is no groom.
 const SMALL_TOTAL: u64 = 64 << 20;
 const MOST_RATIO: u64 = 100;
+/// How a licence begins that names files of the pack.
+const SEE: &str = "see ";
 /// The option that lifts both.
 const ALLOW: &str = "--allow-large";
 
@@ -132,11 +134,23 @@ impl Manifest {
             (licence, "") => format!("licence: {licence}"),
             (licence, author) => format!("licence: {licence}, by {author}"),
         };
+        let says_one = |path: &str| {
+            let named = |licence: &str| {
+                licence
+                    .strip_prefix(SEE)
+                    .is_some_and(|named| named.split(", ").any(|it| it == path))
+            };
+            self.files.iter().any(|file| named(&file.licence))
+        };
         let mut lines: Vec<String> = self
             .files
             .iter()
             .map(|Packed { path, size, licence: terms, author, .. }| {
-                format!("{path}  {} bytes  {}", grouped(*size as usize), licence(terms, author))
+                let terms = match terms.is_empty() && says_one(path) {
+                    true => "says a licence".to_owned(),
+                    false => licence(terms, author),
+                };
+                format!("{path}  {} bytes  {terms}", grouped(*size as usize))
             })
             .collect();
         lines.extend(self.templates.iter().map(|template| {
@@ -150,7 +164,12 @@ impl Manifest {
         lines.extend(
             self.outputs.iter().map(|Made { output, hash }| format!("{output}: hash {hash}")),
         );
-        lines.push(format!("{} files, {} bytes", self.files.len(), grouped(self.total() as usize)));
+        let many = if self.files.len() == 1 {
+            "1 file".to_owned()
+        } else {
+            format!("{} files", self.files.len())
+        };
+        lines.push(format!("{many}, {} bytes", grouped(self.total() as usize)));
         lines
     }
 }

@@ -342,3 +342,6 @@ fn unpacked(
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
