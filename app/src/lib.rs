@@ -16,6 +16,7 @@ mod inspector;
 mod library;
 #[cfg(feature = "render")]
 mod looks;
+mod pack;
 #[cfg(feature = "editor")]
 pub mod pen;
 pub mod places;

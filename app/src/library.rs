@@ -115,7 +115,11 @@ pub(crate) fn read(path: &Path) -> Result<Entry, String> {
     of_text(&std::fs::read(path).map_err(|err| err.to_string())?, Some(path.to_owned()))
 }
 
-fn of_text(bytes: &[u8], path: Option<PathBuf>) -> Result<Entry, String> {
+/// A template from its text.
+///
+/// # Errors
+/// It is none.
+pub(crate) fn of_text(bytes: &[u8], path: Option<PathBuf>) -> Result<Entry, String> {
     let loaded = file::read_bytes(bytes).map_err(|err| err.to_string())?;
     // A template of which something would be left out is another template.
     if let Some(said) = loaded.conflicts.first().or(loaded.warnings.first()) {

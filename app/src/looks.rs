@@ -8,7 +8,7 @@
 use crate::files::read_at_most;
 use crate::scene::Skin;
 use coif_graphs::document::{Document, NodeId};
-use coif_graphs::schedule::files::path_of;
+use coif_graphs::schedule::files::{self, path_of};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::formats::looks::{self, Looks, Picture, read_looks};
 use coif_shaders::maps::{Kind, Map, MaterialMaps, Texels};
@@ -112,7 +112,7 @@ impl Named {
             .collect();
         let more = remarks.len().saturating_sub(MOST_REMARKS);
         remarks.truncate(MOST_REMARKS);
-        let file = self.file.display();
+        let file = files::shown(&self.file);
         let mut remarks: Vec<String> =
             remarks.into_iter().map(|remark| format!("{file}: {remark}")).collect();
         remarks.extend((more > 0).then(|| format!("{file}: {more} more maps are not shown")));
@@ -167,7 +167,7 @@ impl FileLooks {
             Skin::Auto => self.materials.iter().any(|material| material.colour_map.is_some()),
             Skin::File => self.materials.iter().any(MaterialMaps::is_drawn),
         };
-        let file = self.file.display();
+        let file = files::shown(&self.file);
         if !wanted {
             // Who did not ask for its colours is told only of those that it names.
             if skin == Skin::Auto && !self.looks.names_colours {

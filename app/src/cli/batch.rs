@@ -117,7 +117,7 @@ fn axes(args: &BatchArgs) -> Result<Vec<Axis>, Stop> {
     }
     if let Some(file) = &args.sweep {
         let sweep = Sweep::read(file)?;
-        args.graph.iter().try_for_each(|graph| sweep.refuse_unknown_columns(graph))?;
+        args.graph.iter().try_for_each(|graph| sweep.refuse_unknown_columns(graph, false))?;
         let values = sweep.names().map(ToOwned::to_owned).collect();
         axes.push(Axis { name: "Row", ty: "STRING", values, labels: vec![] });
     }

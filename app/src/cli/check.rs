@@ -3,7 +3,7 @@
 //! Files that a graph names are opened and read as its nodes would read them. What only an evaluation finds is not found here.
 
 use super::carry_out::not_strict;
-use super::groom::take_said;
+use super::groom::{Read, take_said};
 use super::lines::Lines;
 use super::{Exit, complain, complain_of, ending, groom, print_plain, unreal};
 use clap::{Args, ValueEnum};
@@ -70,8 +70,8 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
     ending::at_once();
     let mut exit = Exit::Done;
     for path in &args.graphs {
-        let shown = path.display();
-        let (loaded, folder) = match groom::read(path) {
+        let Read { loaded, text, folder, shown } = match groom::read_packed(path, args.allow_large)
+        {
             Ok(read) => read,
             Err(stop) => {
                 complain_of(stop.lines().to_vec());
@@ -83,7 +83,8 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
         let mut warnings: Vec<String> = warnings.iter().map(|w| w.of_file(&shown)).collect();
         let conflicts: Vec<String> = conflicts.iter().map(|c| c.of_file(&shown)).collect();
         let problems = check(&document);
-        let lines = Lines::of(&std::fs::read_to_string(path).unwrap_or_default());
+        let folder = folder.unwrap_or_default();
+        let lines = Lines::of(&String::from_utf8_lossy(&text));
         let told = problems.iter().map(|p| {
             let line = lines.of_input(p.node.as_str(), p.socket.as_deref());
             (p.severity == Severity::Error, line, p.to_string())
@@ -94,7 +95,7 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
             });
         let told: Vec<(bool, Option<usize>, String)> = told.chain(of_files).collect();
         for (.., problem) in &told {
-            take_said(&mut warnings, &shown.to_string(), problem);
+            take_said(&mut warnings, &shown, problem);
         }
         let warned = warnings.iter().map(|warning| format!("warning: {warning}"));
         let all = conflicts.iter().cloned().chain(warned).chain(told.iter().map(
@@ -117,7 +118,7 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
         }
         let found = match args.target {
             Some(Target::Unreal) => {
-                match unreal::found(&document, folder, shown.to_string(), args.allow_large) {
+                match unreal::found(&document, folder, shown.clone(), args.allow_large) {
                     Ok(found) => found,
                     Err(stop) => {
                         complain_of(stop.lines().to_vec());

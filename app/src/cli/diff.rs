@@ -3,12 +3,13 @@
 //! Guarantees: nothing is evaluated or written; the exit code is 0 exactly when both say the same, however they are laid out as text.
 
 use super::carry_out::Stop;
+use super::groom::Read;
 use super::{Exit, complain_of, ending, groom, print, print_plain};
 use crate::words::plain_json;
 use clap::Args;
 use coif_graphs::compare::{Change, Drawn, Said, diff, drawn, is_same_hair, lines};
 use coif_graphs::document::Document;
-use coif_graphs::file::{FileError, Loaded};
+use coif_graphs::file::FileError;
 use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
 
@@ -29,14 +30,19 @@ pub(crate) struct DiffArgs {
 pub(crate) fn run(args: &DiffArgs) -> Exit {
     ending::at_once();
     let DiffArgs { a, b, all, json } = args;
-    let Some([from, to]) = read_all([a, b]) else { return Exit::Refused };
+    let Some([a, b]) = read_all([a, b]) else { return Exit::Refused };
+    let is_same_text = a.text == b.text;
+    let (from, to) = (a.loaded.document, b.loaded.document);
     let changes = diff(&from, &to);
     let is_same_hair = is_same_hair(&from, &to, &changes);
     let printed = match json {
         true => print(&plain_json(&as_json(args, [&from, &to], &changes, is_same_hair))),
         false => {
             let mut said = lines(&from, &to, *all);
-            said.extend(closing(args, &changes, is_same_hair, said.is_empty()).map(str::to_owned));
+            said.extend(
+                closing(args, &changes, is_same_hair, said.is_empty(), is_same_text)
+                    .map(str::to_owned),
+            );
             print_plain(&said.join("\n"))
         }
     };
@@ -44,22 +50,20 @@ pub(crate) fn run(args: &DiffArgs) -> Exit {
 }
 
 /// The graphs of all files, with their warnings told; else what is wrong with each that cannot be read is told.
-pub(super) fn read_all<const N: usize>(paths: [&PathBuf; N]) -> Option<[Document; N]> {
-    let read: Vec<Result<Document, Stop>> = paths.iter().map(|path| document(path)).collect();
+fn read_all<const N: usize>(paths: [&PathBuf; N]) -> Option<[Read; N]> {
+    let read = paths.iter().map(|path| groom::read_packed(path, false));
+    let read: Vec<Result<Read, Stop>> = read.collect();
     let wrong = read.iter().filter_map(|read| read.as_ref().err());
     let wrong: Vec<String> = wrong.flat_map(|stop| stop.lines().to_vec()).collect();
     if !wrong.is_empty() {
         complain_of(wrong);
         return None;
     }
-    let all: Vec<Document> = read.into_iter().flatten().collect();
+    let all: Vec<Read> = read.into_iter().flatten().collect();
+    for Read { loaded, shown, .. } in &all {
+        tell_warnings(Path::new(shown), loaded.conflicts.iter().chain(&loaded.warnings));
+    }
     all.try_into().ok()
-}
-
-fn document(path: &Path) -> Result<Document, Stop> {
-    let (Loaded { document, warnings, conflicts, .. }, _) = groom::read(path)?;
-    tell_warnings(path, conflicts.iter().chain(&warnings));
-    Ok(document)
 }
 
 /// Tells what a file says that this version cannot use.
@@ -69,14 +73,14 @@ pub(super) fn tell_warnings<'a>(path: &Path, all: impl Iterator<Item = &'a FileE
 
 /// What is to be said where nothing that makes hair differs.
 fn closing(
-    DiffArgs { a, b, all, .. }: &DiffArgs,
+    DiffArgs { all, .. }: &DiffArgs,
     changes: &[Change],
     is_same_hair: bool,
     said_nothing: bool,
+    is_same_text: bool,
 ) -> Option<&'static str> {
-    let bytes = |path: &Path| std::fs::read(path).ok();
     match () {
-        () if changes.is_empty() && bytes(a) == bytes(b) => Some("the same groom"),
+        () if changes.is_empty() && is_same_text => Some("the same groom"),
         () if changes.is_empty() => Some("the same groom, laid out otherwise as text"),
         () if is_same_hair && said_nothing && !all => {
             Some("the same hair: only places on the canvas differ (--all counts them)")

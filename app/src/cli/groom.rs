@@ -6,25 +6,26 @@
 
 use super::Exit;
 use super::carry_out::{Stop, not_strict};
+use super::given::{apply_scalp, apply_set};
 use super::measure::MOST_POINTS;
 use super::memory;
 use super::progress::Bar;
 use super::report::{ContentHash, Head, Output, Report};
 use crate::files::Together;
+use crate::pack::{is_pack, read::Pack};
 use clap::{Args, ValueEnum};
 use coif_graphs::document::graph::{Fault, Severity, check_for, upstream};
-use coif_graphs::document::{Document, NodeId, Setting, Socket};
+use coif_graphs::document::{Document, Setting, Socket};
 use coif_graphs::file::{self, Loaded};
 use coif_graphs::grooms;
-use coif_graphs::schedule::files::{DiskFiles, read_by};
+use coif_graphs::schedule::files::{DiskFiles, mount, read_by};
 use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::result::inputs_hash;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
 use coif_nodes::data::attributes::DRIFT;
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
-use coif_nodes::declared::PARAMETERS;
-use coif_nodes::define::{InputDef, NodeError, Type, Value, short};
+use coif_nodes::define::{NodeError, Type, Value, short};
 use coif_nodes::eval::{Host, Quality};
 use coif_nodes::formats::conform::{Conformed, FEW, conform, over_partings};
 use coif_nodes::formats::export;
@@ -110,7 +111,9 @@ impl GroomArgs {
             let path = scalp.split_once('=').map_or(scalp.as_str(), |(_, path)| path);
             files.reads(Path::new(path), format!("--scalp {scalp}")).map_err(Stop::refused)?;
         }
-        let (mut document, folder) = load(&self.graph, &mut report.warnings)?;
+        let Read { loaded, folder, shown: graph, .. } = read_packed(&self.graph, self.allow_large)?;
+        tell_of(&graph, &loaded, &mut report.warnings);
+        let (mut document, folder) = (loaded.document, folder.unwrap_or_default());
         reads_all(&document, &folder, files)?;
         if let Some(seed) = self.seed {
             document.seed = seed;
@@ -126,7 +129,6 @@ impl GroomArgs {
         report.scalp.clone_from(&self.scalp);
         report.set.clone_from(&self.set);
         let outputs = outputs(&document, &self.output)?;
-        let graph = self.graph.display().to_string();
         let (allow_large, strict) = (self.allow_large, self.strict);
         Ok(Opened { document, outputs, folder, graph, allow_large, strict })
     }
@@ -426,18 +428,60 @@ pub(crate) fn reads_all(
         .map_err(Stop::refused)
 }
 
-/// The document of a file, or the shipped groom of that name, and the folder that its paths are relative to.
+/// A graph that was read.
+pub(crate) struct Read {
+    /// The document, and all that is said of it.
+    pub(crate) loaded: Loaded,
+    /// Its text.
+    pub(crate) text: Vec<u8>,
+    /// What its paths are relative to; none where the graph comes with coif.
+    pub(crate) folder: Option<PathBuf>,
+    /// What messages call it: of a pack the graph in it.
+    pub(crate) shown: String,
+}
+
+/// The document of a file, or the shipped groom of that name, and the folder that its paths are relative to. For who
+/// writes a graph: none of a pack is given, whose files lie nowhere.
 pub(crate) fn load(path: &Path, warnings: &mut Vec<String>) -> Result<(Document, PathBuf), Stop> {
     let (loaded, folder) = read(path)?;
-    let told = loaded.conflicts.iter().chain(&loaded.warnings);
-    warnings.extend(told.map(|w| w.of_file(path.display())));
+    tell_of(path.display(), &loaded, warnings);
     Ok((loaded.document, folder))
 }
 
 /// The same, with all that is said of it.
 pub(super) fn read(path: &Path) -> Result<(Loaded, PathBuf), Stop> {
+    if is_pack(path) {
+        return Err(Stop::refused(format!(
+            "{}: is a pack: unpack it first, by coif template install {0} --into FOLDER",
+            path.display()
+        )));
+    }
+    let Read { loaded, folder, .. } = read_file(path)?;
+    Ok((loaded, folder.unwrap_or_default()))
+}
+
+/// The same of a pack, too, which is proven first: paths lead into it as into a folder. `allow_large` also takes one that holds
+/// more than grooms do.
+pub(super) fn read_packed(path: &Path, allow_large: bool) -> Result<Read, Stop> {
+    if !is_pack(path) {
+        return read_file(path);
+    }
+    let pack = Pack::open(path, allow_large).map_err(Stop::refused)?;
+    let (loaded, text) = (pack.graph.clone(), pack.text.clone());
+    let shown = pack.shown(&pack.manifest.graph);
+    mount(path, pack);
+    Ok(Read { loaded, text, folder: Some(path.to_owned()), shown })
+}
+
+/// Tells what this version cannot use of a graph.
+fn tell_of(shown: impl std::fmt::Display, loaded: &Loaded, warnings: &mut Vec<String>) {
+    let told = loaded.conflicts.iter().chain(&loaded.warnings);
+    warnings.extend(told.map(|warning| warning.of_file(&shown)));
+}
+
+fn read_file(path: &Path) -> Result<Read, Stop> {
     let shown = path.display();
-    let (bytes, folder) = match std::fs::metadata(path) {
+    let (text, folder) = match std::fs::metadata(path) {
         Ok(about) if !about.is_file() => {
             return Err(Stop::refused(format!("{shown}: is not a file")));
         }
@@ -447,12 +491,12 @@ pub(super) fn read(path: &Path) -> Result<(Loaded, PathBuf), Stop> {
             )));
         }
         Ok(_) => {
-            let bytes =
+            let text =
                 std::fs::read(path).map_err(|err| Stop::refused(format!("{shown}: {err}")))?;
-            (bytes, path.parent().unwrap_or(Path::new("")).to_owned())
+            (text, Some(path.parent().unwrap_or(Path::new("")).to_owned()))
         }
         Err(err) => match grooms::by_name(&path.to_string_lossy()) {
-            Some(text) => (text.as_bytes().to_vec(), PathBuf::new()),
+            Some(text) => (text.as_bytes().to_vec(), None),
             None if err.kind() == std::io::ErrorKind::NotFound => {
                 let known: Vec<&str> = grooms::ALL.iter().map(|(name, _)| *name).collect();
                 return Err(Stop::refused(format!(
@@ -463,8 +507,9 @@ pub(super) fn read(path: &Path) -> Result<(Loaded, PathBuf), Stop> {
             None => return Err(Stop::refused(format!("{shown}: {err}"))),
         },
     };
-    let loaded = file::read_bytes(&bytes).map_err(|err| Stop::refused(err.of_file(&shown)))?;
-    Ok((loaded, folder))
+    let loaded = file::read_bytes(&text).map_err(|err| Stop::refused(err.of_file(&shown)))?;
+    let shown = shown.to_string();
+    Ok(Read { loaded, text, folder, shown })
 }
 
 /// Whether a path is the name of a shipped groom.
@@ -473,129 +518,7 @@ pub(super) fn is_shipped(path: &Path) -> bool {
 }
 
 /// The largest document that is read: strokes take 30 bytes a sample, so this holds millions.
-pub(super) const MOST_DOCUMENT: u64 = 256 << 20;
-
-/// `NODE.INPUT=VALUE`, or `PARAMETER=VALUE`.
-fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> {
-    let fault = |reason: String| Stop::refused(format!("--set {}: {reason}", short(set)));
-    let (name, text) = set
-        .split_once('=')
-        .ok_or_else(|| fault("write it as NODE.INPUT=VALUE or PARAMETER=VALUE".to_owned()))?;
-    set_value(document, name.trim(), text.trim()).map_err(fault)
-}
-
-/// Sets an input of a node, written `node.input`, or a parameter of the graph, written as its name.
-///
-/// # Errors
-/// There is no such input or parameter, or the text is no value of its type.
-pub(super) fn set_value(document: &mut Document, name: &str, text: &str) -> Result<(), String> {
-    let (socket, input) = input_of(document, name)?;
-    let value = file::parse_value(input.ty, text)?;
-    let node = document.nodes.get_mut(&socket.node).ok_or("there is no such node")?;
-    Arc::make_mut(node).inputs.insert(input.name.to_owned(), Setting::Known(value));
-    document.links.remove(&Socket::new(socket.node, input.name));
-    Ok(())
-}
-
-/// The input that [`set_value`] sets by this name.
-///
-/// # Errors
-/// There is no such input or parameter.
-pub(super) fn input_of(
-    document: &Document,
-    name: &str,
-) -> Result<(Socket, &'static InputDef), String> {
-    let socket = match name.contains('.') {
-        true => name.parse::<Socket>().map_err(|err| err.to_string())?,
-        false => parameter(document, name)?,
-    };
-    let def = document.def(&socket.node);
-    let node = document
-        .nodes
-        .get(&socket.node)
-        .ok_or_else(|| format!("there is no node {:?}", short(socket.node.as_str())))?;
-    let def = def.ok_or_else(|| format!("its kind {:?} is not known", node.kind))?;
-    let (_, input) = def.input(&socket.name).ok_or_else(|| {
-        let known: Vec<&str> = def.inputs.iter().map(|i| i.name).collect();
-        format!(
-            "{} has no input {:?}; it has {}",
-            def.told(),
-            short(&socket.name),
-            known.join(", ")
-        )
-    })?;
-    Ok((socket, input))
-}
-
-/// The input that a parameter of the graph is set by.
-fn parameter(document: &Document, name: &str) -> Result<Socket, String> {
-    let all: Vec<Socket> = document
-        .nodes
-        .iter()
-        .filter(|(id, node)| node.kind == PARAMETERS && id.group().is_none())
-        .flat_map(|(id, node)| {
-            let ports = node.interface.unwrap_or_default().inputs().iter();
-            ports.map(|port| Socket::new(id.clone(), &port.name))
-        })
-        .collect();
-    let mut found = all.iter().filter(|socket| *socket.name == *name);
-    match (found.next(), found.next()) {
-        (Some(one), None) => Ok(one.clone()),
-        (Some(one), Some(other)) => {
-            Err(format!("{one} and {other} are parameters of this name: write one of these"))
-        }
-        _ if all.is_empty() => {
-            Err("the graph has no parameters: write NODE.INPUT=VALUE".to_owned())
-        }
-        _ => {
-            let known: Vec<&str> = all.iter().map(|socket| &*socket.name).collect();
-            Err(format!(
-                "the graph has no parameter {:?}; it has {}",
-                short(name),
-                known.join(", ")
-            ))
-        }
-    }
-}
-
-/// `[NODE=]FILE` of an option; gives the node.
-pub(super) fn apply_scalp(
-    document: &mut Document,
-    option: &str,
-    scalp: &str,
-) -> Result<NodeId, Stop> {
-    let fault = |reason: String| Stop::refused(format!("{option} {scalp}: {reason}"));
-    let named =
-        scalp.split_once('=').and_then(|(node, file)| Some((NodeId::new(node).ok()?, file)));
-    let (id, path) = match named {
-        Some((id, path)) if document.nodes.contains_key(&id) => (id, path),
-        _ => {
-            let heads: Vec<&NodeId> =
-                document.nodes.iter().filter(|(_, n)| n.kind == "head").map(|(id, _)| id).collect();
-            match heads[..] {
-                [one] => (one.clone(), scalp),
-                [] => return Err(fault("the graph has no head node".to_owned())),
-                _ => {
-                    let names: Vec<&str> = heads.iter().map(|id| id.as_str()).collect();
-                    return Err(fault(format!(
-                        "the graph has several heads; write NODE=FILE with one of {}",
-                        names.join(", ")
-                    )));
-                }
-            }
-        }
-    };
-    // The document's paths are relative to its folder, this one to where the command was given.
-    let full = std::path::absolute(path).map_err(|err| fault(err.to_string()))?;
-    let text: Arc<str> = full.to_string_lossy().into();
-    let node = document.nodes.get_mut(&id).map(Arc::make_mut);
-    if let Some(node) = node.filter(|node| node.kind == "head") {
-        node.inputs.insert("mesh".to_owned(), Setting::Known(Value::Text(text)));
-        document.links.remove(&Socket::new(id.clone(), "mesh"));
-        return Ok(id);
-    }
-    Err(fault(format!("{id} is no head node")))
-}
+pub(crate) const MOST_DOCUMENT: u64 = 256 << 20;
 
 /// One output to be given.
 pub(crate) struct Wanted {

@@ -13,12 +13,14 @@ mod ending;
 pub(crate) mod eval;
 mod fit;
 mod fmt;
+mod given;
 pub(crate) mod groom;
 mod lines;
 mod measure;
 pub(crate) mod memory;
 mod merge;
 mod nodes;
+mod pack;
 pub(crate) mod progress;
 #[cfg(feature = "render")]
 pub(crate) mod render;

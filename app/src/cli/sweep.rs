@@ -9,7 +9,8 @@
 use super::Exit;
 use super::carry_out::Stop;
 use super::eval::EvalArgs;
-use super::groom::{input_of, load};
+use super::given::input_of;
+use super::groom::read_packed;
 use coif_nodes::define::short;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -113,8 +114,12 @@ impl Sweep {
     }
 
     /// The first column that is no input of a graph, and why.
-    pub(super) fn refuse_unknown_columns(&self, graph: &Path) -> Result<(), Stop> {
-        let (document, _) = load(graph, &mut vec![])?;
+    pub(super) fn refuse_unknown_columns(
+        &self,
+        graph: &Path,
+        allow_large: bool,
+    ) -> Result<(), Stop> {
+        let document = read_packed(graph, allow_large)?.loaded.document;
         let mut inputs =
             self.columns.iter().filter(|column| !matches!(column.as_str(), "name" | "seed"));
         let unknown = inputs.find_map(|column| Some((column, input_of(&document, column).err()?)));
@@ -129,7 +134,7 @@ impl Sweep {
     /// # Errors
     /// A column is no input, or rows would be written to one file.
     pub(super) fn all(&self, args: &EvalArgs) -> Result<Vec<(String, EvalArgs)>, Stop> {
-        self.refuse_unknown_columns(&args.groom.graph)?;
+        self.refuse_unknown_columns(&args.groom.graph, args.groom.allow_large)?;
         if args.skip_done {
             return Err(Stop::refused("--skip-done: is for one evaluation; name it by --row"));
         }
@@ -149,7 +154,7 @@ impl Sweep {
     /// # Errors
     /// No row has this name, or a column is no input.
     pub(super) fn apply(&self, name: &str, args: &mut EvalArgs) -> Result<(), Stop> {
-        self.refuse_unknown_columns(&args.groom.graph)?;
+        self.refuse_unknown_columns(&args.groom.graph, args.groom.allow_large)?;
         let row = self.rows.iter().find(|row| row.name == name).ok_or_else(|| {
             let known: Vec<&str> = self.names().take(20).collect();
             Stop::refused(format!(

@@ -4,9 +4,12 @@
 //! an instance needs no template file, for it holds all of it.
 
 use super::carry_out::{Stop, in_one_step};
-use super::{Exit, complain, complain_of, ending, groom, print, print_plain, thumbnail};
+use super::{
+    Exit, complain, complain_of, ending, groom, pack, print, print_plain, thumbnail,
+};
 use crate::files::{Role, Together};
 use crate::library::{self, Entry};
+use crate::pack::is_pack;
 use crate::places::Places;
 use crate::words::plain_json;
 use clap::{Args, Subcommand};
@@ -32,11 +35,16 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Say what a template is: a name of the library, name@version, or a file
+    /// Say what a template is: a name of the library, name@version, or a file; or what a pack holds
     Info {
         /// Which
         template: String,
+        /// Of a pack: also one that holds more than 4 GiB, or unpacks to a hundred times its size
+        #[arg(long)]
+        allow_large: bool,
     },
+    /// Put a graph and all files that it uses into one file, and say beforehand what it will hold
+    Pack(pack::PackArgs),
     /// Make a template of a group of a graph: a groom that opens and evaluates by itself
     New(Box<NewArgs>),
     /// Draw a template small, and keep the picture in its file
@@ -51,14 +59,8 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },
-    /// Put a template into your own folder, under its name and version
-    Install {
-        /// The template, a .ron file
-        file: PathBuf,
-        /// Into this folder instead, such as one of COIF_TEMPLATES
-        #[arg(long, value_name = "FOLDER")]
-        to: Option<PathBuf>,
-    },
+    /// Put a template into your own folder, under its name and version; or unpack a pack
+    Install(InstallArgs),
     /// Put the newest version in the place of instances; what is set on them is kept, and each value's fate told
     Upgrade(UpgradeArgs),
     /// Lock an instance to its version for good
@@ -129,6 +131,24 @@ struct NewArgs {
 }
 
 #[derive(Args)]
+pub(super) struct InstallArgs {
+    /// The template, a .ron file, or a pack, .coif
+    pub(super) file: PathBuf,
+    /// Into this folder instead, such as one of COIF_TEMPLATES
+    #[arg(long, value_name = "FOLDER", conflicts_with = "into")]
+    pub(super) to: Option<PathBuf>,
+    /// Unpack a pack into this folder, with all of its files
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) into: Option<PathBuf>,
+    /// Write over files that are there
+    #[arg(long)]
+    pub(super) force: bool,
+    /// Of a pack: also one that holds more than 4 GiB, or unpacks to a hundred times its size
+    #[arg(long)]
+    pub(super) allow_large: bool,
+}
+
+#[derive(Args)]
 struct UpgradeArgs {
     /// The graph, a .ron file
     graph: PathBuf,
@@ -151,15 +171,20 @@ struct UpgradeArgs {
 pub(crate) fn run(args: &TemplateArgs) -> Exit {
     match &args.command {
         Command::List { json } => list(*json),
-        Command::Info { template } => {
+        Command::Info { template, allow_large } if is_pack(Path::new(template)) => {
+            pack::info(Path::new(template), *allow_large)
+        }
+        Command::Info { template, .. } => {
             said(library::find(template), |entry| print_plain(&info(entry)))
         }
+        Command::Pack(args) => pack::pack(args),
         Command::New(args) => new(args),
         Command::Thumbnail(args) => thumbnail::run(args),
         Command::Add { graph, template, out } => {
             said(library::find(template), |entry| add(graph, entry, out.as_deref()))
         }
-        Command::Install { file, to } => install(file, to.as_deref()),
+        Command::Install(args) if is_pack(&args.file) => pack::install(args),
+        Command::Install(args) => install(args),
         Command::Upgrade(args) => upgrade(args),
         Command::Lock { graph, node, off } => lock(graph, node, !off),
         Command::Diff { a, b } => match (library::find(a), library::find(b)) {
@@ -210,7 +235,7 @@ fn of_entry(entry: &Entry) -> serde_json::Value {
     })
 }
 
-fn info(entry: &Entry) -> String {
+pub(super) fn info(entry: &Entry) -> String {
     let Origin { name, version, author, licence, tags, source, needs, hash, locked: _ } =
         &entry.origin;
     let mut lines = vec![format!("{}: {name} {version}", entry.title)];
@@ -329,7 +354,7 @@ fn new(args: &NewArgs) -> Exit {
     ended(made, |hash| print_plain(&hash))
 }
 
-fn ended<T>(done: Result<T, Exit>, then: impl FnOnce(T) -> Exit) -> Exit {
+pub(super) fn ended<T>(done: Result<T, Exit>, then: impl FnOnce(T) -> Exit) -> Exit {
     match done {
         Ok(it) => then(it),
         Err(exit) => exit,
@@ -346,41 +371,57 @@ fn add(graph: &Path, entry: &Entry, out: Option<&Path>) -> Exit {
     ended(added, |id| print_plain(id.as_str()))
 }
 
-fn install(path: &Path, to: Option<&Path>) -> Exit {
-    let folder = to.map_or_else(|| library::own(&Places::here()), Path::to_owned);
+fn install(args: &InstallArgs) -> Exit {
+    let path = &args.file;
     let installed = in_one_step("nothing was installed", |files, cancel| {
         let refused = |why: String| vec![Stop::refused(format!("{}: {why}", path.display()))];
+        if args.into.is_some() {
+            return Err(refused("--into unpacks packs, and this is none: use --to".to_owned()));
+        }
         let entry = library::read(path).map_err(refused)?;
-        let Origin { name, version, hash, .. } = &entry.origin;
-        if *hash != entry.hash {
-            let why = format!(
-                "its mark says the hash {hash}, it has {}: it was changed or damaged",
-                entry.hash
-            );
-            return Err(refused(format!("{why}; make it anew with coif template new")));
-        }
-        let words = [name.as_str(), version.as_str()].join("-");
-        let is_plain = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
-        if !words.chars().all(is_plain) || words.starts_with('.') || words.len() > 128 {
-            return Err(refused(format!("{:?} is no name for a file", short(&words))));
-        }
-        let target = folder.join(format!("{words}.ron"));
-        if let Ok(there) = library::read(&target)
-            && there.hash != entry.hash
-        {
-            let why = format!("{} has this name and version and another hash", target.display());
-            return Err(refused(format!("{why}: give it another version")));
-        }
-        std::fs::create_dir_all(&folder).map_err(|err| refused(err.to_string()))?;
-        files
-            .writes(&target, Role::Output, format!("the template {}", target.display()))
-            .and_then(|()| files.allowed())
-            .map_err(|why| vec![Stop::refused(why)])?;
-        let written = files.write_text(&target, &file::write(&entry.document), cancel);
-        written.map_err(|why| vec![Stop::unwritten(&target, &why, cancel)])?;
-        Ok(target)
+        put(&entry, args, files, cancel)
     });
     ended(installed, |target| print_plain(&target.display().to_string()))
+}
+
+/// Writes a template into a folder of the library.
+pub(super) fn put(
+    entry: &Entry,
+    args: &InstallArgs,
+    files: &mut Together,
+    cancel: &CancelToken,
+) -> Result<PathBuf, Vec<Stop>> {
+    let refused = |why: String| vec![Stop::refused(format!("{}: {why}", args.file.display()))];
+    let folder = args.to.clone().unwrap_or_else(|| library::own(&Places::here()));
+    let Origin { name, version, hash, .. } = &entry.origin;
+    if *hash != entry.hash {
+        let why = format!(
+            "its mark says the hash {hash}, it has {}: it was changed or damaged",
+            entry.hash
+        );
+        return Err(refused(format!("{why}; make it anew with coif template new")));
+    }
+    let words = [name.as_str(), version.as_str()].join("-");
+    let is_plain = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
+    if !words.chars().all(is_plain) || words.starts_with('.') || words.len() > 128 {
+        return Err(refused(format!("{:?} is no name for a file", short(&words))));
+    }
+    let target = folder.join(format!("{words}.ron"));
+    if let Ok(there) = library::read(&target)
+        && there.hash != entry.hash
+        && !args.force
+    {
+        let why = format!("{} has this name and version and another hash", target.display());
+        return Err(refused(format!("{why}: give it another version, or use --force")));
+    }
+    std::fs::create_dir_all(&folder).map_err(|err| refused(err.to_string()))?;
+    files
+        .writes(&target, Role::Output, format!("the template {}", target.display()))
+        .and_then(|()| files.allowed())
+        .map_err(|why| vec![Stop::refused(why)])?;
+    let written = files.write_text(&target, &file::write(&entry.document), cancel);
+    written.map_err(|why| vec![Stop::unwritten(&target, &why, cancel)])?;
+    Ok(target)
 }
 
 /// The instances that an upgrade is about, each with what is to come in its place.

@@ -21,30 +21,14 @@ mod together;
 pub(crate) use alone::write_text;
 #[cfg(feature = "editor")]
 pub(crate) use alone::write_text_unsynced;
-pub(crate) use temporary::end;
+#[cfg(feature = "render")]
+pub(crate) use coif_graphs::schedule::files::read_at_most;
 #[cfg(feature = "editor")]
 pub(crate) use temporary::remove_left;
+pub(crate) use temporary::{Folders, end};
 pub(crate) use together::{Out, Role, Together};
 
 use std::io::{self, Write};
-
-/// A file of at most so many bytes; the error is one line without the path.
-#[cfg(feature = "render")]
-pub(crate) fn read_at_most(path: &std::path::Path, most: u64) -> Result<Vec<u8>, String> {
-    let said = |err: io::Error| match err.kind() {
-        io::ErrorKind::NotFound => "no such file".to_owned(),
-        io::ErrorKind::PermissionDenied => "may not be read".to_owned(),
-        _ => err.to_string(),
-    };
-    let about = std::fs::metadata(path).map_err(said)?;
-    if !about.is_file() {
-        return Err("is not a file".to_owned());
-    }
-    if about.len() > most {
-        return Err(format!("is larger than {} MiB", most >> 20));
-    }
-    std::fs::read(path).map_err(said)
-}
 
 /// What the system says, in the words of somebody who wants a file.
 fn said(err: &io::Error) -> String {

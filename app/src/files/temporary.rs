@@ -1,7 +1,8 @@
 //! Files that are there for a moment, beside the one that they are about to become or used to be.
 //!
 //! Each has a name of its own, that nobody else has and nobody guesses: it is made anew, never opened where something stands.
-//! Dropped, it is gone; and [`end`] removes all of them from any thread, for a process that is asked to end.
+//! Dropped, it is gone; and [`end`] removes all of them from any thread, for a process that is asked to end. Folders that are made
+//! for files to come go with them where none came.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -13,6 +14,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// All that are there now.
 static ALL: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+/// All folders that were made for files to come, those within others after them.
+static FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 /// Held while several files are renamed as one step.
 static STEP: Mutex<()> = Mutex::new(());
 
@@ -43,11 +46,49 @@ pub(crate) fn end(code: i32) -> ! {
         // What cannot be removed stays, and nobody is there to be told.
         let _ = fs::remove_file(path);
     }
+    locked(&FOLDERS).iter().rev().for_each(remove_empty);
     // Without what libraries do at an exit: graphics drivers take down what their threads still work on.
     #[cfg(unix)]
     signal_hook::low_level::exit(code);
     #[cfg(not(unix))]
     std::process::exit(code)
+}
+
+/// Folders that are made for files to come. Dropped, those that are empty are gone.
+#[derive(Default)]
+pub(crate) struct Folders(Vec<PathBuf>);
+
+impl Folders {
+    /// Makes a folder and those that it is to lie in, where they are not there.
+    ///
+    /// # Errors
+    /// In one line without the path.
+    pub(crate) fn make(&mut self, path: &Path) -> Result<(), String> {
+        if path.as_os_str().is_empty() || path.is_dir() {
+            return Ok(());
+        }
+        if let Some(parent) = path.parent() {
+            self.make(parent)?;
+        }
+        let mut all = locked(&FOLDERS);
+        fs::create_dir(path).map_err(|err| super::said(&err))?;
+        all.push(path.to_owned());
+        self.0.push(path.to_owned());
+        Ok(())
+    }
+}
+
+impl Drop for Folders {
+    fn drop(&mut self) {
+        let mut all = locked(&FOLDERS);
+        all.retain(|path| !self.0.contains(path));
+        self.0.iter().rev().for_each(remove_empty);
+    }
+}
+
+/// Removes a folder that has nothing in it; the system refuses all others.
+fn remove_empty(path: &PathBuf) {
+    let _ = fs::remove_dir(path);
 }
 
 /// Removes what processes that were killed outright left beside a target that nobody writes now.

@@ -1,6 +1,6 @@
 //! What an evaluation gave: values, what ran, what was said, and the hash by which machines are compared.
 
-use super::files::read_by;
+use super::files::{MOST_BYTES, read_at_most, read_by};
 use crate::document::{Document, Setting};
 use coif_nodes::data::attributes::{Attribute, Column, Domain, Item, default_of};
 use coif_nodes::data::curves::{Curves, Tuft};
@@ -142,7 +142,7 @@ pub fn inputs_hash(document: &Document, folder: &Path, how: &str) -> Option<Stri
     add(document_hash(document).as_bytes());
     add(how.as_bytes());
     for (_, path) in read_by(document, folder) {
-        add(&std::fs::read(path).ok()?);
+        add(&read_at_most(&path, MOST_BYTES).ok()?);
     }
     Some(hash.finalize().to_hex()[..32].to_owned())
 }

@@ -11,7 +11,8 @@ pub(crate) mod figures;
 
 use super::Exit;
 use super::carry_out::{Stop, carry_out, writes_all};
-use super::groom::{Evaluated, Opened, QualityArg, apply_scalp, load, reads_all};
+use super::given::apply_scalp;
+use super::groom::{Evaluated, Opened, QualityArg, load, reads_all};
 use super::memory;
 use super::progress::Bar;
 use super::report::Report;

@@ -53,7 +53,7 @@ impl Editor {
             Event::Add { template: Which(listed), at } => {
                 self.read_listed(&listed, Purpose::Add(at));
             }
-            Event::Compare { id, template } => self.compare(id, template),
+            Event::Compare { id, template } => self.show_fates(id, template),
             Event::Upgrade => self.upgrade(),
             Event::NotNow => self.state.offer = None,
             Event::Keep { id, kept } => self.keep_version(&id, kept),

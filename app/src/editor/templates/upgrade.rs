@@ -71,7 +71,7 @@ impl Offer {
 
 impl Editor {
     /// Reads a template, to show what upgrading to it would do.
-    pub(super) fn compare(&mut self, id: NodeId, Which(listed): Which) {
+    pub(super) fn show_fates(&mut self, id: NodeId, Which(listed): Which) {
         self.read_listed(&listed, super::deed::Purpose::Compare(id));
     }
 
