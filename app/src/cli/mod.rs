@@ -14,6 +14,7 @@ pub(crate) mod eval;
 mod fit;
 mod fmt;
 pub(crate) mod groom;
+mod ledger;
 mod lines;
 mod measure;
 pub(crate) mod memory;

@@ -8,6 +8,7 @@
 use super::lineage::{Ancestor, lineage};
 use coif_graphs::document::graph::{self, downstream, upstream};
 use coif_graphs::document::{Document, Node, NodeId, Setting, Socket};
+use coif_graphs::schedule::budget::{Used, used};
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::{BadRequest, plan, plan_possible};
 use coif_graphs::schedule::result::{NodeReport, Outcome};
@@ -57,6 +58,8 @@ pub struct Shown {
     pub final_strands: Option<usize>,
     /// Wall time of the evaluation, milliseconds.
     pub ms: f64,
+    /// What is over the groom's budget; of a preview nothing, which says little of the whole.
+    pub over: Vec<Used>,
 }
 
 impl Shown {
@@ -394,11 +397,14 @@ fn evaluate(
     }
     planned.allow_large = request.allow_large;
     let told = Told { shared };
-    let Outcome { targets: values, nodes, cancelled } =
-        evaluator.run(&planned, OnFailure::PassThrough, cancel, &told);
-    if cancelled {
+    let outcome = evaluator.run(&planned, OnFailure::PassThrough, cancel, &told);
+    if outcome.cancelled {
         return None;
     }
+    let displayed = targets.iter().filter(|target| sockets.contains(target)).count();
+    let mut over = used(&document.budget, &outcome, displayed);
+    over.retain(|used| used.is_over() && request.quality == Quality::Final);
+    let Outcome { targets: values, nodes, .. } = outcome;
     for report in nodes {
         if let Ok(id) = NodeId::new(&report.name) {
             reports.nodes.insert(id, report);
@@ -429,6 +435,7 @@ fn evaluate(
         values,
         final_strands: None,
         ms: began.elapsed().as_secs_f64() * 1e3,
+        over,
     })
 }
 

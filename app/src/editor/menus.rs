@@ -1,11 +1,14 @@
 //! The menu bar, the status line and the sheet of keys: all from the table of actions.
 
 use super::Editor;
+use super::Event;
 use super::actions::{self, MENUS};
 use super::keys::name_of;
+use super::state::Select;
 use super::{documents, panel, rooms::Room, theme};
 use crate::inspector::text::spoken;
 use crate::words::counted;
+use coif_graphs::document::NodeId;
 use coif_nodes::define::NodeDef;
 use egui::{Button, Panel, RichText};
 
@@ -78,6 +81,7 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
                     ui.label("up to date");
                 }
             }
+            over_budget(editor, ui, &mut out);
             ui.separator();
             if documents::export_line(&editor.documents, ui, &mut out) {
                 return;
@@ -91,6 +95,21 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
     });
     for event in out {
         editor.apply(event);
+    }
+}
+
+/// What of the budget is over, with the node that takes most of it; a click selects that node.
+fn over_budget(editor: &Editor, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+    let state = &editor.state;
+    let Some(shown) = state.shown.as_ref().filter(|_| !state.stale()) else { return };
+    for used in &shown.over {
+        let (most, much) = (used.term.amount(used.limit), used.term.amount(used.used));
+        let text =
+            format!("over budget: {} {much} of {most} ({})", used.term, state.called(&used.node));
+        let said =
+            ui.link(RichText::new(text).color(theme::WARNING)).on_hover_text(used.to_string());
+        let node = NodeId::new(&used.node).ok().filter(|_| said.clicked());
+        out.extend(node.map(|id| Event::Select(Select::Nodes(vec![id]))));
     }
 }
 

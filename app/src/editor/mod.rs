@@ -514,6 +514,7 @@ fn means_something(edit: &Edit) -> bool {
         | Edit::SetCollapsed { .. }
         | Edit::SetView { .. }
         | Edit::SetLook(_)
+        | Edit::SetBudget(_)
         | Edit::SetComment { .. } => false,
         Edit::Several(edits) => edits.iter().any(means_something),
         _ => true,

@@ -134,6 +134,7 @@ fn place(fact: &Fact) -> Place {
         Fact::Note => field("note"),
         Fact::Seed => field("seed"),
         Fact::Display => field("display"),
+        Fact::Budget(_) => field("budget"),
         Fact::Look => field("look"),
         Fact::Kind(id) => of_node(id, "kind"),
         Fact::Label(id) => of_node(id, "label"),

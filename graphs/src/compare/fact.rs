@@ -3,6 +3,7 @@
 //! [`facts`] and [`document`] take each other back, for every document that a file can hold. Whoever adds something to documents
 //! adds a fact here, and diff and merge know it; what both take apart by naming every field tells when one is missing.
 
+use crate::document::budget::Term;
 use crate::document::{
     Document, Frame, Node, NodeId, Origin, Place, Point, SavedLook, SavedView, Setting, Socket,
 };
@@ -21,6 +22,8 @@ pub enum Fact {
     Seed,
     /// The node that is shown.
     Display,
+    /// A term of what the groom may take.
+    Budget(Term),
     /// Light and skin.
     Look,
     /// A node's kind. It is there exactly when the node is.
@@ -74,6 +77,8 @@ pub enum Said {
     Frame(Frame),
     /// A camera.
     View(SavedView),
+    /// The limit of a term.
+    Limit(Limit),
     /// Light and skin.
     Look(SavedLook),
     /// A place on the canvas.
@@ -81,6 +86,13 @@ pub enum Said {
     /// Comment lines.
     Lines(Vec<String>),
 }
+
+/// The limit of a term of a budget.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit(pub Term, pub f64);
+
+// No limit is NaN.
+impl Eq for Limit {}
 
 /// A wire of an input.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -121,6 +133,7 @@ impl Fact {
             | Fact::Note
             | Fact::Seed
             | Fact::Display
+            | Fact::Budget(_)
             | Fact::Look
             | Fact::Frame(_)
             | Fact::View(_) => None,
@@ -139,6 +152,7 @@ impl Fact {
             Fact::Note | Fact::NodeNote(_) => ("note", None),
             Fact::Seed => ("seed", None),
             Fact::Display => ("display", None),
+            Fact::Budget(term) => ("budget", Some(term.word().to_owned())),
             Fact::Look => ("look", None),
             Fact::Kind(_) => ("kind", None),
             Fact::Label(_) => ("label", None),
@@ -170,6 +184,7 @@ pub(super) fn facts(document: &Document) -> Facts {
         title,
         note,
         seed,
+        budget,
         display,
         nodes,
         links,
@@ -187,6 +202,8 @@ pub(super) fn facts(document: &Document) -> Facts {
     facts.extend(text(note).map(|said| (Fact::Note, said)));
     facts.extend((*seed != 0).then_some((Fact::Seed, Said::Seed(*seed))));
     facts.extend(display.iter().map(|id| (Fact::Display, Said::Node(id.clone()))));
+    facts
+        .extend(budget.limits().map(|(term, x)| (Fact::Budget(term), Said::Limit(Limit(term, x)))));
     facts.extend(look.iter().map(|look| (Fact::Look, Said::Look(look.clone()))));
     for (id, node) in nodes {
         let Node { kind, label, note, bypass, inputs, interface, template } = &**node;
@@ -232,6 +249,9 @@ pub(super) fn document(facts: Facts) -> Document {
             (Fact::Note, Said::Text(text)) => document.note = text,
             (Fact::Seed, Said::Seed(seed)) => document.seed = seed,
             (Fact::Display, Said::Node(id)) => document.display = Some(id),
+            (Fact::Budget(_), Said::Limit(Limit(term, x))) => {
+                drop(document.budget.set(term, Some(x)))
+            }
             (Fact::Look, Said::Look(look)) => document.look = Some(look),
             (Fact::Kind(id), Said::Text(kind)) => {
                 nodes.insert(id, Node { kind, ..Node::default() });

@@ -77,6 +77,7 @@ fn node_of(edit: &Edit) -> Option<&NodeId> {
         | E::SetFrame { .. }
         | E::SetView { .. }
         | E::SetLook(_)
+        | E::SetBudget(_)
         | E::Several(_) => None,
     }
 }
@@ -339,6 +340,7 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
             Some(_) => format!("view {name}: saved"),
             None => format!("view {name}: removed"),
         },
+        E::SetBudget(_) => "budget".to_owned(),
         E::SetLook(_) => "light and skin".to_owned(),
         E::SetBypass { id, bypass: true } => format!("{}: works again", name(id)),
         E::SetBypass { id, bypass: false } => format!("{}: bypassed", name(id)),

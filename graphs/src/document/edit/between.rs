@@ -73,6 +73,9 @@ fn besides(before: &Document, after: &Document, edits: &mut Vec<Edit>) {
     if before.seed != after.seed {
         edits.push(Edit::SetSeed(after.seed));
     }
+    if before.budget != after.budget {
+        edits.push(Edit::SetBudget(after.budget));
+    }
     if before.look != after.look {
         edits.push(Edit::SetLook(after.look.clone()));
     }
