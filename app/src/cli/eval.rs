@@ -110,7 +110,7 @@ fn sweep_all(args: &EvalArgs, sweep: &Path) -> Exit {
 }
 
 /// How much is kept between rows of a sweep: a quarter of the memory that is free, 4 GiB at most.
-fn cache_bytes() -> usize {
+pub(super) fn cache_bytes() -> usize {
     const MOST: u64 = 4 << 30;
     usize::try_from(memory::free().map_or(1 << 30, |free| free / 4).min(MOST)).unwrap_or(1 << 30)
 }

@@ -209,6 +209,11 @@ impl Opened {
         Ok(Self { document, outputs, folder, graph, allow_large, holds_budget, strict })
     }
 
+    /// What its paths are relative to.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// Hash of all that it is made from, evaluated `how`; none where a file that it names is not read.
     pub(crate) fn inputs_hash(&self, how: &str) -> Option<String> {
         inputs_hash(&self.document, &self.folder, how)

@@ -37,7 +37,7 @@ impl fmt::Display for Used {
         write!(f, "budget: {term}: at most {limit}, and it takes {used}; ")?;
         match node.is_empty() {
             true => write!(f, "no node ran"),
-            false => write!(f, "most of it is {node} ({:.0} %)", share * 100.0),
+            false => write!(f, "its largest part is {node} ({:.0} %)", share * 100.0),
         }
     }
 }
@@ -121,9 +121,9 @@ mod tests {
         assert_eq!(
             said,
             [
-                "true budget: seconds: at most 0.5 s, and it takes 0.7 s; most of it is rows (83 %)",
-                "true budget: points: at most 899, and it takes 900; most of it is braid/hair (89 %)",
-                "false budget: mib: at most 7 MiB, and it takes 7 MiB; most of it is braid/hair (86 %)",
+                "true budget: seconds: at most 0.5 s, and it takes 0.7 s; its largest part is rows (83 %)",
+                "true budget: points: at most 899, and it takes 900; its largest part is braid/hair (89 %)",
+                "false budget: mib: at most 7 MiB, and it takes 7 MiB; its largest part is braid/hair (86 %)",
             ]
         );
     }
