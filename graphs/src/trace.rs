@@ -6,8 +6,9 @@
 //! guaranteed: that no choice among the 2^n of things to switch off would tell more.
 //!
 //! **Off** is what bypassing does, for nodes of any kind ([`without`]): who reads a node that is off reads what that node reads
-//! first of the same type, by its first wire, and where there is none loses the wire. A stroke or a gesture that is off is not in its list.
-//! Where no hair comes out, or nodes fail, the hair is another.
+//! first of the same type, by its first wire, and where there is none loses the wire; a node that cannot do without it then gives
+//! nothing either, and so on. A stroke or a gesture that is off is not in its list. Where no hair comes out, or nodes fail, the hair is
+//! another.
 //!
 //! An evaluator that keeps what it made (a cache) runs only what is behind what was switched. Parts are switched by halves: of
 //! n parts of which k made the hair some k log n evaluations are needed.
@@ -18,7 +19,8 @@ use crate::schedule::request::{BadRequest, plan};
 use crate::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
 use coif_nodes::data::attributes::WIDTH;
 use coif_nodes::data::curves::Curves;
-use coif_nodes::define::Value;
+use coif_nodes::declared;
+use coif_nodes::define::{Arity, Value};
 use coif_nodes::eval::Quality;
 use coif_nodes::maths::hash::KeyBuilder;
 use std::collections::{BTreeMap, BTreeSet};
@@ -283,25 +285,40 @@ pub fn without<'a>(document: &Document, off: impl IntoIterator<Item = &'a Part>)
             _ => {}
         }
     }
-    for (to, from) in &document.links {
-        if from.iter().any(|socket| nodes.contains(&socket.node)) {
+    let mut gone = BTreeSet::new();
+    loop {
+        let known = gone.len();
+        for (to, from) in &document.links {
             let led: Vec<Socket> =
-                from.iter().filter_map(|socket| behind(document, &nodes, socket)).collect();
-            match led.is_empty() {
-                true => drop(less.links.remove(to)),
-                false => drop(less.links.insert(to.clone(), led)),
+                from.iter().filter_map(|socket| behind(document, &nodes, &gone, socket)).collect();
+            if led.is_empty() {
+                gone.extend(hangs_from(document, to));
+                less.links.remove(to);
+            } else {
+                less.links.insert(to.clone(), led);
             }
+        }
+        if gone.len() == known {
+            break;
         }
     }
     less.settle();
     less
 }
 
-/// The output that is read in place of one, where nodes are off.
-fn behind(document: &Document, off: &BTreeSet<&NodeId>, socket: &Socket) -> Option<Socket> {
+/// The output that is read in place of one, where nodes are off and outputs are gone.
+fn behind(
+    document: &Document,
+    off: &BTreeSet<&NodeId>,
+    gone: &BTreeSet<Socket>,
+    socket: &Socket,
+) -> Option<Socket> {
     let mut at = socket.clone();
     // No way is longer but in a circle.
     for _ in 0..=off.len() {
+        if gone.contains(&at) {
+            return None;
+        }
         if !off.contains(&at.node) {
             return Some(at);
         }
@@ -311,6 +328,32 @@ fn behind(document: &Document, off: &BTreeSet<&NodeId>, socket: &Socket) -> Opti
         at = same.flat_map(|input| document.wires(&at.node, input.name)).next()?.clone();
     }
     None
+}
+
+/// The outputs that give nothing once an input has no wires left.
+fn hangs_from(document: &Document, to: &Socket) -> Vec<Socket> {
+    let Some(node) = document.node(to.node.as_str()) else { return vec![] };
+    let port = |node: &NodeId| Socket { node: node.clone(), name: to.name.clone() };
+    let is_set = node.inputs.contains_key(&*to.name);
+    match node.kind.as_str() {
+        declared::GROUP_OUTPUT => to.node.group().iter().map(port).collect(),
+        declared::GROUP if !is_set => {
+            let inner = document.inside(&to.node).filter(|(id, node)| {
+                node.kind == declared::GROUP_INPUT && id.group().as_ref() == Some(&to.node)
+            });
+            inner.map(|(id, _)| port(id)).collect()
+        }
+        declared::PARAMETERS if !is_set => vec![port(&to.node)],
+        _ => {
+            let def = document.def(&to.node);
+            let input = def.and_then(|def| def.input(&to.name));
+            let is_needed = input.is_some_and(|(_, input)| {
+                input.arity != Arity::Optional && input.default().is_none() && !is_set
+            });
+            let outputs = def.into_iter().filter(|_| is_needed).flat_map(|def| &def.outputs[..]);
+            outputs.map(|output| Socket::new(to.node.clone(), output.name)).collect()
+        }
+    }
 }
 
 /// Random parts of what is not listed that are off in the end, each.
@@ -333,7 +376,7 @@ impl Search<'_> {
     fn found(&mut self) -> Result<BTreeMap<usize, bool>, NotTraced> {
         let all: Vec<usize> = (0..self.parts.len()).collect();
         let mut found = BTreeMap::new();
-        self.needed(&all, &mut found)?;
+        self.needed(&all, false, &mut found)?;
         loop {
             let rest: Vec<usize> =
                 all.iter().copied().filter(|at| !found.contains_key(at)).collect();
@@ -349,7 +392,7 @@ impl Search<'_> {
                 };
                 let some: Vec<usize> = rest.iter().copied().filter(drawn).collect();
                 if !self.is_same(&some)? {
-                    self.needed(&some, &mut found)?;
+                    self.needed(&some, true, &mut found)?;
                     if found.len() == known {
                         self.together(&some, &mut vec![], &mut found)?;
                     }
@@ -362,23 +405,26 @@ impl Search<'_> {
         }
     }
 
-    /// Adds those of a group without which, each alone, the hair is another. A group that can be off whole has none.
+    /// Adds those of a group without which, each alone, the hair is another. A group that can be off whole has none; gives whether it
+    /// can. `is_needed` where that is known not to be so.
     fn needed(
         &mut self,
         group: &[usize],
+        is_needed: bool,
         found: &mut BTreeMap<usize, bool>,
-    ) -> Result<(), NotTraced> {
-        if self.is_same(group)? {
+    ) -> Result<bool, NotTraced> {
+        let can_be_off = (!is_needed || group.len() < 2) && self.is_same(group)?;
+        if can_be_off {
             self.progress.open = self.progress.open.saturating_sub(group.len());
         } else if let [one] = group {
             self.progress.open = self.progress.open.saturating_sub(1);
             found.insert(*one, true);
         } else {
             let (first, second) = group.split_at(group.len() / 2);
-            self.needed(first, found)?;
-            self.needed(second, found)?;
+            let is_second = self.needed(first, false, found)?;
+            self.needed(second, is_second, found)?;
         }
-        Ok(())
+        Ok(can_be_off)
     }
 
     /// Switches off as many of a group as can be besides those that are `off`, and adds the others.
@@ -434,3 +480,6 @@ impl fmt::Display for Traced {
         )
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,6 +6,7 @@
 //! Not guaranteed: that every request has an answer.
 
 use super::lineage::{Ancestor, lineage};
+use super::made::Made;
 use coif_graphs::document::graph::{self, downstream, upstream};
 use coif_graphs::document::{Document, Node, NodeId, Setting, Socket};
 use coif_graphs::schedule::budget::{Used, used};
@@ -13,6 +14,7 @@ use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::{BadRequest, plan, plan_possible};
 use coif_graphs::schedule::result::{NodeReport, Outcome};
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress, Quiet};
+use coif_graphs::trace;
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{Type, Value};
@@ -121,6 +123,8 @@ pub struct RunStatus {
     pub reports: Arc<Reports>,
     /// Bytes kept for reuse, and the most that may be.
     pub cache: (usize, usize),
+    /// How far the search for what made a hair is; none where none is on.
+    pub tracing: Option<trace::Progress>,
 }
 
 /// What is handed over.
@@ -142,6 +146,8 @@ pub struct Trace {
     pub folder: PathBuf,
     /// How much hair it was seen among.
     pub quality: Quality,
+    /// Whether nodes may make more than a groom is to have.
+    pub allow_large: bool,
 }
 
 #[derive(Default)]
@@ -149,6 +155,8 @@ struct Desk {
     next: Option<Request>,
     trace: Option<Trace>,
     traced: Option<Vec<Ancestor>>,
+    what_made: Option<Trace>,
+    made: Option<Made>,
     running: Option<(CancelToken, Quality)>,
     /// Whether the run before was stopped for a newer one.
     stopped_last: bool,
@@ -160,6 +168,14 @@ struct Desk {
 /// The thread, and the desk over which requests and results pass.
 pub struct Evaluation {
     shared: Arc<Shared>,
+}
+
+impl Desk {
+    /// Whether there is nothing to do.
+    fn is_at_rest(&self) -> bool {
+        let asks = self.next.is_some() || self.trace.is_some() || self.what_made.is_some();
+        !asks && !self.closed
+    }
 }
 
 struct Shared {
@@ -214,7 +230,7 @@ impl Evaluation {
     /// Stops what runs and forgets what was asked.
     pub fn stop(&self) {
         let mut desk = self.shared.desk();
-        desk.next = None;
+        (desk.next, desk.what_made) = (None, None);
         if let Some((cancel, _)) = &desk.running {
             cancel.cancel();
         }
@@ -224,6 +240,22 @@ impl Evaluation {
     pub fn trace(&self, trace: Trace) {
         self.shared.desk().trace = Some(trace);
         self.shared.work.notify_one();
+    }
+
+    /// Asks what made a curve; found when nothing else is to be done. The hair that was asked for before is given up.
+    pub fn what_made(&self, trace: Trace) {
+        let mut desk = self.shared.desk();
+        if let (Some((cancel, _)), true) = (&desk.running, desk.status.tracing.is_some()) {
+            cancel.cancel();
+        }
+        desk.what_made = Some(trace);
+        drop(desk);
+        self.shared.work.notify_one();
+    }
+
+    /// What made the curve that was asked for last, once it is known or given up.
+    pub fn take_made(&self) -> Option<Made> {
+        self.shared.desk().made.take()
     }
 
     /// The line of the curve that was asked for last, once it is known.
@@ -246,6 +278,8 @@ impl Evaluation {
         let desk = self.shared.desk();
         desk.next.is_none()
             && desk.trace.is_none()
+            && desk.what_made.is_none()
+            && desk.made.is_none()
             && desk.running.is_none()
             && desk.finished.is_none()
             && desk.traced.is_none()
@@ -268,7 +302,7 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
     let mut before = Document::default();
     loop {
         let mut desk = shared.desk();
-        while desk.next.is_none() && desk.trace.is_none() && !desk.closed {
+        while desk.is_at_rest() {
             desk = shared.work.wait(desk).unwrap_or_else(PoisonError::into_inner);
         }
         if desk.closed {
@@ -284,6 +318,17 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
                 let mut desk = shared.desk();
                 desk.running = None;
                 desk.traced = (!cancel.is_cancelled()).then_some(line);
+                drop(desk);
+                (shared.wake)();
+            } else if let Some(question) = desk.what_made.take() {
+                desk.running = Some((cancel.clone(), Quality::Final));
+                desk.status.tracing = Some(trace::Progress::default());
+                drop(desk);
+                let made = what_made(shared, evaluator, question, &cancel);
+                let mut desk = shared.desk();
+                (desk.running, desk.status.tracing) = (None, None);
+                desk.status.cache = evaluator.cache_bytes();
+                desk.made = Some(made);
                 drop(desk);
                 (shared.wake)();
             }
@@ -351,6 +396,25 @@ fn follow(
         })
         .collect();
     lineage(&outputs, trace.id)
+}
+
+/// What made a curve of what is displayed, with the progress put on the desk.
+fn what_made(
+    shared: &Shared,
+    evaluator: &Evaluator,
+    question: Trace,
+    cancel: &CancelToken,
+) -> Made {
+    let Trace { id, document, folder, quality, allow_large } = question;
+    let files = DiskFiles::new(&folder);
+    let groom = trace::Groom { document: &document, files: &files, quality, allow_large };
+    let mut tell = |far| {
+        shared.desk().status.tracing = Some(far);
+        (shared.wake)();
+    };
+    let outputs = displayed(&document);
+    let traced = trace::trace(&groom, &outputs, id, (evaluator, cancel), &mut tell);
+    Made { traced, document }
 }
 
 /// The nodes of a document whose hair may be another than in the one before: those that changed, and what follows them.

@@ -74,6 +74,13 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
                         editor.act("evaluate.stop");
                     }
                 }
+                None if run.tracing.is_some() => {
+                    ui.spinner();
+                    ui.label("looking for what made the hair");
+                    if ui.button("Stop").on_hover_text("Stops looking for it (Escape)").clicked() {
+                        editor.act("evaluate.stop");
+                    }
+                }
                 None if editor.state.stale() => {
                     ui.label("stale");
                 }
@@ -161,5 +168,45 @@ fn manual(def: &NodeDef, ui: &mut egui::Ui) {
                 ui.label(RichText::new(format!("{least} to {most}{unit}")).color(theme::QUIET));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::editor::documents::testing;
+    use crate::editor::state::OpenFile;
+    use coif_graphs::document::budget::{Budget, Term};
+    use coif_graphs::document::edit::Edit;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    #[test]
+    fn what_is_over_the_budget_is_told_while_it_is_and_leads_to_its_node() {
+        let text = coif_graphs::grooms::by_name("start").unwrap();
+        let document = coif_graphs::file::read(text).unwrap().document;
+        let mut editor = Editor::new(&egui::Context::default(), document, OpenFile::default());
+        let mut budget = Budget::default();
+        budget.set(Term::Points, Some(100.0)).unwrap();
+        let guides = NodeId::new("guides").unwrap();
+        for edit in [Edit::SetDisplay(Some(guides.clone())), Edit::SetBudget(budget)] {
+            editor.apply(Event::Edit(edit));
+        }
+        let mut ui = Harness::builder()
+            .with_size(egui::vec2(1400.0, 900.0))
+            .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
+        let told = "over budget: points 3500 of 100";
+        testing::until(told, || {
+            ui.step();
+            ui.query_by_label_contains(told).is_some()
+        });
+        ui.get_by_label_contains(told).click();
+        ui.step();
+        assert_eq!(ui.state().state.active(), Some(&guides));
+        ui.state_mut().apply(Event::Undo);
+        testing::until("nothing is over it", || {
+            ui.step();
+            !ui.state().state.stale() && ui.query_by_label_contains("over budget").is_none()
+        });
     }
 }

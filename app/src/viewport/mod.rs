@@ -92,6 +92,8 @@ pub struct Viewport {
     under: Option<Under>,
     /// The curve that was clicked last and how much of its kin is selected.
     clicked: Option<Clicked>,
+    /// The hair that was clicked last, with either button.
+    meant: Option<u64>,
     followed: Followed,
     overlay: Overlay,
     handles: Handles,
@@ -191,6 +193,7 @@ impl Default for Viewport {
             question: None,
             under: None,
             clicked: None,
+            meant: None,
             followed: Followed::default(),
             overlay: Overlay::default(),
             handles: Handles::default(),
