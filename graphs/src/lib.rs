@@ -9,3 +9,4 @@ pub mod file;
 pub mod grooms;
 pub mod schedule;
 pub mod template;
+pub mod trace;

@@ -1,5 +1,6 @@
 //! The command line's contract: exit codes, one clear line, and nothing touched when something is wrong.
 
+use coif_nodes::formats::usd::read::ReadValues;
 use coif_nodes::maths::hash::curve_id;
 use coif_tests::{Folder, Ran, adapter, eval, repository, run, shared};
 use serde_json::Value as Json;
@@ -550,4 +551,59 @@ fn the_manual_names_every_input_of_every_node() {
     }
     let kept = std::fs::read_to_string(repository().join("docs/nodes.md")).unwrap();
     assert_eq!(kept, text, "docs/nodes.md is `coif nodes`: write it anew");
+}
+
+/// What a search for the makers of a hair of the rows of cornrows prints as JSON.
+#[track_caller]
+fn traced(more: &[&str]) -> Json {
+    let ran = run([&["trace", "cornrows", "--output", "rows.curves", "--json"], more].concat());
+    assert_eq!(ran.code, 0, "{more:?}: {}", ran.err);
+    serde_json::from_str(&ran.out).expect("JSON")
+}
+
+#[test]
+fn what_made_a_hair_is_found_by_place_by_id_and_by_the_number_in_files() {
+    let folder = Folder::new("trace");
+    let file = folder.path("rows.usda");
+    let out = file.display().to_string();
+    eval("cornrows", &["--output", "rows.curves", "--out", &out]);
+    let rows = &coif_tests::curves_in(&file)[0];
+    let first = rows.points[0].to_array().map(|x| x.to_string()).join(",");
+    let of = |made: &Json| {
+        let parts = made["parts"].as_array().unwrap();
+        parts.iter().map(|part| (part["node"].clone(), part["id"].clone())).collect::<Vec<_>>()
+    };
+    let by_place = traced(&["--at", &first]);
+    // The output itself is no part; of seven strokes one made it.
+    let nodes: Vec<Json> = of(&by_place).into_iter().map(|part| part.0).collect();
+    assert_eq!(nodes, ["head", "rows"]);
+    assert!(by_place["parts"][1]["id"].is_u64() && by_place["candidates"] == 8, "{by_place}");
+    let by_id = traced(&["--hair", by_place["hair"].as_str().unwrap()]);
+    assert_eq!(of(&by_id), of(&by_place));
+    let ids = rows.primvars.iter().find(|primvar| primvar.name == "id").unwrap();
+    let ReadValues::Int(ids) = &ids.values else { panic!("ids are numbers: {ids:?}") };
+    let by_number = traced(&["--hair", &ids[0].to_string()]);
+    assert_eq!(by_number["hair"], by_place["hair"]);
+    let words = run(["trace", "cornrows", "--output", "rows.curves", "--at", &first]);
+    assert!(words.out.contains("2 of 8 parts made it"), "{}", words.out);
+    assert!(words.out.contains("\nrows (stroke_input), for what is drawn in it\n    stroke "));
+    assert_eq!(folder.names(), ["rows.usda"]);
+}
+
+#[test]
+fn a_hair_that_is_none_is_refused() {
+    for (more, code, said) in [
+        (&["--hair", "zzzzzzzzzzzzzzzz"][..], 2, "is no id: 16 hexadecimal digits"),
+        (&["--hair", "twelve"], 2, "is no id: 16 hexadecimal digits"),
+        (&["--hair", "0000000000000001"], 2, "no hair of the outputs has the id 0000000000000001"),
+        (&["--hair", "2147483646"], 2, "no curve has this number in exported files"),
+        (&["--at", "1,2"], 2, "write it as X,Y,Z in cm"),
+        (&["--at", "1,NaN,2"], 2, "write it as X,Y,Z in cm"),
+        (&[], 2, "--hair"),
+        (&["--at", "0,0,0", "--set", "head.mesh=none.obj"], 2, "no such file"),
+    ] {
+        let ran = run([&["trace", "cornrows", "--output", "rows.curves"], more].concat());
+        assert_eq!(ran.code, code, "{more:?}: {}", ran.err);
+        assert!(ran.err.contains(said), "{more:?}: {}", ran.err);
+    }
 }

@@ -234,3 +234,97 @@ fn results_of_a_job_have_names_that_no_other_has() {
     }
     assert_eq!(std::fs::read_to_string(&job).unwrap(), yaml, "what was there is there");
 }
+
+/// Evaluates the graph with a budget over hair that is there: what was said, the report, and that the hair is as it was on failure.
+#[track_caller]
+fn budgeted(test: &str, budget: &str, more: &[&str], code: i32) -> (Ran, Json) {
+    let folder = Folder::new(test);
+    let graph = GRAPH.replace("seed: 0,", &format!("seed: 0, budget: ({budget}),"));
+    std::fs::write(folder.path("graph.ron"), graph).unwrap();
+    std::fs::write(folder.path("hair.usda"), "what was there").unwrap();
+    let path = |name: &str| text(&folder.path(name));
+    let words = ["graph.ron", "hair.usda", "r.json"].map(path);
+    let args = ["eval", &words[0], "--out", &words[1], "--report", &words[2]];
+    let ran = run([&args[..], more].concat());
+    assert_eq!(ran.code, code, "{budget}: {}", ran.err);
+    let kept = std::fs::read_to_string(folder.path("hair.usda")).unwrap() == "what was there";
+    assert_eq!(kept, code != 0, "{budget}");
+    assert_eq!(folder.names(), ["graph.ron", "hair.usda", "r.json"]);
+    (ran, json(&folder.path("r.json")))
+}
+
+#[test]
+fn what_is_over_the_budget_writes_nothing_and_names_the_node_that_uses_most() {
+    for (budget, said) in [
+        ("seconds: 0.000001", "budget: seconds: at most 0.000001 s, and it takes "),
+        ("points: 1000", "and the groom's budget of points is 1000"),
+        ("mib: 0.125", "budget: mib: at most 0.125 MiB, and it takes "),
+    ] {
+        let (ran, report) = budgeted("budget-over", budget, &[], 1);
+        assert!(ran.err.contains(said), "{}", ran.err);
+        assert!(ran.err.contains("no hair was written"), "{}", ran.err);
+        assert!(report["errors"][0].as_str().unwrap().contains("hair"), "{}", report["errors"][0]);
+        let (ran, report) = budgeted("budget-not-held", budget, &["--no-budget"], 0);
+        assert!(ran.err.contains("its budget is not held: budget: "), "{}", ran.err);
+        assert_eq!(report["budget"][0]["over"], true);
+    }
+    let (_, held) = budgeted("budget-held", "seconds: 600, points: 1000000, mib: 900", &[], 0);
+    let terms = held["budget"].as_array().unwrap().iter();
+    assert!(terms.clone().all(|term| term["over"] == false), "{}", held["budget"]);
+    let used = terms.map(|term| term["used"].as_f64().unwrap()).collect::<Vec<_>>();
+    assert_eq!(used[1], held["nodes"][2]["points"].as_f64().unwrap());
+    let bytes =
+        held["nodes"].as_array().unwrap().iter().map(|node| node["bytes"].as_f64().unwrap());
+    assert!((used[2] - bytes.sum::<f64>() / 1048576.0).abs() < 1e-3, "{}", used[2]);
+    // The same hair as without, under the same hashes.
+    let folder = Folder::new("budget-none");
+    std::fs::write(folder.path("graph.ron"), GRAPH).unwrap();
+    let plain = coif_tests::eval(&text(&folder.path("graph.ron")), &[]);
+    assert_eq!(held["outputs"][0]["hash"], plain["outputs"][0]["hash"]);
+    assert!(plain.get("budget").is_none());
+}
+
+#[test]
+fn a_budget_that_is_none_is_refused_with_its_value() {
+    for (budget, said) in [
+        ("points: 0", "points: 0.0 is no limit"),
+        ("mib: -4", "mib: -4.0 is no limit"),
+        ("seconds: NaN", "seconds: NaN is no limit"),
+        ("hours: 1", "`hours`"),
+    ] {
+        let (ran, _) = budgeted("budget-refused", budget, &[], 2);
+        assert!(ran.err.contains(said) && ran.err.contains("graph.ron:"), "{}", ran.err);
+    }
+}
+
+#[test]
+fn the_ledger_is_the_report_as_a_table_for_each_row() {
+    let folder = Folder::new("ledger");
+    let path = |name: &str| text(&folder.path(name));
+    std::fs::write(path("graph.ron"), GRAPH).unwrap();
+    std::fs::write(path("table.csv"), "name,hair.count\nfew,200\nmany,300\n").unwrap();
+    let words = ["graph.ron", "table.csv", "r.json"].map(path);
+    let args = ["eval", &words[0], "--sweep", &words[1], "--report", &words[2], "--ledger"];
+    let ran = run(args);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let report = json(&folder.path("r.json"));
+    let tables: Vec<&str> = ran.out.split("slowest first").collect();
+    assert_eq!(tables.len(), 3, "{}", ran.out);
+    for (table, row) in tables[1..].iter().zip(report.as_array().unwrap()) {
+        let nodes = row["nodes"].as_array().unwrap();
+        let line = |name: &str| table.lines().find(|line| line.starts_with(name)).unwrap();
+        for node in nodes {
+            let line = line(node["name"].as_str().unwrap());
+            let number = |at: usize| line.split_whitespace().nth(at).unwrap().to_owned();
+            assert_eq!(number(3), node["points"].to_string(), "{line}");
+            assert_eq!(number(4), node["curves"].to_string(), "{line}");
+            let mib = node["bytes"].as_f64().unwrap() / 1048576.0;
+            assert_eq!(number(5), format!("{mib:.2}"), "{line}");
+            assert_eq!(line.ends_with("all known"), node["cached"] == true, "{line}");
+        }
+        // What passes its curves on holds nothing.
+        assert_eq!(node(row, "out")["bytes"], 0);
+        assert!(node(row, "hair")["bytes"].as_u64().unwrap() > 20_000);
+        assert!(line("all nodes").contains("100.0"));
+    }
+}

@@ -264,7 +264,7 @@ fn beside(folder: &Path, job: &Path) -> Result<String, Stop> {
 }
 
 /// Columns of the table of reports.
-const COLUMNS: [&str; 11] = [
+const COLUMNS: [&str; 13] = [
     "report",
     "graph",
     "head",
@@ -275,6 +275,8 @@ const COLUMNS: [&str; 11] = [
     "curves",
     "points",
     "seconds",
+    "mib",
+    "slowest",
     "first_error",
 ];
 
@@ -335,6 +337,12 @@ fn row(name: &str, path: &Path) -> Result<[String; COLUMNS.len()], String> {
     let sum =
         |field: &str| outputs.iter().filter_map(|o| o[field].as_u64()).sum::<u64>().to_string();
     let all = |list: &[Json]| list.iter().map(text).collect::<Vec<_>>().join(" ");
+    // The ledger of the task in two numbers.
+    let nodes = report["nodes"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let bytes: f64 = nodes.iter().filter_map(|node| node["bytes"].as_f64()).sum();
+    let mib = format!("{:.1}", bytes / f64::from(1 << 20));
+    let ms = |node: &&Json| node["ms"].as_f64().unwrap_or_default();
+    let slowest = nodes.iter().max_by(|a, b| ms(a).total_cmp(&ms(b)));
     let outcome = match exit {
         0 => "done",
         1 => "failed",
@@ -352,6 +360,8 @@ fn row(name: &str, path: &Path) -> Result<[String; COLUMNS.len()], String> {
         sum("curves"),
         sum("points"),
         format!("{:.2}", report["total_ms"].as_f64().unwrap_or_default() / 1e3),
+        mib,
+        slowest.map_or(String::new(), |node| text(&node["name"])),
         text(&report["errors"][0]),
     ])
 }

@@ -369,6 +369,6 @@ fn write_report_alone(
 }
 
 /// Whether a path stands for standard output.
-fn is_stdout(path: &Path) -> bool {
+pub(super) fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
 }

@@ -1,11 +1,11 @@
 //! `coif eval`: a saved graph to hair.
 
-use super::carry_out::{Stop, carry_out, carry_out_each, writes_all};
+use super::carry_out::{Stop, carry_out, carry_out_each, is_stdout, writes_all};
 use super::groom::{Evaluated, GroomArgs};
 use super::progress::{Bar, Tell};
 use super::report::Report;
 use super::sweep::Sweep;
-use super::{Exit, complain, extension_of, memory, tell};
+use super::{Exit, complain, extension_of, ledger, memory, print_plain, tell};
 use crate::files::Together;
 use clap::Args;
 use coif_graphs::document::Document;
@@ -41,6 +41,9 @@ pub(crate) struct EvalArgs {
     /// Only this row of the sweep, as if its values were given by --set
     #[arg(long, value_name = "NAME", requires = "sweep")]
     pub(super) row: Option<String>,
+    /// Print what each node cost: time, points, curves, memory, and what was known already; groups with what is in them
+    #[arg(long)]
+    ledger: bool,
     /// Do nothing where the report tells that the same files were made from the same inputs
     #[arg(long, requires = "report")]
     pub(super) skip_done: bool,
@@ -107,7 +110,7 @@ fn sweep_all(args: &EvalArgs, sweep: &Path) -> Exit {
 }
 
 /// How much is kept between rows of a sweep: a quarter of the memory that is free, 4 GiB at most.
-fn cache_bytes() -> usize {
+pub(super) fn cache_bytes() -> usize {
     const MOST: u64 = 4 << 30;
     usize::try_from(memory::free().map_or(1 << 30, |free| free / 4).min(MOST)).unwrap_or(1 << 30)
 }
@@ -130,7 +133,8 @@ fn is_done(args: &EvalArgs, path: &Path) -> bool {
     let is_there =
         |out: &PathBuf| out.is_file() && known.files.contains(&out.display().to_string());
     args.out.iter().all(is_there)
-        && opened.is_ok_and(|opened| opened.inputs_hash(&args.how()) == known.inputs)
+        && opened
+            .is_ok_and(|opened| opened.inputs_hash(&args.how(&opened.document)) == known.inputs)
 }
 
 fn evaluate(
@@ -150,21 +154,41 @@ fn evaluate(
     opened.refuse_problems(&[], &mut report.warnings)?;
     files.allowed().map_err(Stop::failed)?;
     if args.report.is_some() {
-        report.inputs = opened.inputs_hash(&args.how());
+        report.inputs = opened.inputs_hash(&args.how(&opened.document));
     }
-    let evaluated = args.groom.evaluate(&opened, evaluator, cancel, report)?;
+    let evaluated = args.groom.evaluate(&opened, evaluator, cancel, report);
+    if args.ledger {
+        print_ledger(args, report);
+    }
+    let evaluated = evaluated?;
     if formats.contains(&Format::Abc) {
         report.notes.extend(left_out_of_abc(&evaluated.groups));
     }
     save(args, &formats, &opened.document, &evaluated, cancel, files)
 }
 
+/// Prints what nodes cost, also where one failed or the budget is over. Where the report goes to stdout, it goes to stderr.
+fn print_ledger(args: &EvalArgs, report: &Report) {
+    let row = report.row.as_ref().map_or(String::new(), |row| format!("{row}:\n"));
+    let text = row + &ledger::table(&report.nodes);
+    match args.report.as_deref().is_some_and(is_stdout) {
+        true => tell(text.trim_end()),
+        // A reader that went away is told where hair is written.
+        false => drop(print_plain(&text)),
+    }
+}
+
 impl EvalArgs {
     /// All but graph, head, seed and inputs that decides what is in the files.
-    fn how(&self) -> String {
-        let GroomArgs { output, quality, .. } = &self.groom;
+    fn how(&self, document: &Document) -> String {
+        let GroomArgs { output, quality, no_budget, .. } = &self.groom;
         let version = env!("CARGO_PKG_VERSION");
-        format!("coif {version} {output:?} {quality:?} {}", self.with_head)
+        let mut how = format!("coif {version} {output:?} {quality:?} {}", self.with_head);
+        // What a wider budget let pass is not what a narrower one would.
+        if !no_budget && !document.budget.is_empty() {
+            how += &format!(" {:?}", document.budget.limits().collect::<Vec<_>>());
+        }
+        how
     }
 }
 

@@ -18,6 +18,7 @@ use coif_graphs::document::graph::{Fault, Severity, check_for, upstream};
 use coif_graphs::document::{Document, Setting, Socket};
 use coif_graphs::file::{self, Loaded};
 use coif_graphs::grooms;
+use coif_graphs::schedule::budget::{Used, used};
 use coif_graphs::schedule::files::{DiskFiles, mount, read_by};
 use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::result::inputs_hash;
@@ -56,6 +57,9 @@ pub(crate) struct GroomArgs {
     /// Also make more than 16 million points, as many as memory holds
     #[arg(long)]
     pub(crate) allow_large: bool,
+    /// Let it take more than the budget of the graph
+    #[arg(long)]
+    pub(crate) no_budget: bool,
     /// Warnings and clamped values are errors: nothing is written (exit code 2 before, 1 after anything ran)
     #[arg(long)]
     pub(crate) strict: bool,
@@ -88,6 +92,8 @@ pub(crate) struct Opened {
     folder: PathBuf,
     graph: String,
     allow_large: bool,
+    /// What is over the budget fails.
+    holds_budget: bool,
     /// Warnings are errors.
     strict: bool,
 }
@@ -129,8 +135,8 @@ impl GroomArgs {
         report.scalp.clone_from(&self.scalp);
         report.set.clone_from(&self.set);
         let outputs = outputs(&document, &self.output)?;
-        let (allow_large, strict) = (self.allow_large, self.strict);
-        Ok(Opened { document, outputs, folder, graph, allow_large, strict })
+        let (allow_large, holds_budget, strict) = (self.allow_large, !self.no_budget, self.strict);
+        Ok(Opened { document, outputs, folder, graph, allow_large, holds_budget, strict })
     }
 
     /// Evaluates the outputs, by an evaluator that may know some of it already.
@@ -193,7 +199,7 @@ impl GroomArgs {
 const MOST_THREADS: usize = 4;
 
 impl Opened {
-    /// A graph as somebody has it open, with all of its outputs.
+    /// A graph as somebody has it open, with all of its outputs. What is over its budget is told and fails nothing.
     pub(crate) fn of(
         document: Document,
         folder: PathBuf,
@@ -201,7 +207,13 @@ impl Opened {
         allow_large: bool,
     ) -> Result<Self, Stop> {
         let outputs = outputs(&document, &[])?;
-        Ok(Self { document, outputs, folder, graph, allow_large, strict: false })
+        let (holds_budget, strict) = (false, false);
+        Ok(Self { document, outputs, folder, graph, allow_large, holds_budget, strict })
+    }
+
+    /// What its paths are relative to.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// Hash of all that it is made from, evaluated `how`; none where a file that it names is not read.
@@ -241,7 +253,7 @@ impl Opened {
         progress: &dyn Progress,
         report: &mut Report,
     ) -> Result<Evaluated, Stop> {
-        let Opened { document, outputs, folder, graph, allow_large, strict } = self;
+        let Opened { document, outputs, folder, graph, allow_large, holds_budget, strict } = self;
         let mut targets: Vec<Socket> = outputs.iter().map(|o| o.socket.clone()).collect();
         targets.extend_from_slice(more);
         let heads = of_kind(document, &targets, "head");
@@ -250,6 +262,9 @@ impl Opened {
         let mut plan = plan(document, &wanted, quality, &DiskFiles::new(folder))
             .map_err(|err| Stop::refused(format!("{graph}: {err}")))?;
         plan.allow_large = *allow_large;
+        if *holds_budget {
+            plan.budget = document.budget;
+        }
         let mut outcome = evaluator.run(&plan, OnFailure::Stop, cancel, progress);
         drop(plan);
         report.add_nodes(&outcome.nodes);
@@ -268,6 +283,7 @@ impl Opened {
             let lines = failures.iter().map(|(node, err)| format!("{graph}: {node}: {err}"));
             return Err(Stop(if refused { Exit::Refused } else { Exit::Failed }, lines.collect()));
         }
+        self.hold_budget(used(&document.budget, &outcome, outputs.len()), report)?;
         let mut scalps: Vec<Arc<Scalp>> = outcome
             .targets
             .split_off(targets.len())
@@ -313,6 +329,27 @@ impl Opened {
         }
         let sections = section_names(&parted);
         Ok(Evaluated { groups, scalps, sections, more })
+    }
+}
+
+impl Opened {
+    /// Notes what was used of the budget, and fails where it is over and held.
+    fn hold_budget(&self, used: Vec<Used>, report: &mut Report) -> Result<(), Stop> {
+        let over: Vec<String> =
+            used.iter().filter(|used| used.is_over()).map(ToString::to_string).collect();
+        if !self.holds_budget && !used.is_empty() {
+            let what =
+                if over.is_empty() { "nothing is over it".to_owned() } else { over.join("; ") };
+            report.notes.push(format!("{}: its budget is not held: {what}", self.graph));
+        }
+        report.budget.extend(used.into_iter().map(Into::into));
+        if !self.holds_budget || over.is_empty() {
+            return Ok(());
+        }
+        let line = |over| {
+            format!("{}: {over}: ask for less there, or raise it, or --no-budget", self.graph)
+        };
+        Err(Stop(Exit::Failed, over.into_iter().map(line).collect()))
     }
 }
 

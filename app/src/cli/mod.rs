@@ -15,6 +15,7 @@ mod fit;
 mod fmt;
 mod given;
 pub(crate) mod groom;
+mod ledger;
 mod lines;
 mod measure;
 pub(crate) mod memory;
@@ -30,6 +31,7 @@ pub(crate) mod signals;
 mod sweep;
 mod template;
 pub(crate) mod thumbnail;
+mod trace;
 mod unreal;
 
 use crate::words::{first_of, plain};
@@ -78,6 +80,10 @@ enum Command {
     Merge(merge::MergeArgs),
     /// Templates: groups that travel between grooms and shows
     Template(template::TemplateArgs),
+    /// Say which nodes, strokes and gestures made one hair
+    ///
+    /// Found by switching them off: whatever is not listed can be off, and the points and widths of the hair keep their bits.
+    Trace(trace::TraceArgs),
     /// Print the manual of all nodes, or of one
     Nodes(nodes::NodesArgs),
     /// Measure exported strands: the laws of hair, from the file alone
@@ -127,6 +133,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Diff(args)) => diff::run(&args),
         Some(Command::Merge(args)) => merge::run(&args),
         Some(Command::Template(args)) => template::run(&args),
+        Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Nodes(args)) => nodes::run(args),
         Some(Command::Measure(args)) => measure::run(args),
         None => start_up(),

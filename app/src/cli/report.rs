@@ -1,5 +1,6 @@
 //! The report of an evaluation, as JSON that other tools read. Its fields are a contract.
 
+use coif_graphs::schedule::budget::Used;
 use coif_graphs::schedule::result::{NodeReport, content_hash_until};
 use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::curves::Curves;
@@ -46,6 +47,9 @@ pub(crate) struct Report {
     /// What became of the groom on another head; missing but for `coif fit`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) fit: Option<super::fit::figures::Fit>,
+    /// What was used of the groom's budget; missing where it has none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) budget: Vec<Budgeted>,
     /// Every node that was needed.
     pub(crate) nodes: Vec<Node>,
     /// Why it ended with another exit code than 0.
@@ -164,6 +168,27 @@ pub(crate) struct Picture {
     pub(crate) draw_ms: f64,
 }
 
+/// One term of the budget.
+#[derive(Serialize)]
+pub(crate) struct Budgeted {
+    /// `seconds`, `points` or `mib`.
+    pub(crate) term: &'static str,
+    pub(crate) limit: f64,
+    pub(crate) used: f64,
+    pub(crate) over: bool,
+    /// The node with the largest part, and how large that is, 0 to 1.
+    pub(crate) node: String,
+    pub(crate) share: f64,
+}
+
+impl From<Used> for Budgeted {
+    fn from(of: Used) -> Self {
+        let over = of.is_over();
+        let Used { term, limit, used, node, share } = of;
+        Self { term: term.word(), limit, used: rounded(used), over, node, share: rounded(share) }
+    }
+}
+
 /// One node.
 #[derive(Serialize)]
 pub(crate) struct Node {
@@ -175,6 +200,8 @@ pub(crate) struct Node {
     pub(crate) tufts_reused: u32,
     pub(crate) curves: usize,
     pub(crate) points: usize,
+    /// Bytes that its values hold, but for what they share with what it read.
+    pub(crate) bytes: usize,
     pub(crate) messages: Vec<String>,
     /// What became of its gestures, in their order; missing where it has none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -243,6 +270,7 @@ impl Report {
             #[cfg(feature = "render")]
             picture: None,
             fit: None,
+            budget: vec![],
             nodes: vec![],
             errors: vec![],
             warnings: vec![],
@@ -276,6 +304,7 @@ impl Report {
                 tufts_reused: node.tufts_reused,
                 curves: node.curves,
                 points: node.points,
+                bytes: node.bytes,
                 messages: node.messages.iter().map(ToString::to_string).collect(),
                 gestures: (0..)
                     .zip(node.gestures.iter().map(|one| &**one))

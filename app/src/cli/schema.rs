@@ -55,6 +55,7 @@ pub(super) fn schema() -> Json {
             "collapsed": list(reference("id"), 0),
             "views": map(reference("view")),
             "look": reference("look"),
+            "budget": reference("budget"),
             "layout": map_by("id", reference("place")),
             "thumbnail": {"type": "string", "contentEncoding": "base64", "contentMediaType": "image/png"},
         },
@@ -237,6 +238,8 @@ fn shared() -> Map<String, Json> {
     });
     let word = json!({"type": "string", "pattern": "^[A-Za-z0-9-]{1,64}$"});
     let look = json!({"light": word, "exposure": number(-20.0, 20.0), "skin": word});
+    let points = json!({"type": "integer", "minimum": 1, "maximum": 1u64 << 53});
+    let budget = json!({"seconds": number(1e-3, 1e9), "points": points, "mib": number(1e-3, 1e9)});
     let wires = json!({"oneOf": [reference("socket"), list(reference("socket"), 1)]});
     let into = json!({
         "type": "string",
@@ -261,6 +264,7 @@ fn shared() -> Map<String, Json> {
         ("frame", structure(&["at", "size"], frame)),
         ("view", structure(&["eye", "target", "up", "focal_mm"], view)),
         ("look", structure(&["light", "skin"], look)),
+        ("budget", structure(&[], budget)),
     ];
     all.into_iter().map(|(name, of)| (name.to_owned(), of)).collect()
 }

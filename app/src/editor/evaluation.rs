@@ -6,12 +6,15 @@
 //! Not guaranteed: that every request has an answer.
 
 use super::lineage::{Ancestor, lineage};
+use super::made::Made;
 use coif_graphs::document::graph::{self, downstream, upstream};
 use coif_graphs::document::{Document, Node, NodeId, Setting, Socket};
+use coif_graphs::schedule::budget::{Used, used};
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::{BadRequest, plan, plan_possible};
 use coif_graphs::schedule::result::{NodeReport, Outcome};
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress, Quiet};
+use coif_graphs::trace;
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{Type, Value};
@@ -57,6 +60,8 @@ pub struct Shown {
     pub final_strands: Option<usize>,
     /// Wall time of the evaluation, milliseconds.
     pub ms: f64,
+    /// What is over the groom's budget; of a preview nothing, which says little of the whole.
+    pub over: Vec<Used>,
 }
 
 impl Shown {
@@ -118,6 +123,8 @@ pub struct RunStatus {
     pub reports: Arc<Reports>,
     /// Bytes kept for reuse, and the most that may be.
     pub cache: (usize, usize),
+    /// How far the search for what made a hair is; none where none is on.
+    pub tracing: Option<trace::Progress>,
 }
 
 /// What is handed over.
@@ -139,6 +146,8 @@ pub struct Trace {
     pub folder: PathBuf,
     /// How much hair it was seen among.
     pub quality: Quality,
+    /// Whether nodes may make more than a groom is to have.
+    pub allow_large: bool,
 }
 
 #[derive(Default)]
@@ -149,6 +158,8 @@ struct Desk {
     finished_beside: Option<Finished>,
     trace: Option<Trace>,
     traced: Option<Vec<Ancestor>>,
+    what_made: Option<Trace>,
+    made: Option<Made>,
     running: Option<(CancelToken, Quality)>,
     /// Whether the run before was stopped for a newer one.
     stopped_last: bool,
@@ -160,6 +171,14 @@ struct Desk {
 /// The thread, and the desk over which requests and results pass.
 pub struct Evaluation {
     shared: Arc<Shared>,
+}
+
+impl Desk {
+    /// Whether there is nothing to do.
+    fn is_at_rest(&self) -> bool {
+        let asks = self.next.is_some() || self.trace.is_some() || self.what_made.is_some();
+        !asks && self.beside.is_none() && !self.closed
+    }
 }
 
 struct Shared {
@@ -214,7 +233,7 @@ impl Evaluation {
     /// Stops what runs and forgets what was asked.
     pub fn stop(&self) {
         let mut desk = self.shared.desk();
-        (desk.next, desk.beside) = (None, None);
+        (desk.next, desk.beside, desk.what_made) = (None, None, None);
         if let Some((cancel, _)) = &desk.running {
             cancel.cancel();
         }
@@ -244,6 +263,22 @@ impl Evaluation {
         self.shared.work.notify_one();
     }
 
+    /// Asks what made a curve; found when nothing else is to be done. The hair that was asked for before is given up.
+    pub fn what_made(&self, trace: Trace) {
+        let mut desk = self.shared.desk();
+        if let (Some((cancel, _)), true) = (&desk.running, desk.status.tracing.is_some()) {
+            cancel.cancel();
+        }
+        desk.what_made = Some(trace);
+        drop(desk);
+        self.shared.work.notify_one();
+    }
+
+    /// What made the curve that was asked for last, once it is known or given up.
+    pub fn take_made(&self) -> Option<Made> {
+        self.shared.desk().made.take()
+    }
+
     /// The line of the curve that was asked for last, once it is known.
     pub fn take_traced(&self) -> Option<Vec<Ancestor>> {
         self.shared.desk().traced.take()
@@ -266,6 +301,8 @@ impl Evaluation {
             && desk.beside.is_none()
             && desk.finished_beside.is_none()
             && desk.trace.is_none()
+            && desk.what_made.is_none()
+            && desk.made.is_none()
             && desk.running.is_none()
             && desk.finished.is_none()
             && desk.traced.is_none()
@@ -288,7 +325,7 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
     let mut before = Document::default();
     loop {
         let mut desk = shared.desk();
-        while desk.next.is_none() && desk.trace.is_none() && desk.beside.is_none() && !desk.closed {
+        while desk.is_at_rest() {
             desk = shared.work.wait(desk).unwrap_or_else(PoisonError::into_inner);
         }
         if desk.closed {
@@ -304,6 +341,17 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
                 let mut desk = shared.desk();
                 desk.running = None;
                 desk.traced = (!cancel.is_cancelled()).then_some(line);
+                drop(desk);
+                (shared.wake)();
+            } else if let Some(question) = desk.what_made.take() {
+                desk.running = Some((cancel.clone(), Quality::Final));
+                desk.status.tracing = Some(trace::Progress::default());
+                drop(desk);
+                let made = what_made(shared, evaluator, question, &cancel);
+                let mut desk = shared.desk();
+                (desk.running, desk.status.tracing) = (None, None);
+                desk.status.cache = evaluator.cache_bytes();
+                desk.made = Some(made);
                 drop(desk);
                 (shared.wake)();
             } else if let Some(request) = desk.beside.clone() {
@@ -379,6 +427,25 @@ fn follow(
     lineage(&outputs, trace.id)
 }
 
+/// What made a curve of what is displayed, with the progress put on the desk.
+fn what_made(
+    shared: &Shared,
+    evaluator: &Evaluator,
+    question: Trace,
+    cancel: &CancelToken,
+) -> Made {
+    let Trace { id, document, folder, quality, allow_large } = question;
+    let files = DiskFiles::new(&folder);
+    let groom = trace::Groom { document: &document, files: &files, quality, allow_large };
+    let mut tell = |far| {
+        shared.desk().status.tracing = Some(far);
+        (shared.wake)();
+    };
+    let outputs = displayed(&document);
+    let traced = trace::trace(&groom, &outputs, id, (evaluator, cancel), &mut tell);
+    Made { traced, document }
+}
+
 /// The nodes of a document whose hair may be another than in the one before: those that changed, and what follows them.
 fn changed(before: &Document, now: &Document) -> BTreeSet<NodeId> {
     let same = |a: &Arc<Node>, b: &Arc<Node>| Arc::ptr_eq(a, b) || a == b;
@@ -438,11 +505,14 @@ fn evaluate(
         }
     }
     planned.allow_large = request.allow_large;
-    let Outcome { targets: values, nodes, cancelled } =
-        evaluator.run(&planned, OnFailure::PassThrough, cancel, told);
-    if cancelled {
+    let outcome = evaluator.run(&planned, OnFailure::PassThrough, cancel, told);
+    if outcome.cancelled {
         return None;
     }
+    let displayed = targets.iter().filter(|target| sockets.contains(target)).count();
+    let mut over = used(&document.budget, &outcome, displayed);
+    over.retain(|used| used.is_over() && request.quality == Quality::Final);
+    let Outcome { targets: values, nodes, .. } = outcome;
     for report in nodes {
         if let Ok(id) = NodeId::new(&report.name) {
             reports.nodes.insert(id, report);
@@ -473,6 +543,7 @@ fn evaluate(
         values,
         final_strands: None,
         ms: began.elapsed().as_secs_f64() * 1e3,
+        over,
     })
 }
 

@@ -1,6 +1,7 @@
 //! Everything that can happen in the editor. Rooms read the state and say what happened; nothing else changes it.
 
 use super::documents;
+use super::made::Made;
 use super::notes::Note;
 use super::rooms::Room;
 use super::settings::Settings;
@@ -9,6 +10,7 @@ use super::templates;
 use super::visibility::Visibility;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{NodeId, Socket};
+use std::sync::Arc;
 
 /// Something that happened.
 #[derive(Clone, Debug)]
@@ -39,6 +41,12 @@ pub enum Event {
     Enter(Option<NodeId>),
     /// Where does this displayed curve come from? The answer is `State::traced`.
     Trace(u64),
+    /// Which nodes, strokes and gestures made this displayed curve? The answer is `State::made`.
+    WhatMade(u64),
+    /// What made a hair is known, or forgotten.
+    Made(Option<Arc<Made>>),
+    /// The pen picks a stroke of a node.
+    PickStroke(NodeId, u64),
     /// Another node is displayed.
     Display(Option<NodeId>),
     /// The pen works on another node.

@@ -1,11 +1,14 @@
 //! The menu bar, the status line and the sheet of keys: all from the table of actions.
 
 use super::Editor;
+use super::Event;
 use super::actions::{self, MENUS};
 use super::keys::name_of;
+use super::state::Select;
 use super::{documents, panel, rooms::Room, theme};
 use crate::inspector::text::spoken;
 use crate::words::counted;
+use coif_graphs::document::NodeId;
 use coif_nodes::define::NodeDef;
 use egui::{Button, Panel, RichText};
 
@@ -71,6 +74,13 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
                         editor.act("evaluate.stop");
                     }
                 }
+                None if run.tracing.is_some() => {
+                    ui.spinner();
+                    ui.label("looking for what made the hair");
+                    if ui.button("Stop").on_hover_text("Stops looking for it (Escape)").clicked() {
+                        editor.act("evaluate.stop");
+                    }
+                }
                 None if editor.state.stale() => {
                     ui.label("stale");
                 }
@@ -78,6 +88,7 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
                     ui.label("up to date");
                 }
             }
+            over_budget(editor, ui, &mut out);
             ui.separator();
             if documents::export_line(&editor.documents, ui, &mut out) {
                 return;
@@ -91,6 +102,21 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
     });
     for event in out {
         editor.apply(event);
+    }
+}
+
+/// What of the budget is over, with the node that takes most of it; a click selects that node.
+fn over_budget(editor: &Editor, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+    let state = &editor.state;
+    let Some(shown) = state.shown.as_ref().filter(|_| !state.stale()) else { return };
+    for used in &shown.over {
+        let (most, much) = (used.term.amount(used.limit), used.term.amount(used.used));
+        let text =
+            format!("over budget: {} {much} of {most} ({})", used.term, state.called(&used.node));
+        let said =
+            ui.link(RichText::new(text).color(theme::WARNING)).on_hover_text(used.to_string());
+        let node = NodeId::new(&used.node).ok().filter(|_| said.clicked());
+        out.extend(node.map(|id| Event::Select(Select::Nodes(vec![id]))));
     }
 }
 
@@ -142,5 +168,45 @@ fn manual(def: &NodeDef, ui: &mut egui::Ui) {
                 ui.label(RichText::new(format!("{least} to {most}{unit}")).color(theme::QUIET));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::editor::documents::testing;
+    use crate::editor::state::OpenFile;
+    use coif_graphs::document::budget::{Budget, Term};
+    use coif_graphs::document::edit::Edit;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    #[test]
+    fn what_is_over_the_budget_is_told_while_it_is_and_leads_to_its_node() {
+        let text = coif_graphs::grooms::by_name("start").unwrap();
+        let document = coif_graphs::file::read(text).unwrap().document;
+        let mut editor = Editor::new(&egui::Context::default(), document, OpenFile::default());
+        let mut budget = Budget::default();
+        budget.set(Term::Points, Some(100.0)).unwrap();
+        let guides = NodeId::new("guides").unwrap();
+        for edit in [Edit::SetDisplay(Some(guides.clone())), Edit::SetBudget(budget)] {
+            editor.apply(Event::Edit(edit));
+        }
+        let mut ui = Harness::builder()
+            .with_size(egui::vec2(1400.0, 900.0))
+            .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
+        let told = "over budget: points 3500 of 100";
+        testing::until(told, || {
+            ui.step();
+            ui.query_by_label_contains(told).is_some()
+        });
+        ui.get_by_label_contains(told).click();
+        ui.step();
+        assert_eq!(ui.state().state.active(), Some(&guides));
+        ui.state_mut().apply(Event::Undo);
+        testing::until("nothing is over it", || {
+            ui.step();
+            !ui.state().state.stale() && ui.query_by_label_contains("over budget").is_none()
+        });
     }
 }

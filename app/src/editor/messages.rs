@@ -8,6 +8,7 @@
 
 use super::documents;
 use super::event::Event;
+use super::made;
 use super::notes::{Gravity, Note};
 use super::rooms::Room;
 use super::state::{Select, State};
@@ -225,6 +226,7 @@ impl Messages {
 
     /// Shows the room.
     pub(crate) fn ui(&mut self, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+        made::ui(state, ui, out);
         let all = self.of(state);
         ui.horizontal(|ui| {
             for ((gravity, name), shown) in KINDS.into_iter().zip(&mut self.shown) {

@@ -15,6 +15,7 @@ mod fonts;
 mod history;
 pub mod keys;
 pub mod lineage;
+pub mod made;
 mod menus;
 pub mod messages;
 pub mod notes;
@@ -47,7 +48,7 @@ use compare::Compare;
 use documents::Documents;
 use documents::places::Places;
 use egui_dock::{DockArea, DockState};
-use evaluation::{Evaluation, Finished, Request, Trace, first_output};
+use evaluation::{Evaluation, Finished, Request, first_output};
 use event::Event;
 use keys::Keys;
 use messages::Messages;
@@ -206,6 +207,9 @@ impl Editor {
             if let Some(line) = evaluation.take_traced() {
                 self.state.traced = line;
             }
+            if let Some(made) = evaluation.take_made() {
+                self.state.made = Some(made.into());
+            }
             self.state.run = evaluation.status();
         }
         self.before_compare();
@@ -349,15 +353,18 @@ impl Editor {
                 state.selection.keep(&state.document);
             }
             Event::Trace(id) => {
-                if let (Some(evaluation), Some(shown)) = (&self.evaluation, &state.shown) {
-                    evaluation.trace(Trace {
-                        id,
-                        document: state.document.clone(),
-                        folder: state.file.folder.clone(),
-                        quality: shown.quality,
-                    });
+                if let (Some(evaluation), Some(trace)) = (&self.evaluation, state.trace(id)) {
+                    evaluation.trace(trace);
                 }
             }
+            Event::WhatMade(id) => {
+                if let (Some(evaluation), Some(trace)) = (&self.evaluation, state.trace(id)) {
+                    evaluation.what_made(trace);
+                    self.apply(Event::Show(Room::Messages));
+                }
+            }
+            Event::Made(made) => state.made = made,
+            Event::PickStroke(node, id) => self.pen.pick(node, id, &state.selection.curves),
             Event::Display(node) => {
                 // What is displayed is saved with the groom, but it is no step.
                 let set = Edit::SetDisplay(node).apply(&mut state.document).map(|_| ());

@@ -1,7 +1,8 @@
 //! What the editor knows. Rooms read it; only [`super::Editor::apply`] changes it.
 
-use super::evaluation::{RunStatus, Shown};
+use super::evaluation::{RunStatus, Shown, Trace};
 use super::lineage::Ancestor;
+use super::made::Made;
 use super::notes::Notes;
 use super::rooms::Room;
 use super::settings::Settings;
@@ -45,6 +46,8 @@ pub struct State {
     pub shown: Option<Arc<Shown>>,
     /// The curve that was traced last and its ancestors, each with the node that made it: the hair first.
     pub traced: Vec<Ancestor>,
+    /// What made the hair that was asked for last.
+    pub made: Option<Arc<Made>>,
     /// What the evaluator does now.
     pub run: RunStatus,
     /// Preferences.
@@ -79,6 +82,7 @@ impl State {
             changes_hair: false,
             shown: None,
             traced: vec![],
+            made: None,
             run: RunStatus::default(),
             settings,
             allow_large: false,
@@ -119,6 +123,13 @@ impl State {
     /// Whether what is shown is not what the document says now.
     pub fn stale(&self) -> bool {
         self.shown.as_ref().is_none_or(|shown| shown.revision != self.revision)
+    }
+
+    /// The question about a displayed curve; none where nothing is displayed.
+    pub(super) fn trace(&self, id: u64) -> Option<Trace> {
+        let quality = self.shown.as_ref()?.quality;
+        let (document, folder) = (self.document.clone(), self.file.folder.clone());
+        Some(Trace { id, document, folder, quality, allow_large: self.allow_large })
     }
 
     /// The node that keys and the inspector mean: the active one, if it is still there.

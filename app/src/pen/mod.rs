@@ -447,6 +447,13 @@ impl Pen {
         }
     }
 
+    /// Picks a stroke of a node, whose curves need not be selected.
+    pub(crate) fn pick(&mut self, node: NodeId, id: u64, selected: &BTreeSet<u64>) {
+        self.node = Some(node);
+        self.picked = Picked { strokes: [id].into(), ..Picked::default() };
+        self.followed = selected.clone();
+    }
+
     /// Without a tool in hand the strokes whose curves are selected in other rooms are picked.
     fn follow_selection(&mut self, state: &State, node: Option<&NodeId>, strokes: &Strokes) {
         let selected = &state.selection.curves;

@@ -369,6 +369,19 @@ pub(crate) const ACTIONS: &[Action] = &[
         },
     },
     Action {
+        id: "view.what_made",
+        label: "What made this hair",
+        tip: "Finds the nodes, strokes and gestures without which the hair would be another, by switching them off one after the other; \
+              the messages list them.",
+        words: "trace provenance where from why source stroke gesture origin debug",
+        menu: "View",
+        when: |editor| something_shown(editor).and_then(|()| curves_selected(editor)),
+        run: |editor| {
+            let meant = editor.viewport.hair_meant(&editor.state.selection.curves);
+            meant.into_iter().for_each(|id| editor.apply(Event::WhatMade(id)));
+        },
+    },
+    Action {
         id: "view.reveal",
         label: "Show in the outliner",
         tip: "Scrolls the outliner to the braid or cluster that the selected hair belongs to.",

@@ -14,6 +14,7 @@ use egui::{Pos2, Response};
 /// Actions on hair; empty lines part them.
 const HAIR: &[&str] = &[
     "view.select_node",
+    "view.what_made",
     "view.reveal",
     "",
     "view.frame_selected",
@@ -121,6 +122,7 @@ impl Viewport {
             (None, false) => On::Nothing,
         };
         let Some((hair, shown)) = hair.zip(state.shown.as_ref()) else { return };
+        self.meant = Some(hair.id());
         if state.selection.curves.contains(&hair.id()) {
             return;
         }

@@ -94,6 +94,8 @@ pub struct Viewport {
     under: Option<Under>,
     /// The curve that was clicked last and how much of its kin is selected.
     clicked: Option<Clicked>,
+    /// The hair that was clicked last, with either button.
+    meant: Option<u64>,
     followed: Followed,
     overlay: Overlay,
     handles: Handles,
@@ -194,6 +196,7 @@ impl Default for Viewport {
             question: None,
             under: None,
             clicked: None,
+            meant: None,
             followed: Followed::default(),
             overlay: Overlay::default(),
             handles: Handles::default(),

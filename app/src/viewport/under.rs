@@ -108,6 +108,7 @@ impl Viewport {
             selected.extend(&state.selection.curves);
         }
         out.push(Event::Select(Select::Curves(selected)));
+        self.meant = Some(hair.id());
         out.push(Event::Trace(hair.id()));
         self.clicked = Some(Clicked { hair, level, tracing: true });
     }
@@ -125,6 +126,12 @@ impl Viewport {
     fn made_by_active<'a>(&self, state: &State, shown: &'a Shown) -> Option<&'a Curves> {
         let socket = first_output(&state.document, state.active()?)?;
         shown.curves_of(&socket)
+    }
+
+    /// The one hair that is meant: that which was clicked last, with either button, while it is selected; else the first that is.
+    pub(super) fn hair_meant(&self, selected: &BTreeSet<u64>) -> Option<u64> {
+        let clicked = self.meant.filter(|id| selected.contains(id));
+        clicked.or_else(|| selected.first().copied())
     }
 
     /// How much the last click took, for the status line.

@@ -119,13 +119,15 @@ fn changes_are_said_as_a_groomer_says_them() {
         &[
             (
                 "seed: 3,",
-                "display: \"rows\", frames: {\"f\": (at: (0.0, 0.0), size: (9.0, 9.0))}, look: (light: \"rim\", skin: \"3\"),",
+                "display: \"rows\", frames: {\"f\": (at: (0.0, 0.0), size: (9.0, 9.0))}, look: (light: \"rim\", skin: \"3\"), budget: (points: 5000000, mib: 900),",
             ),
             ("\"out\": (", "// why\n\"out\": ("),
         ],
         expect![[r#"
             seed: 3 to 0
             shown: none to Stroke input
+            budget: points none to 5 million
+            budget: mib none to 900 MiB
             look: none to light "rim", exposure 0.0, skin "3"
             frame "f": added
             1 comment changed
@@ -171,6 +173,19 @@ fn what_meets_is_told_with_its_values_and_the_rest_is_merged() {
         Front braids: strands 3 to 4
         1 comment changed
     "#]],
+    );
+    // A budget, term by term.
+    let budget = |text: &'static str| [("seed: 3,", text)];
+    check_merge(
+        &budget("seed: 3, budget: (seconds: 2.5, points: 5000000),"),
+        &budget("seed: 3, budget: (points: 4000000, mib: 900),"),
+        expect![[r#"
+            ! budget: points: base none, ours 5 million, theirs 4 million
+            budget: seconds none to 2.5 s
+            budget: points none to 5 million
+            budget: mib none to 900 MiB
+            1 comment changed
+        "#]],
     );
     // Removed by one, changed by the other.
     let finest = [("\"count\": 8", "\"count\": 9")];

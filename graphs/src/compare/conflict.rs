@@ -164,6 +164,7 @@ fn place(fact: &Fact) -> Place {
         Fact::Note => field("note"),
         Fact::Seed => field("seed"),
         Fact::Display => field("display"),
+        Fact::Budget(_) => field("budget"),
         Fact::Look => field("look"),
         Fact::Thumbnail => field("thumbnail"),
         Fact::Kind(id) => of_node(id, "kind"),

@@ -61,6 +61,7 @@ fn counts(a: &Document, b: &Document, change: &Change) -> bool {
         Fact::Title
         | Fact::Note
         | Fact::Display
+        | Fact::Budget(_)
         | Fact::Look
         | Fact::Thumbnail
         | Fact::Label(_)

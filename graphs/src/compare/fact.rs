@@ -3,6 +3,7 @@
 //! [`facts`] and [`document`] take each other back, for every document that a file can hold. Whoever adds something to documents
 //! adds a fact here, and diff and merge know it; what both take apart by naming every field tells when one is missing.
 
+use crate::document::budget::Term;
 use crate::document::{
     Document, Frame, Node, NodeId, Origin, Place, Point, SavedLook, SavedView, Setting, Socket,
     Thumbnail,
@@ -22,6 +23,8 @@ pub enum Fact {
     Seed,
     /// The node that is shown.
     Display,
+    /// A term of what the groom may take.
+    Budget(Term),
     /// Light and skin.
     Look,
     /// The small picture.
@@ -77,6 +80,8 @@ pub enum Said {
     Frame(Frame),
     /// A camera.
     View(SavedView),
+    /// The limit of a term.
+    Limit(Limit),
     /// Light and skin.
     Look(SavedLook),
     /// A small picture.
@@ -86,6 +91,13 @@ pub enum Said {
     /// Comment lines.
     Lines(Vec<String>),
 }
+
+/// The limit of a term of a budget.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit(pub Term, pub f64);
+
+// No limit is NaN.
+impl Eq for Limit {}
 
 /// A wire of an input.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -126,6 +138,7 @@ impl Fact {
             | Fact::Note
             | Fact::Seed
             | Fact::Display
+            | Fact::Budget(_)
             | Fact::Look
             | Fact::Thumbnail
             | Fact::Frame(_)
@@ -145,6 +158,7 @@ impl Fact {
             Fact::Note | Fact::NodeNote(_) => ("note", None),
             Fact::Seed => ("seed", None),
             Fact::Display => ("display", None),
+            Fact::Budget(term) => ("budget", Some(term.word().to_owned())),
             Fact::Look => ("look", None),
             Fact::Thumbnail => ("thumbnail", None),
             Fact::Kind(_) => ("kind", None),
@@ -177,6 +191,7 @@ pub(super) fn facts(document: &Document) -> Facts {
         title,
         note,
         seed,
+        budget,
         display,
         nodes,
         links,
@@ -195,6 +210,8 @@ pub(super) fn facts(document: &Document) -> Facts {
     facts.extend(text(note).map(|said| (Fact::Note, said)));
     facts.extend((*seed != 0).then_some((Fact::Seed, Said::Seed(*seed))));
     facts.extend(display.iter().map(|id| (Fact::Display, Said::Node(id.clone()))));
+    facts
+        .extend(budget.limits().map(|(term, x)| (Fact::Budget(term), Said::Limit(Limit(term, x)))));
     facts.extend(look.iter().map(|look| (Fact::Look, Said::Look(look.clone()))));
     facts.extend(thumbnail.iter().map(|it| (Fact::Thumbnail, Said::Thumbnail(it.clone()))));
     for (id, node) in nodes {
@@ -241,6 +258,9 @@ pub(super) fn document(facts: Facts) -> Document {
             (Fact::Note, Said::Text(text)) => document.note = text,
             (Fact::Seed, Said::Seed(seed)) => document.seed = seed,
             (Fact::Display, Said::Node(id)) => document.display = Some(id),
+            (Fact::Budget(_), Said::Limit(Limit(term, x))) => {
+                drop(document.budget.set(term, Some(x)))
+            }
             (Fact::Look, Said::Look(look)) => document.look = Some(look),
             (Fact::Thumbnail, Said::Thumbnail(it)) => document.thumbnail = Some(it),
             (Fact::Kind(id), Said::Text(kind)) => {

@@ -4,7 +4,7 @@
 //! prints escapes them.
 
 use super::diff::{Change, Drawn, diff, drawn, value};
-use super::fact::{Fact, Said};
+use super::fact::{Fact, Limit, Said};
 use super::lists::{is_in_one_order, numbered};
 use crate::document::{Document, NodeId, Place, Setting, Socket};
 use crate::file::write_value;
@@ -38,6 +38,7 @@ impl fmt::Display for Fact {
             Fact::Note => write!(f, "note"),
             Fact::Seed => write!(f, "seed"),
             Fact::Display => write!(f, "display"),
+            Fact::Budget(term) => write!(f, "budget: {term}"),
             Fact::Look => write!(f, "look"),
             Fact::Thumbnail => write!(f, "thumbnail"),
             Fact::Kind(id) => write!(f, "{id}: kind"),
@@ -99,6 +100,7 @@ pub(super) fn plain(said: &Said) -> String {
             format!("eye {:?}, target {:?}, focal_mm {:?}", view.eye, view.target, view.focal_mm)
         }
         Said::Thumbnail(thumbnail) => thumbnail.to_string(),
+        Said::Limit(Limit(term, x)) => term.amount(*x),
         Said::Look(look) => {
             format!("light {:?}, exposure {:?}, skin {:?}", look.light, look.exposure, look.skin)
         }
@@ -227,8 +229,12 @@ impl Telling<'_> {
             Some(Said::Node(id)) => self.name(id),
             Some(said) => short(&plain(said)),
         };
-        let what = if change.fact == Fact::Display { "shown" } else { change.fact.named().0 };
-        format!("{what}: {} to {}", said(&change.from), said(&change.to))
+        let (from, to) = (said(&change.from), said(&change.to));
+        match change.fact {
+            Fact::Display => format!("shown: {from} to {to}"),
+            Fact::Budget(term) => format!("budget: {term} {from} to {to}"),
+            _ => format!("{}: {from} to {to}", change.fact.named().0),
+        }
     }
 
     /// What changed of a node; of one that came or went, that it did.

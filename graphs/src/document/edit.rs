@@ -5,6 +5,7 @@
 //! type, a circle of wires) are refused with the reason; [`Edit::SetWires`] alone takes anything,
 //! because undo must also restore a broken file.
 
+use super::budget::Budget;
 use super::{
     Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket, Thumbnail,
     graph, values,
@@ -144,6 +145,8 @@ pub enum Edit {
     SetNote(String),
     /// Sets the document's seed.
     SetSeed(u64),
+    /// Sets what the groom may take.
+    SetBudget(Budget),
     /// Shows another node.
     SetDisplay(Option<NodeId>),
     /// Calls a node something else; none or empty gives it back the label of its kind.
@@ -480,6 +483,9 @@ impl Edit {
                 Ok(Edit::SetNote(std::mem::replace(&mut document.note, note.clone())))
             }
             Edit::SetSeed(seed) => Ok(Edit::SetSeed(std::mem::replace(&mut document.seed, *seed))),
+            Edit::SetBudget(budget) => {
+                Ok(Edit::SetBudget(std::mem::replace(&mut document.budget, *budget)))
+            }
             Edit::SetDisplay(display) => {
                 if let Some(id) = display {
                     slot(document, id)?;
@@ -574,6 +580,7 @@ impl Edit {
             | (SetSeed(_), SetSeed(_))
             | (SetDisplay(_), SetDisplay(_))
             | (Edit::SetThumbnail(_), Edit::SetThumbnail(_))
+            | (Edit::SetBudget(_), Edit::SetBudget(_))
             | (Edit::SetLook(_), Edit::SetLook(_)) => true,
             (
                 Edit::ReplaceStroke { node, input, stroke },

@@ -78,6 +78,7 @@ fn node_of(edit: &Edit) -> Option<&NodeId> {
         | E::SetView { .. }
         | E::SetLook(_)
         | E::SetThumbnail(_)
+        | E::SetBudget(_)
         | E::Several(_) => None,
     }
 }
@@ -340,6 +341,7 @@ fn one_in_words(document: &Document, inverse: &Edit) -> String {
             Some(_) => format!("view {name}: saved"),
             None => format!("view {name}: removed"),
         },
+        E::SetBudget(_) => "budget".to_owned(),
         E::SetLook(_) => "light and skin".to_owned(),
         E::SetThumbnail(_) => "thumbnail".to_owned(),
         E::SetBypass { id, bypass: true } => format!("{}: works again", name(id)),

@@ -7,6 +7,7 @@
 //!
 //! Documents know nothing of evaluation or windows, and open no files.
 
+use budget::Budget;
 use coif_nodes::data::strokes::Strokes;
 use coif_nodes::declared::{self, Interface, is_name};
 use coif_nodes::define::{Arity, NodeDef, Value, short};
@@ -16,6 +17,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::sync::Arc;
 
+pub mod budget;
 pub mod edit;
 pub mod gestures;
 pub mod graph;
@@ -43,6 +45,8 @@ pub struct Document {
     pub note: String,
     /// All randomness hangs from it.
     pub seed: u64,
+    /// What it may take.
+    pub budget: Budget,
     /// The node that the viewport shows.
     pub display: Option<NodeId>,
     /// Every node.
@@ -533,6 +537,7 @@ impl Document {
             Place::Field(name) => match name.as_str() {
                 "format" | "title" | "seed" | "nodes" => true,
                 "note" => !self.note.is_empty(),
+                "budget" => !self.budget.is_empty(),
                 "display" => self.display.is_some(),
                 "links" => self.links.iter().any(|(to, from)| self.is_apart(to, from)),
                 "frames" => !self.frames.is_empty(),

@@ -1,5 +1,6 @@
 //! Random documents, values and edits for property tests, from a seed.
 
+use super::budget::{Budget, Term};
 use super::edit::Edit;
 use super::{
     Document, Frame, Node, NodeId, Origin, Place, Point, SavedLook, SavedView, Setting, Socket,
@@ -368,6 +369,7 @@ impl Random {
                     "collapsed",
                     "views",
                     "look",
+                    "budget",
                     "layout",
                 ];
                 Place::Field(field(self, &names))
@@ -400,7 +402,7 @@ impl Random {
     pub(crate) fn edit(&mut self, document: &Document) -> Edit {
         let (id, to) = (self.id(), self.socket());
         let kind = document.node(id.as_str()).map_or("", |node| &node.kind).to_owned();
-        match self.below(32) {
+        match self.below(33) {
             0..=2 => Edit::AddNode { id, node: self.node().into(), at: self.point() },
             3 => Edit::RemoveNode { id },
             4 => Edit::ReplaceNode { id, node: self.node().into() },
@@ -469,6 +471,16 @@ impl Random {
                 }
             }
             28..=29 => self.edit_of_list(document, id),
+            30 => {
+                let mut budget = Budget::default();
+                for term in Term::ALL {
+                    let limit = self.chance(2).then(|| f64::from(self.unit().abs() + 0.1));
+                    let limit =
+                        limit.map(|x| if term == Term::Points { (x * 1e7).round() } else { x });
+                    budget.set(term, limit).unwrap();
+                }
+                Edit::SetBudget(budget)
+            }
             _ => {
                 let count = self.below(4);
                 Edit::Several((0..count).map(|_| self.edit(document)).collect())

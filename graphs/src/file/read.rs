@@ -6,6 +6,7 @@ use super::scan::{Scan, error_at, errors_at, scan, trimmed};
 use super::values::{Wrong, placed_value};
 use super::{FORMAT, FileError, Loaded, OLDEST, PART, upgrade};
 use crate::compare::CONFLICT;
+use crate::document::budget::Term;
 use crate::document::{
     BadId, Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
     Thumbnail,
@@ -54,6 +55,8 @@ struct FileGroom<'a> {
     views: Entries<String, FileView>,
     #[serde(default, deserialize_with = "there")]
     look: Option<FileLook>,
+    #[serde(default)]
+    budget: FileBudget,
     #[serde(default)]
     layout: Entries<NodeId, (f32, f32)>,
     #[serde(default)]
@@ -179,6 +182,18 @@ struct FileView {
     /// 0 where there is perspective.
     #[serde(default)]
     orthographic: f32,
+}
+
+/// As [`Budget`].
+#[derive(Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Budget")]
+struct FileBudget {
+    #[serde(default, deserialize_with = "there")]
+    seconds: Option<f64>,
+    #[serde(default, deserialize_with = "there")]
+    points: Option<f64>,
+    #[serde(default, deserialize_with = "there")]
+    mib: Option<f64>,
 }
 
 /// As [`SavedLook`].
@@ -520,6 +535,14 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
         }
     }
     reader.besides(&mut document, groom.frames, groom.bends, groom.collapsed, groom.views);
+    let FileBudget { seconds, points, mib } = groom.budget;
+    for (term, limit) in Term::ALL.into_iter().zip([seconds, points, mib]) {
+        // Left out, it would be a limit that nobody holds.
+        if let Err(why) = document.budget.set(term, limit) {
+            let at = reader.at(&Place::Field("budget".to_owned()));
+            reader.refused.get_or_insert((at, format!("budget: {why}")));
+        }
+    }
     if let Some(FileLook { light, exposure, skin }) = groom.look {
         let look = SavedLook { light, exposure, skin };
         match look.fault() {

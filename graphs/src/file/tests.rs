@@ -61,6 +61,8 @@ const OLD: &str = r#"// Cornrows for the wedding scene.
     },
     // as it was approved
     look: (light: "dark-hair", exposure: 0.5, skin: "8"),
+    // for the laptop
+    budget: (seconds: 2.5, points: 5000000, mib: 900.0),
     layout: {
         "all": (640.5, -20.0),
         "rows": (320.0, 0.0),
@@ -324,8 +326,31 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
     said(
         "(format: 1, colour: 3)",
         expect![
-            "x.ron:1:13: unexpected field named `colour` in `Groom`, expected one of `format`, `title`, `note`, `seed`, `display`, `nodes`, `links`, `frames`, `bends`, `collapsed`, `views`, `look`, `layout`, or `thumbnail` instead"
+            "x.ron:1:13: unexpected field named `colour` in `Groom`, expected one of `format`, `title`, `note`, `seed`, `display`, `nodes`, `links`, `frames`, `bends`, `collapsed`, `views`, `look`, `budget`, `layout`, or `thumbnail` instead"
         ],
+    );
+    let budget = |text: &str| format!("(\n    format: 2,\n    budget: ({text}),\n)");
+    said(
+        &budget("points: 0"),
+        expect![
+            "x.ron:3:13: budget: points: 0.0 is no limit: give a finite number over 0, or leave points out"
+        ],
+    );
+    said(
+        &budget("mib: 9, seconds: -2.5"),
+        expect![
+            "x.ron:3:13: budget: seconds: -2.5 is no limit: give a finite number over 0, or leave seconds out"
+        ],
+    );
+    said(
+        &budget("mib: inf"),
+        expect![
+            "x.ron:3:13: budget: mib: inf is no limit: give a finite number over 0, or leave mib out"
+        ],
+    );
+    said(
+        &budget("points: 0.5"),
+        expect!["x.ron:3:13: budget: points: 0.5 is no whole number of points"],
     );
     said("(format: 1, seed: -1)", expect!["x.ron:1:21: the number is out of range"]);
     said("(format: 1) (", expect!["x.ron:1:13: something stands behind its end"]);

@@ -4,6 +4,7 @@ use super::order::{FRAMES, NODES, after, by_lot, lot};
 use super::ports::{origin_fields, write_port};
 use super::values::{new_line, quoted, write_to};
 use super::{FORMAT, PART};
+use crate::document::budget::Term;
 use crate::document::{
     Document, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
 };
@@ -28,8 +29,21 @@ pub(super) fn write(document: &Document) -> String {
     if let Some(id) = &document.display {
         out.field("display", |out| out.quoted(id.as_str()));
     }
+    if !document.budget.is_empty() {
+        out.field("budget", |out| {
+            let limits = document.budget.limits();
+            let limits: Vec<String> =
+                limits.map(|(term, x)| format!("{term}: {}", limit(term, x))).collect();
+            let _ = write!(out.out, "({})", limits.join(", "));
+        });
+    }
     out.nodes_and_more();
     out.out
+}
+
+/// A limit as files have it: points are a whole number.
+fn limit(term: Term, x: f64) -> String {
+    if term == Term::Points { format!("{x}") } else { format!("{x:?}") }
 }
 
 /// Nodes and their wires, as they are copied.

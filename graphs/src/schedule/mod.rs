@@ -4,8 +4,10 @@
 //! [`cache::Cache`] before every node and every tuft, and gives a [`result::Outcome`]: values, and for each node
 //! what ran, what was reused and what it said.
 
+pub mod budget;
 pub mod cache;
 pub mod files;
+mod held;
 pub mod plan;
 pub mod request;
 pub mod result;

@@ -3,6 +3,7 @@
 //! A plan is checked: every wire fits, every value is of its input's type and finite, every file is read, and there is no
 //! cycle. So running it can only fail in the nodes themselves.
 
+use crate::document::budget::Budget;
 use coif_nodes::define::{NodeDef, Value};
 use coif_nodes::eval::Quality;
 
@@ -42,6 +43,8 @@ pub struct Plan {
     pub quality: Quality,
     /// Whether a node may make more points than a groom is to have, as many as memory holds. No key knows it.
     pub allow_large: bool,
+    /// What it may take, where that is held: a node that would make more points does not run. No key knows it.
+    pub budget: Budget,
     /// **Invariant:** a step's wires lead to earlier steps only.
     pub steps: Vec<Step>,
     /// Steps and outputs that are asked for.

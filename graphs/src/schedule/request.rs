@@ -5,6 +5,7 @@
 
 use super::files::Files;
 use super::plan::{Plan, Source, Step};
+use crate::document::budget::Budget;
 use crate::document::{Document, Node, NodeId, Setting, Socket, graph, values};
 use coif_nodes::declared::{self, Port};
 use coif_nodes::define::{Arity, Type, Value};
@@ -60,6 +61,7 @@ pub fn plan_possible(
         seed: document.seed,
         quality,
         allow_large: false,
+        budget: Budget::default(),
         steps: planner.steps,
         targets: found.iter().flatten().copied().collect(),
     };

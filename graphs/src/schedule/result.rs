@@ -1,6 +1,7 @@
 //! What an evaluation gave: values, what ran, what was said, and the hash by which machines are compared.
 
 use super::files::{MOST_BYTES, read_at_most, read_by};
+use crate::document::budget::Budget;
 use crate::document::{Document, Setting};
 use coif_nodes::data::attributes::{Attribute, Column, Domain, Item, default_of};
 use coif_nodes::data::curves::{Curves, Tuft};
@@ -33,6 +34,10 @@ pub struct NodeReport {
     pub curves: usize,
     /// Points of all its outputs.
     pub points: usize,
+    /// Points of all that it read.
+    pub points_read: usize,
+    /// Bytes that its values hold, without what they share with what it read; of a head with what was asked of it.
+    pub bytes: usize,
     /// What it said.
     pub messages: Vec<Message>,
     /// What became of its gestures, one for each in their order; empty for nodes that take none.
@@ -50,6 +55,8 @@ pub struct Outcome {
     pub nodes: Vec<NodeReport>,
     /// Whether somebody asked to stop before the end.
     pub cancelled: bool,
+    /// Wall time of the run, milliseconds.
+    pub ms: f64,
 }
 
 /// Hash of the content of curves: curves in order, attributes by name, little-endian, BLAKE3 cut to 128 bits, as 32
@@ -100,10 +107,11 @@ pub fn content_hash_until(curves: &Curves, is_cancelled: &dyn Fn() -> bool) -> O
     Some(hash.finalize().to_hex()[..32].to_owned())
 }
 
-/// Hash of what a document means, as 32 hexadecimal digits: moving nodes, writing notes and displaying another node changes
-/// nothing.
+/// Hash of what a document means, as 32 hexadecimal digits: moving nodes, writing notes, displaying another node and limiting what it
+/// may take changes nothing.
 pub fn document_hash(document: &Document) -> String {
     let mut meaning = document.clone();
+    meaning.budget = Budget::default();
     meaning.display = None;
     meaning.layout.clear();
     meaning.frames.clear();
@@ -275,7 +283,7 @@ mod tests {
 
     #[test]
     fn a_documents_hash_does_not_see_what_means_nothing() {
-        let full = r#"(format: 1, nodes: {
+        let full = r#"(format: 1, budget: (points: 9), nodes: {
             "pen": (kind: "stroke_input", label: "rows", note: "n", inputs: {"strokes": [
                 (id: 1, x: [1,2], y: [1,0], z: [1,0], pressure: [1,0], time: [0,1],
                  drawn: (x: [1], y: [1], z: [1], pressure: [1], time: [0])),

@@ -5,10 +5,13 @@
 //! node may wait for the pool (the distance field of a head is built once, by whoever asks first) without
 //! ever being run by it.
 
+use super::budget::most_points;
 use super::cache::Cache;
+use super::held;
 use super::plan::{Plan, Source, Step};
 use super::result::{NodeReport, Outcome};
 use coif_nodes::data::gestures::Replayed;
+use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{NodeError, Type, Value};
 use coif_nodes::eval::{EvalCx, Host, Kept, Log, MOST_POINTS, Message, Quality, Room};
 use coif_nodes::maths::hash::{Key, KeyBuilder};
@@ -142,6 +145,7 @@ impl Evaluator {
         cancel: &CancelToken,
         progress: &dyn Progress,
     ) -> Outcome {
+        let began = Instant::now();
         let n = plan.steps.len();
         let wires = |step: &Step| {
             let all = step.inputs.iter().flatten();
@@ -158,6 +162,8 @@ impl Evaluator {
         plan.targets.iter().for_each(|(step, _)| readers[*step] += 1);
         let mut values: Vec<Option<Vec<Value>>> = vec![None; n];
         let mut reports: Vec<Option<NodeReport>> = vec![None; n];
+        // Held until the end, when all is built that is asked of them.
+        let mut heads: Vec<Vec<Arc<Scalp>>> = vec![vec![]; n];
         let mut ready: Vec<usize> = (0..n).rev().filter(|i| waiting[*i] == 0).collect();
         let (mut running, mut finished) = (0, 0);
         let threads = self.threads(plan.quality);
@@ -204,7 +210,8 @@ impl Evaluator {
                 finished += 1;
                 progress.done(finished, n);
                 reports[i] = Some(report);
-                if out.is_some() {
+                if let Some(given) = &out {
+                    heads[i].extend(given.iter().filter_map(head_of));
                     for (j, step) in plan.steps.iter().enumerate().skip(i + 1) {
                         let uses = wires(step).iter().filter(|s| **s == i).count();
                         waiting[j] -= uses;
@@ -219,6 +226,9 @@ impl Evaluator {
                 }
             }
         });
+        for (report, bytes) in reports.iter_mut().zip(held::of_scalps(&heads)) {
+            report.iter_mut().for_each(|report| report.bytes += bytes);
+        }
         let targets = plan
             .targets
             .iter()
@@ -228,6 +238,7 @@ impl Evaluator {
             targets,
             nodes: reports.into_iter().flatten().collect(),
             cancelled: cancel.is_cancelled(),
+            ms: began.elapsed().as_secs_f64() * 1e3,
         }
     }
 
@@ -255,12 +266,16 @@ impl Evaluator {
             report.messages.clone_from(&known.messages);
             report.gestures.clone_from(&known.gestures);
             report.tufts_reused = known.tufts;
+            report.bytes = known.held;
             Ok(known.values.clone())
         } else if cancel.is_cancelled() {
             Err(NodeError::Cancelled)
         } else {
             let pool = self.pool(plan.quality);
-            let most = (!plan.allow_large).then_some(MOST_POINTS);
+            let usual = (!plan.allow_large).then_some(MOST_POINTS);
+            let budget =
+                most_points(&plan.budget).filter(|(most, _)| *most < usual.unwrap_or(u64::MAX));
+            let most = budget.as_ref().map(|(most, _)| *most).or(usual);
             let host = PoolHost { evaluator: self, pool, cancel, progress, node: &step.name, most };
             let mut cx = EvalCx::new(plan.seed, plan.quality, keys.node, &host, &log);
             // Who keeps nothing need not know what was read.
@@ -274,17 +289,25 @@ impl Evaluator {
                     .unwrap_or("no reason given");
                 Err(NodeError::failed(format!("a mistake in coif, please report it: {text}")))
             });
+            let result = result.map_err(|err| match (err, &budget) {
+                (NodeError::TooLarge(said), Some((_, limit))) => {
+                    NodeError::failed(format!("{said}, and {limit}"))
+                }
+                (err, _) => err,
+            });
             report.tufts_run = log.tufts_run.load(Ordering::Relaxed);
             report.tufts_reused = log.tufts_reused.load(Ordering::Relaxed);
             (report.messages, report.gestures) = (log.messages(), log.gestures());
             if let Ok(values) = &result {
                 report.messages.extend(vanished(step, &inputs, values, &report.messages));
+                report.bytes = held::new_bytes(&inputs, values);
                 let bytes = values.iter().map(Value::bytes).sum::<usize>() + 256;
                 let known = Known {
                     values: values.clone(),
                     messages: report.messages.clone(),
                     gestures: report.gestures.clone(),
                     tufts: report.tufts_run + report.tufts_reused,
+                    held: report.bytes,
                 };
                 self.cache().keep(keys.whole, Arc::new(known), bytes);
             }
@@ -302,13 +325,23 @@ impl Evaluator {
                 }
             }
         };
-        for value in values.iter().flatten() {
-            if let Value::Curves(curves) = value {
-                report.curves += curves.curve_count();
-                report.points += curves.point_count();
-            }
+        let curves = |value: &Value| match value {
+            Value::Curves(curves) => (curves.curve_count(), curves.point_count()),
+            _ => (0, 0),
+        };
+        report.points_read = inputs.iter().flatten().map(|value| curves(value).1).sum();
+        for (curves, points) in values.iter().flatten().map(curves) {
+            report.curves += curves;
+            report.points += points;
         }
         (report, values)
+    }
+}
+
+fn head_of(value: &Value) -> Option<Arc<Scalp>> {
+    match value {
+        Value::Scalp(scalp) => Some(scalp.clone()),
+        _ => None,
     }
 }
 
@@ -318,6 +351,8 @@ struct Known {
     messages: Vec<Message>,
     gestures: Vec<Arc<Replayed>>,
     tufts: u32,
+    /// Bytes of what was new in them, without heads.
+    held: usize,
 }
 
 /// Keys of one evaluation of a node.

@@ -84,6 +84,19 @@ impl Column {
             Column::Vec3(v) => ("vec3", bytemuck::cast_slice(v)),
         }
     }
+    /// Where the values lie, which others may share, and the bytes that they hold.
+    pub fn buffer(&self) -> (usize, usize) {
+        fn of<T>(values: &Arc<Vec<T>>) -> (usize, usize) {
+            (Arc::as_ptr(values) as usize, values.capacity() * size_of::<T>())
+        }
+        match self {
+            Column::F32(v) => of(v),
+            Column::I32(v) => of(v),
+            Column::U64(v) => of(v),
+            Column::Vec2(v) => of(v),
+            Column::Vec3(v) => of(v),
+        }
+    }
     /// The values at `pick`, in that order; a shared value stays one value.
     pub fn gather(&self, pick: &[u32]) -> Column {
         fn picked<T: Item>(values: &Arc<Vec<T>>, pick: &[u32]) -> Column {

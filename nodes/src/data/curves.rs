@@ -183,6 +183,20 @@ impl Tuft {
             + self.attributes.iter().map(|a| a.values.bytes().1.len() + 64).sum::<usize>()
             + size_of::<Self>()
     }
+    /// Tells where each buffer of it lies that other tufts may share, and the bytes that it holds.
+    pub fn buffers(&self, tell: &mut impl FnMut(usize, usize)) {
+        let (points, offsets) = (&self.points, &self.offsets);
+        tell(Arc::as_ptr(points) as usize, points.capacity() * size_of::<Vec3>());
+        tell(Arc::as_ptr(offsets) as usize, offsets.capacity() * size_of::<u32>());
+        for attribute in &self.attributes {
+            let (at, bytes) = attribute.values.buffer();
+            tell(at, bytes);
+        }
+    }
+    /// Bytes of it that no other tuft shares.
+    pub fn own_bytes(&self) -> usize {
+        size_of::<Self>() + self.attributes.capacity() * size_of::<Attribute>()
+    }
 }
 
 /// A tuft while it is made.

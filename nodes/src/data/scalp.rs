@@ -506,9 +506,17 @@ impl Scalp {
     }
     /// Bytes held.
     pub fn bytes(&self) -> usize {
+        self.sections.as_ref().map_or_else(|| self.head_bytes(), |sections| sections.bytes())
+    }
+    /// Tells where the head and its sections lie, which other scalps may share, and the bytes that they hold by now: what is
+    /// asked for later (the distance field, the chart) is built then.
+    pub fn buffers(&self, tell: &mut impl FnMut(usize, usize)) {
+        tell(Arc::as_ptr(&self.head) as usize, self.head_bytes());
         if let Some(sections) = &self.sections {
-            return sections.bytes();
+            tell(Arc::as_ptr(sections) as usize, sections.bytes());
         }
+    }
+    fn head_bytes(&self) -> usize {
         let vertices = self.head.surface.points.len() * (24 + 4 * self.head.masks.len());
         vertices
             + self.head.surface.triangles.len() * 150

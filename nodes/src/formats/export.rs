@@ -88,6 +88,15 @@ impl Format {
     pub const EXTENSIONS: &str = ".usda, .usdc, .abc, .hair";
 }
 
+/// The number that files have for each curve of each group: the primvar `id`.
+///
+/// # Errors
+/// None but those of numbering more curves than there are numbers.
+pub fn numbers(groups: &[Group]) -> Result<Vec<Vec<i32>>, FormatError> {
+    let ids = FileIds::of(groups, &|| Ok(()))?;
+    Ok((0..groups.len()).map(|nth| ids.of_group(nth)).collect())
+}
+
 /// Writes groups in a format. USD and Alembic hold the meshes of `heads` too. Whether somebody asks to stop is looked at from one attribute
 /// to the next while they are gathered; after that by `out`, which fails then.
 ///

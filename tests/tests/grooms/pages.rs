@@ -122,6 +122,12 @@ fn the_page_on_reports_has_every_field_of_reports_and_measures_and_no_other() {
     std::fs::write(&sweep, "guides.length\n3\n").expect("it is written");
     let of_rows = eval("start", &["--quality", "preview", "--sweep", &sweep]);
     fields(&of_rows[0], "", &mut found);
+    // Of a groom with a budget.
+    let text = std::fs::read_to_string(coif_tests::repository().join("graphs/grooms/start.ron"));
+    let text = text.expect("the groom").replacen("seed: 0,", "seed: 0, budget: (points: 100),", 1);
+    let limited = folder.path("limited.ron").display().to_string();
+    std::fs::write(&limited, text).expect("it is written");
+    fields(&eval(&limited, &["--quality", "preview", "--no-budget"]), "", &mut found);
     // Of a file that holds something broken.
     let file = folder.path("broken.usda");
     let good = "point3f[] points = [(0,0,0),(0,1,0)]\nint[] curveVertexCounts = [2]";

@@ -79,6 +79,7 @@ fn every_field_of_the_reader_is_on_the_page_and_in_the_schema_and_no_other() {
     check("(format: 2, frames: {\"a\": (zzz: 1)})", def("frame"));
     check("(format: 2, views: {\"a\": (zzz: 1)})", def("view"));
     check("(format: 2, look: (zzz: 1))", def("look"));
+    check("(format: 2, budget: (zzz: 1))", def("budget"));
     let strokes =
         |text: &str| node(&format!("kind: \"stroke_input\", inputs: {{\"strokes\": [{text}]}}"));
     check(&strokes("(zzz: 1)"), def("stroke"));

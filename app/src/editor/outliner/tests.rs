@@ -48,6 +48,7 @@ fn hands(groom: &str, curves: Curves) -> (Harness<'static, Bench>, NodeId) {
         values: [(socket, curves.into())].into(),
         final_strands: None,
         ms: 0.0,
+        over: vec![],
     }));
     let bench = Bench { editor, outliner: Outliner::default() };
     let mut hands =

@@ -49,6 +49,7 @@ fn hands(curves: Curves) -> Harness<'static, Bench> {
         values: [(socket, curves.into())].into(),
         final_strands: None,
         ms: 0.0,
+        over: vec![],
     }));
     let bench = Bench { editor, spreadsheet: Spreadsheet::default() };
     let mut hands =

@@ -76,6 +76,9 @@ fn besides(before: &Document, after: &Document, edits: &mut Vec<Edit>) {
     if before.thumbnail != after.thumbnail {
         edits.push(Edit::SetThumbnail(after.thumbnail.clone()));
     }
+    if before.budget != after.budget {
+        edits.push(Edit::SetBudget(after.budget));
+    }
     if before.look != after.look {
         edits.push(Edit::SetLook(after.look.clone()));
     }
