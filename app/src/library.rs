@@ -29,7 +29,7 @@ pub(crate) struct Entry {
 /// The most files of a folder that are looked at.
 const MOST_FILES: usize = 4096;
 /// The largest template that is read, bytes.
-const MOST_BYTES: u64 = 64 << 20;
+const MOST_BYTES: u64 = 16 << 20;
 
 /// The folder of a person's own templates.
 pub(crate) fn own(places: &Places) -> PathBuf {
@@ -110,7 +110,7 @@ pub(crate) fn files(folder: &Path) -> Vec<PathBuf> {
 pub(crate) fn read(path: &Path) -> Result<Entry, String> {
     let about = std::fs::metadata(path).map_err(|err| err.to_string())?;
     if !about.is_file() || about.len() > MOST_BYTES {
-        return Err("is no file of at most 64 MiB, as templates are".to_owned());
+        return Err("is no file of at most 16 MiB, as templates are".to_owned());
     }
     of_text(&std::fs::read(path).map_err(|err| err.to_string())?, Some(path.to_owned()))
 }

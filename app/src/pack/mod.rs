@@ -10,8 +10,9 @@ pub(crate) mod write;
 
 use crate::words::grouped;
 use coif_graphs::document::Document;
+use coif_graphs::schedule::files::mount;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What files of packs end in.
 pub(crate) const EXTENSION: &str = "coif";
@@ -25,8 +26,9 @@ const MOST_FILES: usize = 4096;
 const MOST_MANIFEST: u64 = 4 << 20;
 /// The most that files of a pack have together, bytes, where nobody allows more.
 const MOST_TOTAL: u64 = 4 << 30;
-/// What unpacks to more than this, and to [`MOST_RATIO`] times the pack, is no groom.
+/// What unpacks to more than this, and to [`MOST_RATIO`] times the pack, is no groom; and the same of the graph, which takes longer.
 const SMALL_TOTAL: u64 = 64 << 20;
+const SMALL_GRAPH: u64 = 1 << 20;
 const MOST_RATIO: u64 = 100;
 /// How a licence begins that names files of the pack.
 const SEE: &str = "see ";
@@ -177,6 +179,21 @@ impl Manifest {
 /// Whether a path is a pack's, by its extension.
 pub(crate) fn is_pack(path: &Path) -> bool {
     crate::cli::extension_of(path) == EXTENSION
+}
+
+/// The path to a file that is named as messages name those in packs, `pack.coif:heads/face.obj`: into that pack, which is proven
+/// first. Any other path is as it was.
+///
+/// # Errors
+/// The pack is refused, in one line that names it.
+pub(crate) fn led_into(path: PathBuf) -> Result<PathBuf, String> {
+    let text = path.to_string_lossy().into_owned();
+    let mark = format!(".{EXTENSION}:");
+    let Some(at) = text.find(&mark).filter(|_| !path.exists()) else { return Ok(path) };
+    let (pack, name) = text.split_at(at + mark.len() - 1);
+    let pack = Path::new(pack);
+    mount(pack, read::Pack::open(pack, false)?);
+    Ok(pack.join(&name[1..]))
 }
 
 /// The hash of a file's bytes: [`Packed::hash`].

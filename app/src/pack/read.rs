@@ -8,7 +8,7 @@
 
 use super::{
     ALLOW, EXTENSION, FORMAT, Hash, MANIFEST, MOST_FILES, MOST_MANIFEST, MOST_RATIO, Manifest,
-    Packed, SMALL_TOTAL, names,
+    Packed, SMALL_GRAPH, SMALL_TOTAL, names,
 };
 use crate::cli::groom::MOST_DOCUMENT;
 use coif_graphs::file::{self, Loaded};
@@ -61,9 +61,15 @@ impl Pack {
             .map_err(|err| of_pack(format!("says two things of one file: {err}")))?;
         let manifest = manifest(&mut zip, &listed).map_err(|why| of_file(path, MANIFEST, &why))?;
         let at = agree(&manifest, &listed).map_err(|(name, why)| of_file(path, &name, &why))?;
-        bounded(&manifest, size, allow_large).map_err(of_pack)?;
-        // The graph first: it is small, and most often wrong.
+        manifest.allowed(allow_large).map_err(of_pack)?;
         let graph_at = at[&manifest.graph];
+        let graph = &listed[graph_at.0];
+        if !allow_large {
+            bounded(manifest.total(), size, SMALL_TOTAL).map_err(of_pack)?;
+            bounded(graph.size, graph.packed, SMALL_GRAPH)
+                .map_err(|why| of_file(path, &graph.name, &why))?;
+        }
+        // The graph first: it is small, and most often wrong.
         let mut text = vec![];
         unpacked(&mut zip, &manifest, graph_at, &mut text)
             .map_err(|why| of_file(path, &manifest.graph, &why))?;
@@ -177,6 +183,7 @@ const MOST_LIST: u64 = MOST_FILES as u64 * 512;
 struct Listed {
     name: String,
     size: u64,
+    packed: u64,
 }
 
 type Fault = (String, String);
@@ -209,7 +216,7 @@ fn listed(zip: &mut ZipArchive<File>, end: u64) -> Result<Vec<Listed>, Fault> {
             return wrong("does not begin where the file before it ends");
         };
         begins = ends;
-        all.push(Listed { size: entry.size(), name });
+        all.push(Listed { size: entry.size(), packed: entry.compressed_size(), name });
     }
     if begins != end {
         return Err((
@@ -261,7 +268,7 @@ fn agree(
         .iter()
         .enumerate()
         .skip(1)
-        .map(|(n, Listed { name, size })| (name.as_str(), (n, *size)))
+        .map(|(n, Listed { name, size, .. })| (name.as_str(), (n, *size)))
         .collect();
     for (n, packed) in manifest.files.iter().enumerate() {
         let Some((place, size)) = zipped.remove(packed.path.as_str()) else {
@@ -295,14 +302,12 @@ fn agree(
     }
 }
 
-/// Whether all of it together is no more than a groom is.
-fn bounded(manifest: &Manifest, size: u64, allow_large: bool) -> Result<(), String> {
-    manifest.allowed(allow_large)?;
-    let total = manifest.total();
-    match total > SMALL_TOTAL && total / MOST_RATIO > size && !allow_large {
+/// Refuses what is more than `small` and unpacks to very much.
+fn bounded(size: u64, packed: u64, small: u64) -> Result<(), String> {
+    match size > small && size / MOST_RATIO > packed {
         true => Err(format!(
             "unpacks to {} MiB, more than {MOST_RATIO} times its size; {ALLOW} takes it all the same",
-            total >> 20
+            size >> 20
         )),
         false => Ok(()),
     }

@@ -9,6 +9,7 @@ mod hero;
 mod laws;
 mod light;
 mod openusd;
+mod packs;
 mod pages;
 mod shipped;
 mod sketches;

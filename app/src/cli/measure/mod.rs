@@ -200,6 +200,7 @@ fn read_scalp(path: &PathBuf) -> Result<Arc<Scalp>, String> {
     let mut inputs = vec![vec![]; node.inputs.len()];
     if path.as_os_str() != BUILT_IN {
         let path = std::path::absolute(path).map_err(|err| err.to_string())?;
+        let path = crate::pack::led_into(path)?;
         inputs[at].push(Value::File(DiskFiles::new("/").read(&path.to_string_lossy())?));
     }
     let log = Log::default();

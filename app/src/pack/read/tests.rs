@@ -4,6 +4,7 @@ use super::*;
 use serde_json::{Value as Json, json};
 use std::fs;
 use std::io::Write;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
@@ -17,7 +18,10 @@ struct Folder(PathBuf);
 
 impl Folder {
     fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("coif-pack-{test}-{}", std::process::id()));
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let n = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let path =
+            std::env::temp_dir().join(format!("coif-pack-{test}-{}-{n}", std::process::id()));
         let _ = fs::remove_dir_all(&path);
         fs::create_dir_all(&path).unwrap();
         Self(path)
@@ -279,7 +283,10 @@ fn what_unpacks_to_very_much_is_refused_before_it_does() {
     // Every size says 9, and 70 MiB come.
     let mut lies = bomb.with(|it| it.manifest["files"][2]["size"] = json!(9)).zip();
     patch(&mut lies, 3, [22, 24], &[9, 0, 0, 0]);
-    check("a.png: is larger than the 9 bytes", &lies);
+    check("a.png: is damaged: File is larger than its declared", &lies);
+    let blank = format!("{GRAPH}{}", " ".repeat(2 << 20));
+    let graph = Made::of(&blank, &[("heads/face.obj", MESH.as_bytes())]);
+    check("groom.ron: unpacks to 2 MiB", &graph.with(|it| it.deflated = true).zip());
     let many: Vec<(String, Vec<u8>)> =
         (0..MOST_FILES).map(|n| (format!("{n}.png"), vec![])).collect();
     check("packs hold 4096 at most", &Made::good().with(|it| it.files.extend(many)).zip());
