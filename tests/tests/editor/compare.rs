@@ -9,7 +9,7 @@ use coif_graphs::document::{NodeId, Setting};
 use coif_graphs::{file, grooms};
 use coif_nodes::data::field::Field;
 use coif_nodes::define::Value;
-use coif_tests::Folder;
+use coif_tests::{Folder, program, run_with};
 use egui::{Key, Modifiers};
 
 #[test]
@@ -57,4 +57,17 @@ fn anothers_version_is_looked_at_beside_ones_own_and_in_its_place() {
     story.picture("4-alone");
     assert_eq!(file::write(&story.ui.state().state.document), before);
     assert_eq!(story.ui.state().state.history.done(), 0);
+}
+
+#[test]
+fn a_groom_that_cannot_be_read_opens_no_window_beside_another() {
+    let folder = Folder::new("compare-broken");
+    let broken = folder.path("broken.ron");
+    std::fs::write(&broken, "(format: 2, nodes: {").expect("a file");
+    for (name, said) in [("none.ron", "no such file"), ("broken.ron", "broken.ron:1:")] {
+        let other = folder.path(name).display().to_string();
+        let ran = run_with(program(), ["edit", "start", "--compare", &other]);
+        assert_eq!(ran.code, 2, "{}", ran.err);
+        assert!(ran.err.contains(said) && ran.err.contains(name), "{}", ran.err);
+    }
 }
