@@ -270,6 +270,9 @@ fn agree(
         .skip(1)
         .map(|(n, Listed { name, size, .. })| (name.as_str(), (n, *size)))
         .collect();
+    if !zipped.contains_key(manifest.graph.as_str()) {
+        return wrong(&manifest.graph, "is the graph by the manifest, and none of its files");
+    }
     for (n, packed) in manifest.files.iter().enumerate() {
         let Some((place, size)) = zipped.remove(packed.path.as_str()) else {
             return wrong(&packed.path, "is named in the manifest once more than it is there");
@@ -291,7 +294,7 @@ fn agree(
         return wrong(extra, "is not named in the manifest");
     }
     match at.get(&manifest.graph) {
-        None => wrong(&manifest.graph, "is the graph by the manifest, and none of its files"),
+        None => wrong(&manifest.graph, "is the graph by the manifest, and not in its list"),
         Some((_, n)) if manifest.files[*n].size > MOST_DOCUMENT => {
             wrong(&manifest.graph, "is larger than 256 MiB, which no graph is")
         }
