@@ -199,7 +199,9 @@ fn listed(zip: &mut ZipArchive<File>, end: u64) -> Result<Vec<Listed>, Fault> {
         if std::str::from_utf8(entry.name_raw()).is_err() {
             return wrong("its name is no UTF-8 text");
         }
-        if entry.is_dir() || entry.unix_mode().is_some_and(|mode| mode & 0o170_000 != 0o100_000) {
+        if entry.is_dir()
+            || entry.unix_mode().is_some_and(|mode| !matches!(mode & 0o170_000, 0 | 0o100_000))
+        {
             return wrong("is a link, a folder or a device: packs hold files alone");
         }
         if let Some(why) = names::fault(&name) {
