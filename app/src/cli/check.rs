@@ -11,7 +11,7 @@ use coif_graphs::document::Document;
 use coif_graphs::document::graph::{Severity, check, targets, upstream};
 use coif_graphs::file::Loaded;
 use coif_graphs::schedule::files::{DiskFiles, Files, named};
-use coif_nodes::define::{Holds, short};
+use coif_nodes::define::{Holds, Type, short};
 use coif_nodes::formats::picture_in::{Channel, read_picture};
 use coif_nodes::formats::read_mesh;
 use std::path::{Path, PathBuf};
@@ -58,8 +58,13 @@ fn files(document: &Document, folder: &Path) -> Vec<(bool, String, String, Strin
     };
     let all = named(document).into_iter();
     let told = all.filter_map(|(node, input, path)| {
-        let def = coif_nodes::by_id(&document.node(node.as_str())?.kind)?;
-        let why = fault(def.input(input)?.1.holds?, &path)?;
+        let (_, input_def) = document.def(node)?.input(input)?;
+        let why = match input_def.holds {
+            Some(holds) => fault(holds, &path)?,
+            // What a port's file holds, the node that reads it knows.
+            None if input_def.ty == Type::File => disk.read(&path).err()?,
+            None => return None,
+        };
         let text = format!("{}: {why}", short(&path));
         Some((needed.contains(node), node.to_string(), input.to_owned(), text))
     });

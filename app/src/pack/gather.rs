@@ -56,6 +56,11 @@ pub(crate) struct Gathered {
 /// The largest file that is taken for one that says a licence, and the most of them beside a file.
 const MOST_LICENCE: u64 = 1 << 20;
 const MOST_LICENCES: usize = 8;
+/// What ends in one of these says no licence, whatever it is called.
+const ASSETS: &[&str] = &[
+    "obj", "mtl", "gltf", "glb", "bin", "png", "jpg", "jpeg", "tif", "tiff", "exr", "hdr", "ron",
+    "coif",
+];
 /// The folder of a pack that holds what lay outside the graph's.
 const OUTSIDE: &str = "outside";
 
@@ -97,7 +102,7 @@ pub(crate) fn gather(graph: Graph, collect: bool) -> Result<Gathered, Vec<String
     let origin = template::group_of(&document)
         .ok()
         .and_then(|id| document.node(id.as_str())?.template.clone());
-    let beside = if is_file { bag.licences(&folder, &folder, &name) } else { String::new() };
+    let beside = if is_file { bag.licences(&folder, &name) } else { String::new() };
     let (terms, author) = match origin {
         Some(origin) if !origin.licence.is_empty() => {
             (origin.licence.clone(), origin.author.clone())
@@ -195,6 +200,8 @@ struct Bag {
     /// Folders outside, and what they are called in the pack.
     outside: BTreeMap<PathBuf, String>,
     told: BTreeSet<String>,
+    /// What speaks for folders that were looked at.
+    licences: BTreeMap<PathBuf, Vec<(String, PathBuf)>>,
 }
 
 impl Bag {
@@ -265,7 +272,7 @@ impl Bag {
             return Ok(());
         }
         let beside = full.parent().unwrap_or(Path::new(""));
-        let licence = self.licences(beside, beside, name);
+        let licence = self.licences(beside, name);
         self.add(name, real, &licence);
         if !matches!(extension_of(full).as_str(), "obj" | "gltf" | "glb") {
             return Ok(());
@@ -322,7 +329,7 @@ impl Bag {
             Some((folder, _)) => format!("{folder}/{side}"),
             None => side.to_owned(),
         };
-        let own = self.licences(full.parent().unwrap_or(beside), beside, &name);
+        let own = self.licences(full.parent().unwrap_or(beside), &name);
         self.add(&name, &real, if own.is_empty() { licence } else { &own });
         Ok(())
     }
@@ -336,54 +343,67 @@ impl Bag {
         self.found.entry(name.to_owned()).or_insert_with(new);
     }
 
-    /// Adds what stands in `folder` and says the licence of the file that is called `name` in the pack. Gives words that name
-    /// it; empty where there is none. It lies in `root`, or a link of it is not followed.
-    fn licences(&mut self, folder: &Path, root: &Path, name: &str) -> String {
+    /// Adds what says the licence of the file that lies in `folder` and is called `name` in the pack: what is called as it is, else
+    /// what speaks for the folder. Gives words that name it; empty where there is none.
+    fn licences(&mut self, folder: &Path, name: &str) -> String {
         let (within, file) =
             name.rsplit_once('/').map_or((String::new(), name), |(f, n)| (format!("{f}/"), n));
-        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-        let all = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        let mut all: Vec<String> =
-            all.filter_map(|entry| entry.file_name().into_string().ok()).collect();
-        all.sort();
-        let own = format!("{file}.license");
-        let begins = |names: &[&str]| -> Vec<String> {
-            let lower = |name: &String| name.to_lowercase();
-            let is_of_another = |name: &String| lower(name).ends_with(".license");
-            let all = all.iter().filter(|name| !is_of_another(name));
-            all.filter(|name| names.iter().any(|begin| lower(name).starts_with(begin)))
-                .cloned()
-                .collect()
+        let found = match of_folder(folder, &format!("{file}.license")) {
+            Some(own) => vec![own],
+            None => {
+                let known = self.licences.entry(folder.to_owned());
+                known.or_insert_with(|| licences_of(folder)).clone()
+            }
         };
-        let found = match all.contains(&own) {
-            true => vec![own],
-            false => match begins(&["license", "licence", "copying"]) {
-                none if none.is_empty() => begins(&["readme"]),
-                some => some,
-            },
-        };
-        let root = settled(root);
-        let is_one = |name: &String| {
-            let real = folder.join(name).canonicalize().ok()?;
-            let about = real.metadata().ok()?;
-            let fits = about.is_file() && about.len() <= MOST_LICENCE && real.starts_with(&root);
-            (fits && names::fault(name).is_none()).then(|| (name.clone(), real))
-        };
-        let found: Vec<(String, PathBuf)> =
-            found.iter().filter_map(is_one).take(MOST_LICENCES).collect();
-        for (licence, real) in &found {
-            self.add(&format!("{within}{licence}"), real, "");
+        let mut named = vec![];
+        for (licence, real) in found {
+            let licence = format!("{within}{licence}");
+            self.add(&licence, &real, "");
+            named.push(licence);
         }
-        let named: Vec<String> =
-            found.iter().map(|(licence, _)| format!("{within}{licence}")).collect();
         if named.is_empty() { String::new() } else { format!("{SEE}{}", named.join(", ")) }
     }
 }
 
+/// The files of a folder that say a licence for all of it.
+fn licences_of(folder: &Path) -> Vec<(String, PathBuf)> {
+    let all = std::fs::read_dir(or_here(folder)).into_iter().flatten().flatten();
+    let mut all: Vec<String> =
+        all.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    all.sort();
+    let is_text = |name: &str| {
+        let extension = extension_of(Path::new(name));
+        !ASSETS.contains(&extension.as_str()) && extension != "license"
+    };
+    let called = |words: &[&str]| -> Vec<(String, PathBuf)> {
+        let fits = |name: &&String| {
+            let lower = name.to_lowercase();
+            words.iter().any(|word| lower.contains(word)) && is_text(&lower)
+        };
+        let found = all.iter().filter(fits).filter_map(|name| of_folder(folder, name));
+        found.take(MOST_LICENCES).collect()
+    };
+    match called(&["license", "licence", "copying"]) {
+        none if none.is_empty() => called(&["readme"]),
+        some => some,
+    }
+}
+
+/// A small file of a folder under a name that packs may have; none where there is no such, or a link that leads elsewhere.
+fn of_folder(folder: &Path, name: &str) -> Option<(String, PathBuf)> {
+    let real = folder.join(name).canonicalize().ok()?;
+    let about = real.metadata().ok()?;
+    let fits = about.is_file() && about.len() <= MOST_LICENCE && real.starts_with(settled(folder));
+    (fits && names::fault(name).is_none()).then(|| (name.to_owned(), real))
+}
+
+fn or_here(folder: &Path) -> &Path {
+    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
+}
+
 /// A folder as the system sees it.
 fn settled(folder: &Path) -> PathBuf {
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
+    or_here(folder).canonicalize().unwrap_or_else(|_| folder.to_owned())
 }
 
 fn said(err: &std::io::Error) -> String {

@@ -199,7 +199,9 @@ fn listed(zip: &mut ZipArchive<File>, end: u64) -> Result<Vec<Listed>, Fault> {
         if std::str::from_utf8(entry.name_raw()).is_err() {
             return wrong("its name is no UTF-8 text");
         }
-        if entry.is_dir() || entry.unix_mode().is_some_and(|mode| mode & 0o170_000 != 0o100_000) {
+        if entry.is_dir()
+            || entry.unix_mode().is_some_and(|mode| !matches!(mode & 0o170_000, 0 | 0o100_000))
+        {
             return wrong("is a link, a folder or a device: packs hold files alone");
         }
         if let Some(why) = names::fault(&name) {
@@ -270,6 +272,9 @@ fn agree(
         .skip(1)
         .map(|(n, Listed { name, size, .. })| (name.as_str(), (n, *size)))
         .collect();
+    if !zipped.contains_key(manifest.graph.as_str()) {
+        return wrong(&manifest.graph, "is the graph by the manifest, and none of its files");
+    }
     for (n, packed) in manifest.files.iter().enumerate() {
         let Some((place, size)) = zipped.remove(packed.path.as_str()) else {
             return wrong(&packed.path, "is named in the manifest once more than it is there");
@@ -291,7 +296,7 @@ fn agree(
         return wrong(extra, "is not named in the manifest");
     }
     match at.get(&manifest.graph) {
-        None => wrong(&manifest.graph, "is the graph by the manifest, and none of its files"),
+        None => wrong(&manifest.graph, "is the graph by the manifest, and not in its list"),
         Some((_, n)) if manifest.files[*n].size > MOST_DOCUMENT => {
             wrong(&manifest.graph, "is larger than 256 MiB, which no graph is")
         }

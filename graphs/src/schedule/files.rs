@@ -221,3 +221,61 @@ fn said(err: &std::io::Error) -> String {
         _ => err.to_string(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_below_a_folder_leads_nowhere_else() {
+        let name = |path: &str| name_below(Path::new(path));
+        for (path, expected) in
+            [("a.obj", "a.obj"), ("./a/b", "a/b"), ("a/../b", "b"), ("a//b/./c/", "a/b/c")]
+        {
+            assert_eq!(name(path).as_deref(), Some(expected), "{path}");
+        }
+        for path in ["", ".", "..", "../a", "a/../..", "a/../../b", "/a", "a/.."] {
+            assert_eq!(name(path), None, "{path}");
+        }
+    }
+
+    #[test]
+    fn ports_name_files_as_nodes_do() {
+        let text = r#"(format: 2, nodes: {
+            "head": (kind: "head", inputs: {"mesh": "a.obj"}),
+            "p": (kind: "parameters", inputs: {"scan": "b.obj"}, interface: (inputs: [
+                (name: "scan", type: "file"), (name: "mesh", type: "text", default: "no file"),
+                (name: "more", type: "file", default: "c.obj"), (name: "none", type: "file"),
+            ])),
+        })"#;
+        let document = crate::file::read(text).unwrap().document;
+        let found: Vec<String> = named(&document)
+            .iter()
+            .map(|(id, input, path)| format!("{id}.{input} {path}"))
+            .collect();
+        assert_eq!(found, ["head.mesh a.obj", "p.scan b.obj", "p.more c.obj"]);
+    }
+
+    #[test]
+    fn paths_lead_into_an_archive_and_not_out_of_it() {
+        struct One;
+        impl Archive for One {
+            fn read(&self, name: &str, _: u64) -> Result<Vec<u8>, String> {
+                if name == "heads/a.obj" {
+                    Ok(vec![7])
+                } else {
+                    Err("is not in the pack".to_owned())
+                }
+            }
+        }
+        let at = std::env::temp_dir().join("coif-files-no-such.coif");
+        mount(&at, Arc::new(One));
+        let read = |name: &str| read_at_most(&at.join(name), 9);
+        assert_eq!(read("heads/a.obj"), Ok(vec![7]));
+        assert_eq!(read("heads/../heads/./a.obj"), Ok(vec![7]));
+        assert_eq!(read("../coif-files-no-such.coif"), Err("leads out of the pack".to_owned()));
+        let read = DiskFiles::new(&at).read("heads/a.obj").unwrap();
+        assert_eq!(read.path, format!("{}:heads/a.obj", at.display()));
+        assert!(DiskFiles::new(&at).read("b.obj").is_err());
+    }
+}

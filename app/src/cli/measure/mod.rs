@@ -50,7 +50,8 @@ use std::sync::Arc;
 pub(crate) struct MeasureArgs {
     /// File with curves: .usda, .usdc, .usd, .usdz or .abc
     file: PathBuf,
-    /// Head mesh that the roots should lie on: .obj, .gltf or .glb; "builtin" for the built-in head
+    /// Head mesh that the roots should lie on: .obj, .gltf or .glb, also one of a pack (groom.coif:head.obj); "builtin" for the built-in
+    /// head
     #[arg(long, value_name = "FILE")]
     scalp: Option<PathBuf>,
     /// Print JSON for other tools
