@@ -297,6 +297,7 @@ impl Templates {
             if self.at_work.is_busy() {
                 ui.spinner();
             }
+            ui.add(egui::Label::new(RichText::new(&it.title).strong()).truncate());
         });
         let line = |ui: &mut Ui, text: String, whole: &str| {
             ui.add(egui::Label::new(RichText::new(text).color(theme::QUIET)).truncate())
@@ -321,7 +322,8 @@ impl Templates {
             some(&origin.author, "nobody named"),
             some(&origin.licence, "no licence named")
         );
-        line(ui, by.clone(), &by);
+        let source = some(&origin.source, "Nothing is said of where the style comes from.");
+        line(ui, by.clone(), &format!("{by}\n{source}"));
     }
 }
 

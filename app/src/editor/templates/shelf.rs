@@ -25,6 +25,8 @@ pub(crate) struct Listed {
     pub(crate) thumbnail: Option<Thumbnail>,
     /// Its file; none where it comes with coif.
     pub(crate) path: Option<PathBuf>,
+    /// All that it is found by, in small letters.
+    said: String,
 }
 
 /// A file that is no template.
@@ -33,6 +35,16 @@ pub(crate) struct Broken {
     pub(crate) path: PathBuf,
     pub(crate) place: String,
     pub(crate) why: String,
+    /// All that it is found by, in small letters.
+    said: String,
+}
+
+impl Broken {
+    fn row(path: &Path, place: &str, why: String) -> Row {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let said = format!("{name}\n{place}\n{why}").to_lowercase();
+        Row::Broken(Self { path: path.to_owned(), place: place.to_owned(), why, said }.into())
+    }
 }
 
 /// A line of the shelf.
@@ -64,17 +76,11 @@ impl Row {
         }
     }
 
-    /// Whether every word is found in what it says of itself.
+    /// Whether every word, in small letters, is found in what it says of itself.
     pub(crate) fn says(&self, words: &[String]) -> bool {
         let text = match self {
-            Self::Found(it) => {
-                let Origin { name, author, tags, source, version, .. } = &it.origin;
-                let tags = tags.join(" ");
-                let all =
-                    [&it.title, name, &it.description, author, &tags, source, version, &it.place];
-                all.map(|text| text.to_lowercase()).join("\n")
-            }
-            Self::Broken(it) => format!("{}\n{}", self.title(), it.why).to_lowercase(),
+            Self::Found(it) => &it.said,
+            Self::Broken(it) => &it.said,
         };
         words.iter().all(|word| text.contains(word.as_str()))
     }
@@ -152,6 +158,14 @@ impl Shelf {
         let shelf = Self { shared: self.shared.clone() };
         let looking = std::thread::Builder::new().name("templates".to_owned()).spawn(move || {
             let mut folders = folders;
+            if known.shipped.is_empty() {
+                known.shipped = shipped();
+                // These are there at once; folders take their time.
+                let mut rows = known.shipped.clone();
+                sort(&mut rows);
+                to.lock().unwrap_or_else(PoisonError::into_inner).rows = Arc::new(rows);
+                wake();
+            }
             loop {
                 let (rows, reads) = looked(&folders, &mut known);
                 let mut shared = to.lock().unwrap_or_else(PoisonError::into_inner);
@@ -175,14 +189,29 @@ impl Shelf {
     }
 }
 
+/// What comes with coif.
+fn shipped() -> Vec<Row> {
+    let row = |(name, text): &(&str, &str)| {
+        row(library::shipped(text), Path::new(name), "comes with coif")
+    };
+    grooms::TEMPLATES.iter().map(row).collect()
+}
+
+/// By title, the newest version first; what is broken stands at the end.
+fn sort(rows: &mut [Row]) {
+    rows.sort_by(|a, b| match (a, b) {
+        (Row::Found(a), Row::Found(b)) => {
+            let title = a.title.to_lowercase().cmp(&b.title.to_lowercase());
+            title.then_with(|| library::by_version(&b.origin.version, &a.origin.version))
+        }
+        (Row::Broken(a), Row::Broken(b)) => a.path.cmp(&b.path),
+        (Row::Found(_), Row::Broken(_)) => std::cmp::Ordering::Less,
+        (Row::Broken(_), Row::Found(_)) => std::cmp::Ordering::Greater,
+    });
+}
+
 /// All rows, and how many files were read for them.
 fn looked(folders: &[(String, PathBuf)], known: &mut Known) -> (Vec<Row>, usize) {
-    if known.shipped.is_empty() {
-        let shipped = grooms::TEMPLATES
-            .iter()
-            .map(|(name, text)| row(library::shipped(text), Path::new(name), "comes with coif"));
-        known.shipped = shipped.collect();
-    }
     let (mut rows, mut reads) = (known.shipped.clone(), 0);
     let mut files = BTreeMap::new();
     for (place, folder) in folders {
@@ -201,16 +230,7 @@ fn looked(folders: &[(String, PathBuf)], known: &mut Known) -> (Vec<Row>, usize)
         }
     }
     known.files = files;
-    rows.sort_by(|a, b| match (a, b) {
-        (Row::Found(a), Row::Found(b)) => {
-            let title = a.title.to_lowercase().cmp(&b.title.to_lowercase());
-            title.then_with(|| library::by_version(&b.origin.version, &a.origin.version))
-        }
-        (Row::Broken(a), Row::Broken(b)) => a.path.cmp(&b.path),
-        // What is broken stands at the end.
-        (Row::Found(_), Row::Broken(_)) => std::cmp::Ordering::Less,
-        (Row::Broken(_), Row::Found(_)) => std::cmp::Ordering::Greater,
-    });
+    sort(&mut rows);
     (rows, reads)
 }
 
@@ -230,15 +250,13 @@ fn hidden(before: &[Row], row: Row) -> Row {
     let whose = first.path.as_ref().map_or("coif".to_owned(), |path| path.display().to_string());
     let why =
         format!("{name} {version} is taken from {whose}: give this one another name or version");
-    Row::Broken(Broken { path: path.clone(), place: new.place.clone(), why }.into())
+    Broken::row(path, &new.place, why)
 }
 
 fn row(read: Result<Entry, String>, path: &Path, place: &str) -> Row {
     match read {
         Ok(entry) => Row::Found(listed(entry, place).into()),
-        Err(why) => {
-            Row::Broken(Broken { path: path.to_owned(), place: place.to_owned(), why }.into())
-        }
+        Err(why) => Broken::row(path, place, why),
     }
 }
 
@@ -253,5 +271,9 @@ fn listed(entry: Entry, place: &str) -> Listed {
     let takes = takes.join(", ");
     let thumbnail = document.thumbnail;
     let place = place.to_owned();
-    Listed { origin, title, description, hash, takes, place, thumbnail, path }
+    let Origin { name, version, author, tags, source, .. } = &origin;
+    let tags = tags.join(" ");
+    let all = [&title, name, &description, author, &tags, source, version, &place];
+    let said = all.map(|text| text.to_lowercase()).join("\n");
+    Listed { origin, title, description, hash, takes, place, thumbnail, path, said }
 }
