@@ -6,7 +6,7 @@ use super::wires::{Run, Wire};
 use crate::editor::theme;
 use coif_graphs::compare::{Change, Fact, Said};
 use coif_graphs::document::{Document, NodeId};
-use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2};
+use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, vec2};
 use std::collections::BTreeMap;
 
 /// How something differs.
@@ -132,7 +132,7 @@ impl Mark {
         let edge = Stroke::new(2.0 * unit, self.colour());
         p.rect_stroke(rect.expand(2.0 * unit), 6.0, edge, StrokeKind::Outside);
         let r = (8.0 * unit).min(rect.height() * 0.5);
-        self.sign(p, pos2(rect.left() + rect.width() * 0.5, rect.top()), r);
+        self.sign(p, rect.right_top(), r);
     }
 
     /// Draws it on a wire.

@@ -297,9 +297,6 @@ fn row(message: &Message, ui: &mut egui::Ui, out: &mut Vec<Event>) {
             {
                 out.push(Event::Act(action.id));
             }
-            if let Some((keep, take)) = &message.decides {
-                decide(keep, take.as_ref(), ui, out);
-            }
             if let (Some(node), Some(input)) = (&message.node, &message.missing) {
                 missing(node, input, ui, out);
             }
@@ -316,6 +313,9 @@ fn row(message: &Message, ui: &mut egui::Ui, out: &mut Vec<Event>) {
                     if !message.remedy.is_empty() {
                         ui.add(Label::new(RichText::new(&message.remedy).weak()).wrap());
                     }
+                    if let Some((keep, take)) = &message.decides {
+                        ui.horizontal_wrapped(|ui| decide(keep, take.as_ref(), ui, out));
+                    }
                 });
             });
         });
@@ -324,15 +324,15 @@ fn row(message: &Message, ui: &mut egui::Ui, out: &mut Vec<Event>) {
 
 /// The buttons that decide what a merge left.
 fn decide(keep: &Edit, take: Option<&Edit>, ui: &mut egui::Ui, out: &mut Vec<Event>) {
-    let take_theirs = ui.add_enabled(take.is_some(), egui::Button::new("Take theirs").small());
-    let take_theirs = take_theirs
-        .on_hover_text("Says what theirs says")
-        .on_disabled_hover_text("The comment does not hold all of it: compare with their file");
-    if let Some(edit) = take.filter(|_| take_theirs.clicked()) {
-        out.push(Event::Edit(edit.clone()));
-    }
     if ui.small_button("Keep ours").on_hover_text("Leaves what is there").clicked() {
         out.push(Event::Edit(keep.clone()));
+    }
+    let button = ui.add_enabled(take.is_some(), egui::Button::new("Take theirs").small());
+    let button = button
+        .on_hover_text("Says what theirs says")
+        .on_disabled_hover_text("The comment does not hold all of it: compare with their file");
+    if let Some(edit) = take.filter(|_| button.clicked()) {
+        out.push(Event::Edit(edit.clone()));
     }
 }
 

@@ -121,7 +121,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         id: "compare.saved",
         label: "Compare with saved",
         tip: "Shows this groom beside its file as it was saved, with all that changed since.",
-        words: "diff difference changes revert review",
+        words: "diff difference changes since review",
         menu: "File",
         when: |editor| match editor.state.file.path {
             Some(_) => Ok(()),

@@ -228,6 +228,50 @@ fn two_documents_side_by_side_fit_every_window() {
     assert_eq!(hands.widgets(None), before, "rooms come back");
 }
 
+/// What a merge left to decide: its buttons are within the room of messages, or scrolled to.
+#[test]
+fn what_a_merge_left_is_decided_in_every_window() {
+    let base = groom("cornrows");
+    let with = |seed: u64, bypass: bool| {
+        let mut document = base.clone();
+        document.seed = seed;
+        let id = NodeId::new("braid").unwrap();
+        let label = Some(format!("braids of {seed}"));
+        use coif_graphs::document::edit::Edit;
+        Edit::SetLabel { id, label }.apply(&mut document).unwrap();
+        let id = NodeId::new("fill").unwrap();
+        match bypass {
+            true => Edit::SetBypass { id, bypass }.apply(&mut document).unwrap(),
+            false => Edit::RemoveNode { id }.apply(&mut document).unwrap(),
+        };
+        document
+    };
+    let merged = coif_graphs::compare::merge(&base, &with(5, true), &with(6, false)).document;
+    let mut hands = Hands::on(merged, [1600.0, 1000.0], 1.0);
+    for size in SIZES {
+        for scale in SCALES {
+            hands.resize(size, scale);
+            hands.editor().apply(Event::Show(Room::Messages));
+            hands.steps(4);
+            let name = format!("conflicts at {size:?} and {scale}");
+            hands.picture(&name);
+            let room = hands.room(Room::Messages);
+            if room.height() < 90.0 {
+                continue;
+            }
+            for words in ["Keep ours", "Take theirs"] {
+                for button in hands.0.query_all_by_label(words) {
+                    let place = button.rect();
+                    let across = room.x_range();
+                    let inside = across.contains(place.left()) && across.contains(place.right());
+                    assert!(inside, "{name}: {words} {place:?} in {room:?}");
+                }
+            }
+            assert!(hands.shows("Keep ours"), "{name}");
+        }
+    }
+}
+
 fn menus(sizes: &[([f32; 2], f32)]) {
     let mut hands = Hands::on(groom("cornrows"), [1600.0, 1000.0], 1.0);
     let mut wrong = vec![];
