@@ -48,6 +48,9 @@ struct Row {
     inner: BTreeMap<String, Row>,
 }
 
+/// What the first column says of itself.
+const ORDER: &str = "slowest first";
+
 /// The table, with a line for its columns.
 pub(super) fn table(nodes: &[Node]) -> String {
     let mut all = Row { cost: Cost::default(), is_known: false, inner: BTreeMap::new() };
@@ -57,10 +60,11 @@ pub(super) fn table(nodes: &[Node]) -> String {
     let mut lines = vec![];
     lines_of("", &all, &mut lines);
     lines.push(("all nodes".to_owned(), all.cost, false));
-    let width = lines.iter().map(|(name, ..)| name.chars().count()).max().unwrap_or(0);
+    let names = lines.iter().map(|(name, ..)| name.as_str()).chain([ORDER]);
+    let width = names.map(|name| name.chars().count()).max().unwrap_or(0);
     let mut text = format!(
         "{:width$} {:>10} {:>6} {:>10} {:>9} {:>9} {:>10} {:>10}\n",
-        "slowest first", "ms", "%", "points", "curves", "MiB", "pieces run", "reused"
+        ORDER, "ms", "%", "points", "curves", "MiB", "pieces run", "reused"
     );
     for (name, cost, is_known) in lines {
         let Cost { ms, points, curves, bytes, run, reused } = cost;

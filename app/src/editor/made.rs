@@ -146,7 +146,10 @@ mod tests {
     #[test]
     fn what_made_a_hair_is_listed_and_each_line_leads_to_its_node() {
         let mut ui = asked("sketch_bob", "strands");
-        assert!(ui.query_by_label("Head").is_some(), "the head made it too");
+        let made = ui.state().state.made.clone().unwrap();
+        let lines: Vec<String> = made.rows().into_iter().map(|row| row.text).collect();
+        assert_eq!(lines[0], "Head", "{lines:?}");
+        assert!(lines.iter().all(|line| ui.query_all_by_label(line).next().is_some()), "{lines:?}");
         click(&mut ui, ": gesture ");
         let state = &ui.state().state;
         let active = state.active().expect("a node is selected");
