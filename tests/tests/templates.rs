@@ -49,7 +49,8 @@ fn a_template_made_has_a_thumbnail_and_a_groom_that_takes_it_has_none() {
     let groom = copied(&folder, "fringe");
     let made = folder.path("made.ron").display().to_string();
     let new = |more: &[&str]| {
-        run([&["template", "new", &groom, "fringe", "--out", &made, "--name", "mine"], more].concat())
+        run([&["template", "new", &groom, "fringe", "--out", &made, "--name", "mine"], more]
+            .concat())
     };
     let ran = new(&["--no-thumbnail"]);
     assert_eq!((ran.code, ran.err.as_str()), (0, ""));

@@ -345,6 +345,7 @@ fn an_upgrade_is_told_before_it_is_done_and_is_one_step() {
         hands.steps(1);
     }
     hands.steps(2);
+    hands.picture("an upgrade");
     assert!(hands.shows("✖ diameter = 0.3: lost, there is no such input any more"));
     assert!(hands.shows("⏵ count = 5000: moved to hairs"));
     assert!(hands.shows("• scalp = head.scalp: kept"));

@@ -96,9 +96,8 @@ impl Editor {
         }
     }
 
-    /// Does the upgrade that is shown. Where the document changed since, what it would do is shown anew instead.
+    /// Does the upgrade that is shown; what is shown follows the document.
     pub(super) fn upgrade(&mut self) {
-        self.keep_offer();
         let Some(offer) = self.state.offer.take() else { return };
         match template::upgrade(&self.state.document, &offer.id, &offer.entry.document) {
             Err(why) => self.apply(EditorEvent::Say(Note::warning(why).of(offer.id))),
