@@ -5,7 +5,7 @@
 //! the state and says what happened; it never changes anything itself. What it keeps between frames is
 //! what hands and eyes hold: the view, an open search, a wire in the hand.
 //!
-//! A canvas may be for looking alone ([`Canvas::to_look_at`]): it draws a state, is moved and zoomed, and says nothing.
+//! A canvas may be for looking alone (`Canvas::to_look_at`): it draws a state, is moved and zoomed, and says nothing.
 //!
 //! Not kept with a groom: the view, selected wires, the last kinds that were added.
 

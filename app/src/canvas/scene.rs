@@ -356,15 +356,15 @@ impl Scene<'_> {
         self.memory.hovered = hovered;
     }
 
-    /// Marks what differs from another document, over nodes and wires.
+    /// Marks what differs from another document: wires behind the nodes, nodes over them.
     fn marks(&self, ui: &Ui, found: &Found) {
         let Some(marks) = &self.memory.marks else { return };
-        let p = &over(ui, "marks");
         for run in &found.runs {
             if let Some(mark) = marks.wires.get(&run.wire) {
-                mark.on_wire(p, run, self.scale);
+                mark.on_wire(ui.painter(), run, self.scale);
             }
         }
+        let p = &over(ui, "marks");
         for (id, mark) in &marks.nodes {
             if let (Some(face), Some(corner)) = (self.faces.all.get(id), found.corners.get(id)) {
                 mark.on_node(p, Rect::from_min_size(*corner, face.size()), self.scale);
