@@ -118,11 +118,19 @@ pub fn new(document: &Document, group: &NodeId, origin: Origin) -> Result<Docume
     }
     let curves = |port: &&Port| port.ty == coif_nodes::define::Type::Curves;
     for port in node.interface.unwrap_or_default().outputs().iter().filter(curves) {
-        let out = made.free_id("out");
-        let kind = OUTPUT.to_owned();
-        made.nodes.insert(out.clone(), Node { kind, ..Node::default() }.into());
-        let from = vec![Socket::new(group.clone(), &port.name)];
-        made.links.insert(Socket::new(out, "curves"), from);
+        let from = Socket::new(group.clone(), &port.name);
+        // What the graph has for it says whether it is hair or guides, and how it is called.
+        let shows = |(to, wires): (&Socket, &Vec<Socket>)| {
+            let node = document.node(to.node.as_str())?;
+            let is_one = node.kind == OUTPUT && to.node.group().is_none() && wires.contains(&from);
+            is_one.then(|| (to.node.clone(), node.clone()))
+        };
+        let (out, shown) = document.links.iter().find_map(shows).unwrap_or_else(|| {
+            (made.free_id("out"), Node { kind: OUTPUT.to_owned(), ..Node::default() })
+        });
+        let out = if made.nodes.contains_key(&out) { made.free_id("out") } else { out };
+        made.nodes.insert(out.clone(), shown.into());
+        made.links.insert(Socket::new(out, "curves"), vec![from]);
     }
     made.settle();
     Ok(made)
