@@ -350,7 +350,7 @@ fn hangs_from(document: &Document, to: &Socket) -> Vec<Socket> {
             let is_needed = input.is_some_and(|(_, input)| {
                 input.arity != Arity::Optional && input.default().is_none() && !is_set
             });
-            let outputs = def.into_iter().filter(|_| is_needed).flat_map(|def| &def.outputs[..]);
+            let outputs = def.into_iter().filter(|_| is_needed).flat_map(|def| def.outputs);
             outputs.map(|output| Socket::new(to.node.clone(), output.name)).collect()
         }
     }
@@ -388,7 +388,7 @@ impl Search<'_> {
             // What is off together may still pull against each other, as a painted stroke and one that erases it do.
             for n in 0..CHECKS {
                 let drawn = |at: &usize| {
-                    KeyBuilder::new("trace").int(n).int(*at as u64).finish().0.count_ones() % 2 == 0
+                    KeyBuilder::new("trace").int(n).int(*at as u64).finish().0 & 1 == 0
                 };
                 let some: Vec<usize> = rest.iter().copied().filter(drawn).collect();
                 if !self.is_same(&some)? {

@@ -118,12 +118,12 @@ const PAINTED: &str = r#"(format: 2, nodes: {
         nodes: {
             "in": (kind: "group_input"),
             "mask": (kind: "paint_mask", links: {"scalp": "in.scalp"}, inputs: {"strokes": [
-                (id: 1, mode: "paint", radius: 3.0, strength: 1.0, points: [(0.0, 9.0, 5.0), (0.0, 9.8, 2.0)]),
-                (id: 2, mode: "paint", radius: 3.0, strength: 0.5, points: [(0.0, 9.8, 2.0), (0.0, 9.0, -4.0)]),
-                (id: 3, mode: "paint", radius: 2.0, strength: 1.0, points: [(-6.0, 6.0, 0.0)]),
-                (id: 4, mode: "paint", radius: 1.0, strength: 1.0, points: [(6.0, 6.0, 0.0)]),
-                (id: 5, mode: "erase", radius: 1.0, strength: 1.0, points: [(6.0, 6.0, 0.0)]),
-                (id: 6, mode: "paint", radius: 2.0, strength: 0.7, points: [(0.0, 2.0, -9.0)]),
+                (id: 1, mode: "paint", radius: 8.0, strength: 1.0, points: [(0.0, 9.0, 5.0), (0.0, 9.8, 2.0)]),
+                (id: 2, mode: "paint", radius: 8.0, strength: 0.5, points: [(0.0, 9.8, 2.0), (0.0, 9.0, -4.0)]),
+                (id: 3, mode: "paint", radius: 6.0, strength: 1.0, points: [(-6.0, 6.0, 0.0)]),
+                (id: 4, mode: "paint", radius: 5.0, strength: 1.0, points: [(6.0, 6.0, 0.0)]),
+                (id: 5, mode: "erase", radius: 5.0, strength: 1.0, points: [(6.0, 6.0, 0.0)]),
+                (id: 6, mode: "paint", radius: 6.0, strength: 0.7, points: [(0.0, 2.0, -9.0)]),
             ]}),
             "hair": (kind: "scatter_guides", links: {"scalp": "in.scalp"}, inputs: {"count": 60}),
             "width": (kind: "set_width", links: {"curves": "hair.curves", "scale": "mask.mask"}),
