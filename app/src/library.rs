@@ -76,11 +76,12 @@ fn in_folders(folders: &[PathBuf]) -> (Vec<Entry>, Vec<String>) {
         add(shipped(text), name);
     }
     for folder in folders {
-        for path in files(folder) {
-            let shown = path.display().to_string();
-            add(read(&path), &shown);
+        let all = files(folder);
+        for path in &all {
+            add(read(path), &path.display().to_string());
         }
     }
+    wrong.extend(folders.iter().filter_map(|folder| fault(folder)));
     (found, wrong)
 }
 
@@ -92,15 +93,33 @@ pub(crate) fn shipped(text: &str) -> Result<Entry, String> {
     of_text(text.as_bytes(), None)
 }
 
-/// The `.ron` files of a folder by name; none where there is no such folder.
+/// The first [`MOST_FILES`] `.ron` files of a folder by name; none where there is no such folder.
 pub(crate) fn files(folder: &Path) -> Vec<PathBuf> {
-    let all = std::fs::read_dir(folder).into_iter().flatten().flatten().take(MOST_FILES);
+    let all = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut all: Vec<PathBuf> = all
         .map(|entry| entry.path())
         .filter(|path| path.extension().is_some_and(|it| it == "ron") && path.is_file())
+        .take(MOST_FILES + 1)
         .collect();
     all.sort();
+    all.truncate(MOST_FILES);
     all
+}
+
+/// What is wrong with a folder of templates that somebody named: it is none, or not all of it is read.
+fn fault(folder: &Path) -> Option<String> {
+    let shown = folder.display();
+    match std::fs::read_dir(folder) {
+        // A person's own folder is made when something is put into it.
+        Err(err)
+            if err.kind() == std::io::ErrorKind::NotFound && *folder == own(&Places::here()) =>
+        {
+            None
+        }
+        Err(err) => Some(format!("{shown}: {err}; see COIF_TEMPLATES")),
+        Ok(_) => (files(folder).len() == MOST_FILES)
+            .then(|| format!("{shown}: has more templates than are read, {MOST_FILES}")),
+    }
 }
 
 /// A template from its file.

@@ -192,6 +192,24 @@ pub struct Upgrade {
     pub changed_inside: bool,
 }
 
+/// The port that a port of an older version is now. One of the same name, unless another has been given that name among its
+/// former ones since: then the ports were renamed, and may even have changed names with each other.
+fn successor(old: &[Port], new: &'static [Port], name: &str) -> Option<&'static Port> {
+    let was = |port: &Port| port.was.iter().any(|was| was == name);
+    let known = |port: &Port| old.iter().any(|before| before.name == port.name && was(before));
+    let is_new = |port: &Port| old.iter().all(|before| before.name != port.name);
+    let same = new.iter().find(|port| port.name == name);
+    let renamed = new.iter().find(|port| was(port) && !known(port));
+    match (same, renamed) {
+        // Of two that may be it the one that says so, where the other is a newcomer or says that it was something else.
+        (Some(same), Some(renamed)) => {
+            let takes_over = is_new(renamed) || same.was.iter().any(|was| *was == renamed.name);
+            Some(if takes_over { renamed } else { same })
+        }
+        (same, renamed) => same.or(renamed).or_else(|| new.iter().find(|port| was(port))),
+    }
+}
+
 /// What putting a newer template in the place of an instance would do. Values and wires on its ports are kept where the
 /// new one has their port, by its name or by a name that it had.
 ///
@@ -208,10 +226,12 @@ pub fn upgrade(document: &Document, id: &NodeId, template: &Document) -> Result<
     let newer = &template.nodes[group];
     let (old_ports, ports) =
         (node.interface.unwrap_or_default(), newer.interface.unwrap_or_default());
-    let find = |name: &str| -> Option<&'static Port> {
-        let all = ports.inputs().iter();
-        let by_name = all.clone().find(|port| port.name == name);
-        by_name.or_else(|| all.clone().find(|port| port.was.iter().any(|was| was == name)))
+    let find = |name: &str| successor(old_ports.inputs(), ports.inputs(), name);
+    // Whether a port that was renamed keeps what it has itself.
+    let is_taken = |port: &Port, name: &str| {
+        let holds =
+            node.inputs.contains_key(&port.name) || !document.wires(id, &port.name).is_empty();
+        port.name != name && holds && find(&port.name).is_some_and(|it| it.name == port.name)
     };
     let mut after = document.clone();
     let inside: Vec<NodeId> = document.inside(id).map(|(id, _)| id.clone()).collect();
@@ -256,6 +276,9 @@ pub fn upgrade(document: &Document, id: &NodeId, template: &Document) -> Result<
         };
         let fate = match find(name) {
             None => Fate::Lost { why: "there is no such input any more".to_owned() },
+            Some(port) if is_taken(port, name) => {
+                Fate::Lost { why: format!("{} has a value of its own", port.name) }
+            }
             Some(port) => settled(port, name, setting, &mut new),
         };
         told.push(Told { port: name.clone(), value: coif_nodes::define::short(&value), fate });
@@ -265,6 +288,9 @@ pub fn upgrade(document: &Document, id: &NodeId, template: &Document) -> Result<
         let gives = wires.iter().map(|wire| crate::document::wiring::output_type(document, wire));
         let fate = match find(&to.name) {
             None => Fate::Lost { why: "there is no such input any more".to_owned() },
+            Some(port) if is_taken(port, &to.name) => {
+                Fate::Lost { why: format!("{} has a value of its own", port.name) }
+            }
             Some(port) if !gives.clone().flatten().all(|ty| ty.fits(port.ty)) => {
                 Fate::Lost { why: format!("it takes {} now", port.ty.name()) }
             }
@@ -286,10 +312,7 @@ pub fn upgrade(document: &Document, id: &NodeId, template: &Document) -> Result<
                 kept.push(wire.clone());
                 continue;
             }
-            let all = ports.outputs().iter();
-            let same = all.clone().find(|port| port.name == *wire.name);
-            let port = same
-                .or_else(|| all.clone().find(|port| port.was.iter().any(|was| *was == *wire.name)));
+            let port = successor(old_ports.outputs(), ports.outputs(), &wire.name);
             let had = old_ports.outputs().iter().find(|port| port.name == *wire.name);
             let fits = |port: &&Port| had.is_none_or(|had| port.ty == had.ty);
             let fate = match port.filter(fits) {

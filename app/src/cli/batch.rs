@@ -12,6 +12,7 @@ use super::sweep::{Sweep, may_name_a_file};
 use super::{Exit, complain, shown, tell};
 use crate::files::{Role, Together};
 use clap::Args;
+use coif_graphs::schedule::files::read_at_most;
 use coif_graphs::schedule::run::CancelToken;
 use serde_json::Value as Json;
 use std::collections::BTreeMap;
@@ -327,9 +328,12 @@ fn collect(folder: &Path, out: Option<&Path>) -> Result<Exit, Stop> {
     Ok(exit)
 }
 
+/// The largest report that is read, bytes.
+const MOST_REPORT: u64 = 256 << 20;
+
 /// One report as a row of the table.
 fn row(name: &str, path: &Path) -> Result<[String; COLUMNS.len()], String> {
-    let text = std::fs::read(path).map_err(|err| err.to_string())?;
+    let text = read_at_most(path, MOST_REPORT)?;
     let report: Json = serde_json::from_slice(&text).map_err(|err| err.to_string())?;
     let exit = report["exit"].as_u64().ok_or("is no report of one evaluation")?;
     let text = |value: &Json| value.as_str().unwrap_or_default().to_owned();

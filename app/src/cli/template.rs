@@ -4,9 +4,7 @@
 //! an instance needs no template file, for it holds all of it.
 
 use super::carry_out::{Stop, in_one_step};
-use super::{
-    Exit, complain, complain_of, ending, groom, pack, print, print_plain, thumbnail,
-};
+use super::{Exit, complain, complain_of, ending, groom, pack, print, print_plain, thumbnail};
 use crate::files::{Role, Together};
 use crate::library::{self, Entry};
 use crate::pack::is_pack;
@@ -125,6 +123,9 @@ struct NewArgs {
     /// Draw no thumbnail
     #[arg(long)]
     no_thumbnail: bool,
+    /// Write over a file that is no template of this name
+    #[arg(long)]
+    force: bool,
     /// Where the thumbnail is seen from, as for coif render
     #[arg(long, value_name = "NAME", default_value = thumbnail::CAMERA)]
     camera: String,
@@ -298,7 +299,36 @@ fn rewritten<T>(
     })
 }
 
+/// Why a name or a version of a template cannot be.
+fn bad_word(what: &str, word: &str) -> Option<String> {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
+    let is_good = !word.trim().is_empty()
+        && word.chars().all(is_plain)
+        && !word.starts_with('.')
+        && word.len() <= 100;
+    (!is_good).then(|| {
+        format!(
+            "--{what} {:?}: letters, digits, blanks and - _ . are allowed, 1 to 100 bytes, and none begins with a dot",
+            short(word)
+        )
+    })
+}
+
 fn new(args: &NewArgs) -> Exit {
+    let words = [("name", args.name.as_deref()), ("version", Some(args.version.as_str()))];
+    let bad = words.into_iter().find_map(|(what, word)| bad_word(what, word?));
+    let is_there = || {
+        // What is no template of that name is somebody's work.
+        let another = !library::read(&args.out)
+            .is_ok_and(|there| args.name.as_ref().is_none_or(|name| there.origin.name == *name));
+        (args.out.is_file() && another && !args.force).then(|| {
+            format!("{}: is there, and is no such template: use --force", args.out.display())
+        })
+    };
+    if let Some(why) = bad.or_else(is_there) {
+        complain(why);
+        return Exit::Refused;
+    }
     let made = rewritten(&args.graph, Some(&args.out), |document, files, cancel| {
         let group = match &args.group {
             Some(group) => NodeId::new(group).map_err(|err| err.to_string())?,
@@ -439,7 +469,13 @@ fn wanted(document: &Document, args: &UpgradeArgs) -> Result<Vec<(NodeId, Entry)
         };
         match newest {
             Ok(entry)
-                if named.is_empty() && args.to.is_some() && entry.origin.name != origin.name => {}
+                if named.is_empty() && args.to.is_some() && entry.origin.name != origin.name =>
+            {
+                let name = &origin.name;
+                complain(format_args!(
+                    "note: {id} is an instance of {name}: name it to put another template there"
+                ));
+            }
             Ok(entry) if named.is_empty() && entry.hash == origin.hash => {}
             Ok(_) if named.is_empty() && origin.locked => {
                 complain(format_args!("note: {id} is locked to version {}", origin.version));
@@ -493,7 +529,7 @@ fn upgrade(args: &UpgradeArgs) -> Exit {
     };
     ended(told, |told| {
         if told.is_empty() {
-            return print_plain("every instance is at its newest version");
+            return print_plain("nothing to upgrade");
         }
         told.iter().map(|line| print_plain(line)).max().unwrap_or(Exit::Done)
     })

@@ -130,7 +130,9 @@ impl Manifest {
 
     /// What it holds, a line each, for a person.
     pub(crate) fn told(&self) -> Vec<String> {
-        let licence = |licence: &str, author: &str| match (licence, author) {
+        // On one line, whatever a manifest says.
+        let line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let licence = |licence: &str, author: &str| match (&*line(licence), &*line(author)) {
             ("", "") => "licence not stated".to_owned(),
             ("", author) => format!("by {author}, licence not stated"),
             (licence, "") => format!("licence: {licence}"),

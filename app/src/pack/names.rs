@@ -37,6 +37,12 @@ fn of_word(word: &str) -> Option<String> {
     if word.is_empty() || word == "." {
         return Some("its name has an empty part".to_owned());
     }
+    if word.starts_with('.') {
+        return Some(
+            "a part of its name begins with a dot: what is hidden may steer other programs"
+                .to_owned(),
+        );
+    }
     if word.len() > MOST_WORD {
         return Some(format!("a part of its name is longer than {MOST_WORD} bytes"));
     }
@@ -93,7 +99,6 @@ mod tests {
             "a.obj",
             "heads/face 1.obj",
             "Köpfe/Ñ-1.png",
-            ".hidden",
             "a/b/c",
             "com",
             "communes.obj",
@@ -107,6 +112,8 @@ mod tests {
         let longer = ["a".repeat(100), "b".repeat(100), "c".repeat(100)].join("/");
         let bad = [
             "",
+            ".git/hooks/post-merge",
+            "a/.ssh",
             "/a",
             "../a",
             "a/../b",

@@ -14,11 +14,13 @@ use super::items::{Item, one};
 use super::lists::{in_one_order, numbered};
 use crate::document::graph::{Fault, check};
 use crate::document::{Document, Frame, NodeId, Place, Setting, Socket};
-use crate::file::lot;
+use crate::file::{lot, write_value};
 use coif_nodes::data::gestures::Gesture;
 use coif_nodes::data::strokes::Stroke;
+use coif_nodes::declared::KINDS;
 use coif_nodes::define::Arity;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// What became of three documents.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +38,7 @@ pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     let mut merge = Merge::new(base, ours, theirs);
     merge.settle_nodes();
     let mut whole = document(merge.combine());
+    forget_types(&mut whole);
     merge.yielded.retain(|fact| fact.node().is_none_or(|id| whole.nodes.contains_key(id)));
     // A comment whose entry the other removed stands before what that stood in.
     let lost: Vec<Place> =
@@ -49,6 +52,29 @@ pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     conflicts.sort_by(|a, b| a.fact.cmp(&b.fact));
     write(&mut whole, &conflicts);
     Merged { document: whole, conflicts, yielded }
+}
+
+/// A value that one set on a port which the other took away is text that nothing reads, as in a file.
+fn forget_types(document: &mut Document) {
+    let declared: Vec<NodeId> = document
+        .nodes
+        .iter()
+        .filter(|(_, node)| KINDS.contains(&node.kind.as_str()))
+        .map(|(id, _)| id.clone())
+        .collect();
+    for id in declared {
+        let def = document.def(&id);
+        let Some(node) = document.nodes.get_mut(&id) else { continue };
+        let is_read = |name: &str| def.is_some_and(|def| def.input(name).is_some());
+        if node.inputs.keys().all(|name| is_read(name)) {
+            continue;
+        }
+        for (name, setting) in &mut Arc::make_mut(node).inputs {
+            if let (Setting::Known(value), false) = (&*setting, is_read(name)) {
+                *setting = Setting::Raw(write_value(value).into());
+            }
+        }
+    }
 }
 
 /// What is wrong with the merged document and with neither of the two: a circle, a wire that nothing gives.

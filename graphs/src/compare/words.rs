@@ -9,6 +9,7 @@ use super::lists::{is_in_one_order, numbered};
 use crate::document::{Document, NodeId, Place, Setting, Socket};
 use crate::file::write_value;
 use coif_nodes::data::gestures::{Gestures, Tool};
+use coif_nodes::declared::{Interface, Port};
 use coif_nodes::define::{Type, Value, short};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -259,7 +260,14 @@ impl Telling<'_> {
             }
             _ => {}
         }
-        changes.iter().filter_map(|change| self.of_fact(id, &name, change)).collect()
+        let lines =
+            changes.iter().flat_map(|change| match (&change.fact, &change.from, &change.to) {
+                (Fact::Ports(_), Some(Said::Ports(from)), Some(Said::Ports(to))) => {
+                    of_interface(&name, *from, *to)
+                }
+                _ => self.of_fact(id, &name, change).into_iter().collect(),
+            });
+        lines.collect()
     }
 
     fn of_fact(&self, id: &NodeId, name: &str, change: &Change) -> Option<String> {
@@ -285,6 +293,9 @@ impl Telling<'_> {
                 }
             },
             Fact::Wires(to) => return self.of_wires(name, to, change),
+            Fact::Ports(_) => format!("{name}: interface {}", became(change)),
+            Fact::Template(_) if from == to => format!("{name}: template {to} {}", became(change)),
+            Fact::Template(_) => format!("{name}: template {from} to {to}"),
             _ => return None,
         })
     }
@@ -352,6 +363,84 @@ impl Telling<'_> {
             false => format!("{name}.{}", short(&socket.name)),
         }
     }
+}
+
+/// What changed of an interface, port by port.
+fn of_interface(name: &str, from: Interface, to: Interface) -> Vec<String> {
+    let sides = [("input", from.inputs(), to.inputs()), ("output", from.outputs(), to.outputs())];
+    let mut lines = vec![];
+    for (side, before, after) in sides {
+        let before_of = |port: &Port| {
+            let same = before.iter().find(|old| old.name == port.name);
+            same.or_else(|| before.iter().find(|old| port.was.contains(&old.name)))
+        };
+        let gone = |old: &&Port| {
+            !after.iter().any(|port| before_of(port).is_some_and(|it| it.name == old.name))
+        };
+        lines.extend(
+            before.iter().filter(gone).map(|old| format!("{name}: {side} {} removed", old.name)),
+        );
+        for port in after {
+            match before_of(port) {
+                None => {
+                    lines.push(format!("{name}: {side} {} added ({})", port.name, port.ty.name()))
+                }
+                Some(old) => {
+                    let what = of_port(old, port);
+                    if !what.is_empty() {
+                        lines.push(format!("{name}: {side} {} {}", old.name, what.join(", ")));
+                    }
+                }
+            }
+        }
+        let kept = |ports: &[Port], there: &dyn Fn(&Port) -> Option<String>| -> Vec<String> {
+            ports.iter().filter_map(there).collect()
+        };
+        let old_order = kept(before, &|old| (!gone(&old)).then(|| old.name.clone()));
+        let new_order = kept(after, &|port| before_of(port).map(|old| old.name.clone()));
+        if old_order != new_order {
+            lines.push(format!("{name}: {side}s in another order"));
+        }
+    }
+    lines
+}
+
+/// What changed of a port.
+fn of_port(old: &Port, new: &Port) -> Vec<String> {
+    let mut what = vec![];
+    let mut say = |of: &str, from: String, to: String| {
+        if from != to {
+            what.push(format!("{of} {from} to {to}"));
+        }
+    };
+    let range = |range: Option<(f64, f64)>| {
+        range.map_or_else(|| "none".to_owned(), |(lo, hi)| format!("{lo} to {hi}"))
+    };
+    let value = |port: &Port| {
+        port.default.as_ref().map_or_else(|| "none".to_owned(), |value| short(&write_value(value)))
+    };
+    say("called", old.name.clone(), new.name.clone());
+    say("type", format!("{:?}", old.ty), format!("{:?}", new.ty));
+    say("default", value(old), value(new));
+    say("range", range(old.hard), range(new.hard));
+    say("slider", range(old.soft), range(new.soft));
+    say("unit", format!("{:?}", old.unit), format!("{:?}", new.unit));
+    say("section", short(&old.section), short(&new.section));
+    if old.arity != new.arity {
+        what.push("takes another number of values".to_owned());
+    }
+    if old.doc != new.doc {
+        what.push("explained otherwise".to_owned());
+    }
+    // A default may differ in what is not shown of it.
+    let key = |port: &Port| port.default.as_ref().map(Value::key);
+    if what.is_empty() && key(old) != key(new) {
+        what.push("has another default".to_owned());
+    }
+    if what.is_empty() && old.was != new.was {
+        what.push("had other names before".to_owned());
+    }
+    what
 }
 
 /// Strokes and gestures, by their number.

@@ -319,6 +319,8 @@ impl Edit {
     /// Makes the change and gives the edit that takes it back exactly. On an error the document is
     /// as before.
     pub fn apply(&self, document: &mut Document) -> Result<Edit, EditError> {
+        // Of what is lost comes back what there was, not what this edit had made of it by then.
+        let comments = document.comments.clone();
         let inverse = self.change(document)?;
         // Comments go with what they stood before, and come back with it.
         let lost: Vec<Place> =
@@ -328,7 +330,8 @@ impl Edit {
         }
         let mut undo = vec![inverse];
         for place in lost {
-            if let Some(lines) = document.comments.remove(&place) {
+            document.comments.remove(&place);
+            if let Some(lines) = comments.get(&place).cloned() {
                 undo.push(Edit::SetComment { place, lines });
             }
         }

@@ -319,3 +319,35 @@ fn what_a_template_has_drawn_for_it_comes_along_empty_to_be_drawn() {
     assert_eq!(node.inputs.keys().collect::<Vec<_>>(), ["radius", "seed"], "no strokes");
     assert_ne!(node.inputs["seed"], document.nodes[&mine].inputs["seed"]);
 }
+
+#[test]
+fn a_port_is_followed_by_who_says_that_it_was_called_so() {
+    type Ports<'a> = &'a [(&'a str, &'a [&'a str])];
+    let interface = |ports: Ports| {
+        let port = |(name, was): &(&str, &[&str])| Port {
+            was: was.iter().map(ToString::to_string).collect(),
+            ..Port::new(name, Type::Float)
+        };
+        Interface::new(ports.iter().map(port).collect(), vec![]).unwrap()
+    };
+    let check = |old: Ports, new: Ports, name: &str, to: Option<&str>| {
+        let (old, new) = (interface(old), interface(new));
+        let found = successor(old.inputs(), new.inputs(), name).map(|port| port.name.as_str());
+        assert_eq!(found, to, "{name} of {old:?} in {new:?}");
+    };
+    check(&[("a", &[])], &[("a", &[])], "a", Some("a"));
+    check(&[("a", &[])], &[("b", &["a"])], "a", Some("b"));
+    check(&[("a", &[])], &[("b", &[])], "a", None);
+    // Another has the name now.
+    check(&[("a", &[])], &[("a", &[]), ("b", &["a"])], "a", Some("b"));
+    // That was long ago.
+    let both: Ports = &[("a", &[]), ("b", &["a"])];
+    check(both, both, "a", Some("a"));
+    check(both, both, "b", Some("b"));
+    // They changed names.
+    let (before, after): (Ports, Ports) =
+        (&[("a", &[]), ("b", &[])], &[("a", &["b"]), ("b", &["a"])]);
+    check(before, after, "a", Some("b"));
+    check(before, after, "b", Some("a"));
+    check(after, after, "a", Some("a"));
+}
