@@ -1,3 +1,5 @@
+//! Traces of random hairs: whatever is not listed can be off, in any choice, and nothing that is listed can.
+
 use super::*;
 use crate::document::testing::Random;
 use crate::schedule::files::DiskFiles;
