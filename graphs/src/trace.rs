@@ -238,7 +238,7 @@ pub fn parts(groom: &Groom, output: &Socket) -> Result<Vec<Part>, BadRequest> {
     let nodes = feeders.iter().map(|id| (id, false)).chain(run.iter().map(|id| (id, true)));
     let mut parts = vec![];
     for (id, runs) in nodes {
-        if runs && *id != output.node {
+        if runs {
             parts.push(Part::Node(id.clone()));
         }
         let node = document.node(id.as_str());
@@ -262,8 +262,12 @@ pub fn parts(groom: &Groom, output: &Socket) -> Result<Vec<Part>, BadRequest> {
     Ok(parts)
 }
 
-/// The document with these parts off.
-pub fn without<'a>(document: &Document, off: impl IntoIterator<Item = &'a Part>) -> Document {
+/// The document with these parts off, and what is read there in place of `output`; none where nothing is.
+pub fn without<'a>(
+    document: &Document,
+    off: impl IntoIterator<Item = &'a Part>,
+    output: &Socket,
+) -> (Document, Option<Socket>) {
     let (mut nodes, mut drawn) = (BTreeSet::new(), BTreeMap::<_, BTreeSet<u64>>::new());
     for part in off {
         match part {
@@ -303,7 +307,7 @@ pub fn without<'a>(document: &Document, off: impl IntoIterator<Item = &'a Part>)
         }
     }
     less.settle();
-    less
+    (less, behind(document, &nodes, &gone, output))
 }
 
 /// The output that is read in place of one, where nodes are off and outputs are gone.
@@ -453,13 +457,17 @@ impl Search<'_> {
             return Ok(true);
         }
         (self.tell)(self.progress);
-        let document = without(self.groom.document, off.iter().map(|at| &self.parts[*at]));
-        let target = std::slice::from_ref(self.output);
-        self.progress.evaluations += 1;
+        if self.cancel.is_cancelled() {
+            return Err(NotTraced::Cancelled);
+        }
+        let off = off.iter().map(|at| &self.parts[*at]);
+        let (document, target) = without(self.groom.document, off, self.output);
         // What cannot even be planned gives no hair.
+        let Some(target) = target.as_ref().map(std::slice::from_ref) else { return Ok(false) };
         let Ok(mut planned) = plan(&document, target, self.groom.quality, self.groom.files) else {
             return Ok(false);
         };
+        self.progress.evaluations += 1;
         planned.allow_large = self.groom.allow_large;
         let outcome = self.evaluator.run(&planned, OnFailure::Stop, self.cancel, &Quiet);
         if outcome.cancelled {

@@ -8,7 +8,7 @@ use super::rooms::Room;
 use super::state::{Select, State};
 use coif_graphs::document::Document;
 use coif_graphs::trace::{Found, NotTraced, Part, Traced};
-use egui::{Label, RichText};
+use egui::{Align, Label, Layout, RichText};
 
 /// What was found of a hair.
 #[derive(Clone, Debug)]
@@ -60,19 +60,25 @@ pub(crate) fn ui(state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
         ui.separator();
     }
     let Some(made) = &state.made else { return };
-    ui.horizontal(|ui| {
-        let text = match &made.traced {
-            Ok(traced) => {
-                let Traced { hair, found, parts, evaluations, .. } = traced;
-                let found = found.len();
-                format!("Hair {hair:016x} was made by {found} of {parts} parts ({evaluations} evaluations)")
-            }
-            Err(why) => format!("What made the hair is not known: {why}"),
-        };
-        ui.add(Label::new(RichText::new(text).strong()).truncate());
-        if ui.small_button("Close").on_hover_text("Forgets the list").clicked() {
-            out.push(Event::Made(None));
+    let text = match &made.traced {
+        Ok(Traced { hair, found, parts, evaluations, .. }) => {
+            let found = found.len();
+            format!(
+                "Hair {hair:016x} was made by {found} of {parts} parts ({evaluations} evaluations)"
+            )
         }
+        Err(why) => format!("What made the hair is not known: {why}"),
+    };
+    ui.horizontal(|ui| {
+        // First what must be in sight, then the line that is cut.
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if ui.small_button("Close").on_hover_text("Forgets the list").clicked() {
+                out.push(Event::Made(None));
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add(Label::new(RichText::new(text).strong()).truncate());
+            });
+        });
     });
     if made.document != state.document {
         ui.label(RichText::new("The groom has changed since.").weak());
@@ -148,7 +154,7 @@ mod tests {
         let mut ui = asked("sketch_bob", "strands");
         let made = ui.state().state.made.clone().unwrap();
         let lines: Vec<String> = made.rows().into_iter().map(|row| row.text).collect();
-        assert_eq!(lines[0], "Head", "{lines:?}");
+        assert_eq!((&*lines[0], &*lines[lines.len() - 1]), ("Head", "strands"), "{lines:?}");
         assert!(lines.iter().all(|line| ui.query_all_by_label(line).next().is_some()), "{lines:?}");
         click(&mut ui, ": gesture ");
         let state = &ui.state().state;

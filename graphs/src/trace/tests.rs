@@ -1,3 +1,5 @@
+//! Traces of random hairs: whatever is not listed can be off, in any choice, and nothing that is listed can.
+
 use super::*;
 use crate::document::testing::Random;
 use crate::schedule::files::DiskFiles;
@@ -41,12 +43,13 @@ impl Bench {
 
     /// Whether a hair has its bits without these.
     fn is_same<'a>(&self, traced: &Traced, off: impl IntoIterator<Item = &'a Part>) -> bool {
-        let bits = |document: &Document| {
-            bits_of(self.curves(document, &traced.output).as_ref(), traced.hair)
+        let bits = |document: &Document, output: &Socket| {
+            bits_of(self.curves(document, output).as_ref(), traced.hair)
         };
-        let whole = bits(&self.document);
+        let whole = bits(&self.document, &traced.output);
         assert!(whole.is_some());
-        whole == bits(&without(&self.document, off))
+        let (less, output) = without(&self.document, off, &traced.output);
+        whole == output.and_then(|output| bits(&less, &output))
     }
 }
 
