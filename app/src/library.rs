@@ -5,6 +5,7 @@
 //! cannot read in full, is told and left out; it never hides the others. Folders are not searched within.
 
 use crate::places::Places;
+use coif_graphs::document::graph::{Severity, check};
 use coif_graphs::document::{Document, Origin};
 use coif_graphs::{file, grooms, template};
 use std::cmp::Ordering;
@@ -146,6 +147,10 @@ pub(crate) fn of_text(bytes: &[u8], path: Option<PathBuf>) -> Result<Entry, Stri
     }
     let document = loaded.document;
     let group = template::group_of(&document)?.clone();
+    let problems = check(&document);
+    if let Some(problem) = problems.iter().find(|problem| problem.severity == Severity::Error) {
+        return Err(problem.to_string());
+    }
     let node = document.node(group.as_str()).ok_or("the group is gone")?;
     let origin = node.template.as_deref().cloned().unwrap_or_default();
     if origin.name.is_empty() {

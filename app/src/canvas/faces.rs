@@ -8,6 +8,7 @@ use crate::editor::evaluation::Reports;
 use crate::editor::state::State;
 use coif_graphs::document::graph::{self, Severity};
 use coif_graphs::document::{Document, NodeId, Socket};
+use coif_nodes::declared::{GROUP_INPUT, GROUP_OUTPUT, KINDS, PARAMETERS};
 use coif_nodes::define::{Arity, InputDef, NodeDef, NodeError, Type};
 use coif_nodes::eval::Message;
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
@@ -172,6 +173,9 @@ impl Faces {
                 face.pinned = pinned == Some(id);
                 face.footer = reports.nodes.get(id).map_or_else(String::new, footer);
                 face.trouble = troubles.get(id).cloned();
+                if let Some(says) = of_border(&document.nodes[id].kind) {
+                    face.footer = says.to_owned();
+                }
                 if document.nodes[id].is_group() {
                     face.footer = footer_of_group(document, reports, id);
                     face.trouble = face.trouble.or_else(|| trouble_inside(document, &troubles, id));
@@ -203,7 +207,10 @@ fn face(
     let node = &document.nodes[id];
     let def = document.def(id);
     let stages = coif_nodes::STAGES.iter();
-    let stage = stages.take_while(|(_, nodes)| !nodes.iter().any(|n| n.id == node.kind)).count();
+    let stage = match KINDS.contains(&node.kind.as_str()) {
+        true => super::look::DECLARED,
+        false => stages.take_while(|(_, nodes)| !nodes.iter().any(|n| n.id == node.kind)).count(),
+    };
     let kind = def.map_or_else(|| words(&node.kind), |def| def.label.to_owned());
     let label = document.name_of(id).into_owned();
     Face {
@@ -346,9 +353,19 @@ fn footer(report: &coif_graphs::schedule::result::NodeReport) -> String {
     parts.join(PARTS)
 }
 
+/// What stands under what never runs, but hands on.
+fn of_border(kind: &str) -> Option<&'static str> {
+    match kind {
+        GROUP_INPUT => Some("from outside"),
+        GROUP_OUTPUT => Some("to outside"),
+        PARAMETERS => Some("read by others"),
+        _ => None,
+    }
+}
+
 /// The sums of what ran in a group.
 fn footer_of_group(document: &Document, reports: &Reports, group: &NodeId) -> String {
-    let count = document.inside(group).count();
+    let count = document.inside(group).filter(|(_, node)| of_border(&node.kind).is_none()).count();
     let ran: Vec<_> = document.inside(group).filter_map(|(id, _)| reports.nodes.get(id)).collect();
     let nodes = format!("{count} node{}", if count == 1 { "" } else { "s" });
     if ran.is_empty() {

@@ -20,8 +20,8 @@ pub(super) const SMALL: f32 = 11.0;
 /// Radius of a socket's mark.
 pub(super) const SOCKET: f32 = 4.6;
 
-/// Colours of stages, in the order in which hair is made; the last is for unknown kinds.
-const STAGES: [Color32; 11] = [
+/// Colours of stages, in the order in which hair is made; the last but one is for unknown kinds, the last for what documents declare.
+const STAGES: [Color32; 12] = [
     Color32::from_rgb(205, 160, 125),
     Color32::from_rgb(130, 190, 145),
     Color32::from_rgb(220, 165, 95),
@@ -33,7 +33,11 @@ const STAGES: [Color32; 11] = [
     Color32::from_rgb(125, 165, 215),
     Color32::from_rgb(170, 175, 180),
     Color32::from_rgb(225, 140, 132),
+    Color32::from_rgb(150, 168, 196),
 ];
+
+/// The stage of what documents declare: groups and what belongs to them. Behind that of what nobody knows.
+pub(super) const DECLARED: usize = coif_nodes::STAGES.len() + 1;
 
 /// Colours of comment frames: their names, and how they are painted.
 pub(super) const FRAMES: [(&str, Color32); 6] = [
@@ -298,6 +302,13 @@ pub(super) fn stage(p: &Painter, at: Pos2, stage: usize) {
             );
             p.line_segment([at + vec2(-2.0, 0.0), at + vec2(6.0, 0.0)], line);
             p.line(vec![at + vec2(3.0, -3.0), at + vec2(6.0, 0.0), at + vec2(3.0, 3.0)], line);
+        }
+        // Groups, their borders, and parameters: a box in a box.
+        stage if stage == DECLARED => {
+            for half in [6.0, 2.6] {
+                let rect = Rect::from_center_size(at, Vec2::splat(2.0 * half));
+                p.rect_stroke(rect, 1.5, line, egui::StrokeKind::Middle);
+            }
         }
         _ => cross(p, at, 4.0, line),
     }

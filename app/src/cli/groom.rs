@@ -481,6 +481,22 @@ pub(crate) struct Read {
 /// writes a graph: none of a pack is given, whose files lie nowhere.
 pub(crate) fn load(path: &Path, warnings: &mut Vec<String>) -> Result<(Document, PathBuf), Stop> {
     let (loaded, folder) = read(path)?;
+    let lost: Vec<String> = loaded
+        .dropped_comments
+        .iter()
+        .map(|comment| {
+            format!(
+                "{}:{}:{}: this comment would be lost, put it on a line of its own before an entry: {}",
+                path.display(),
+                comment.line,
+                comment.column,
+                short(&comment.message)
+            )
+        })
+        .collect();
+    if !lost.is_empty() {
+        return Err(Stop(Exit::Refused, lost));
+    }
     tell_of(path.display(), &loaded, warnings);
     Ok((loaded.document, folder))
 }

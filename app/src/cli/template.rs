@@ -281,6 +281,16 @@ fn rewritten<T>(
     out: Option<&Path>,
     change: impl FnOnce(&mut Document, &mut Together, &CancelToken) -> Result<T, String>,
 ) -> Result<T, Exit> {
+    if out.is_none()
+        && !graph.is_file()
+        && coif_graphs::grooms::by_name(&graph.to_string_lossy()).is_some()
+    {
+        complain(format_args!(
+            "{}: comes with coif: say with --out where it is to be written",
+            graph.display()
+        ));
+        return Err(Exit::Refused);
+    }
     let out = out.unwrap_or(graph);
     in_one_step("no graph was written", |files, cancel| {
         let refused = |why: String| vec![Stop::refused(why)];
@@ -291,8 +301,13 @@ fn rewritten<T>(
             .writes(out, Role::Output, format!("the graph {}", out.display()))
             .and_then(|()| files.allowed())
             .map_err(refused)?;
+        let before = document.clone();
         let given = change(&mut document, files, cancel)
             .map_err(|why| refused(format!("{}: {why}", graph.display())))?;
+        // Where nothing changed the file stays as it is written.
+        if out == graph && document == before {
+            return Ok(given);
+        }
         let written = files.write_text(out, &file::write(&document), cancel);
         written.map_err(|why| vec![Stop::unwritten(out, &why, cancel)])?;
         Ok(given)
@@ -392,6 +407,12 @@ pub(super) fn ended<T>(done: Result<T, Exit>, then: impl FnOnce(T) -> Exit) -> E
 }
 
 fn add(graph: &Path, entry: &Entry, out: Option<&Path>) -> Exit {
+    if !entry.origin.hash.is_empty() && entry.origin.hash != entry.hash {
+        complain(format_args!(
+            "warning: {} was changed since it was made: its mark says the hash {}, it has {}",
+            entry.origin.name, entry.origin.hash, entry.hash
+        ));
+    }
     let added = rewritten(graph, out, |document, _, _| {
         let template::Added { edit, id, .. } =
             template::add(document, &entry.document, template::Place::default())?;
