@@ -203,7 +203,7 @@ fn successor(old: &[Port], new: &'static [Port], name: &str) -> Option<&'static 
     match (same, renamed) {
         // Of two that may be it the one that says so, where the other is a newcomer or says that it was something else.
         (Some(same), Some(renamed)) => {
-            let takes_over = is_new(renamed) || same.was.iter().any(|was| *was == renamed.name);
+            let takes_over = is_new(renamed) || same.was.contains(&renamed.name);
             Some(if takes_over { renamed } else { same })
         }
         (same, renamed) => same.or(renamed).or_else(|| new.iter().find(|port| was(port))),
