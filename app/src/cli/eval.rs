@@ -157,10 +157,11 @@ fn evaluate(
         report.inputs = opened.inputs_hash(&args.how(&opened.document));
     }
     let evaluated = args.groom.evaluate(&opened, evaluator, cancel, report);
-    if args.ledger {
-        print_ledger(args, report);
-    }
+    let printed = if args.ledger { print_ledger(args, report) } else { Exit::Done };
     let evaluated = evaluated?;
+    if printed != Exit::Done {
+        return Err(Stop(printed, vec![]));
+    }
     if formats.contains(&Format::Abc) {
         report.notes.extend(left_out_of_abc(&evaluated.groups));
     }
@@ -168,13 +169,15 @@ fn evaluate(
 }
 
 /// Prints what nodes cost, also where one failed or the budget is over. Where the report goes to stdout, it goes to stderr.
-fn print_ledger(args: &EvalArgs, report: &Report) {
+fn print_ledger(args: &EvalArgs, report: &Report) -> Exit {
     let row = report.row.as_ref().map_or(String::new(), |row| format!("{row}:\n"));
     let text = row + &ledger::table(&report.nodes);
     match args.report.as_deref().is_some_and(is_stdout) {
-        true => tell(text.trim_end()),
-        // A reader that went away is told where hair is written.
-        false => drop(print_plain(&text)),
+        true => {
+            tell(text.trim_end());
+            Exit::Done
+        }
+        false => print_plain(&text),
     }
 }
 

@@ -74,13 +74,16 @@ fn traced(args: &TraceArgs, report: &mut Report) -> Result<String, Stop> {
     })
 }
 
+/// Nothing of a groom is farther from the origin than this, cm.
+const FARTHEST: f32 = 1e6;
+
 /// The id of the hair that is asked for.
 fn asked(args: &TraceArgs, evaluated: &Evaluated) -> Result<u64, Stop> {
     let groups = &evaluated.groups;
     if let Some(at) = &args.at {
         let numbers: Vec<f32> = at.split(',').filter_map(|word| word.trim().parse().ok()).collect();
         let point = match (&numbers[..], at.split(',').count()) {
-            ([x, y, z], 3) if numbers.iter().all(|x| x.is_finite()) => Vec3::new(*x, *y, *z),
+            ([x, y, z], 3) if numbers.iter().all(|x| x.abs() <= FARTHEST) => Vec3::new(*x, *y, *z),
             _ => {
                 return Err(Stop::refused(format!("--at {}: write it as X,Y,Z in cm", short(at))));
             }

@@ -12,6 +12,7 @@ use super::diff::Change;
 use super::fact::{Fact, Facts, Said, Wire, document, facts};
 use super::items::{Item, one};
 use super::lists::{in_one_order, numbered};
+use super::ports;
 use crate::document::graph::{Fault, check};
 use crate::document::{Document, Frame, NodeId, Place, Setting, Socket};
 use crate::file::{lot, write_value};
@@ -347,6 +348,15 @@ impl Merge {
                     && let Some(frame) = self.frame(fact, [b, o, t])
                 {
                     return Some(Said::Frame(frame));
+                }
+                self.clash(fact, Clash::Changed);
+            }
+            Fact::Ports(_) => {
+                if let (Some(Said::Ports(b)), Some(Said::Ports(o)), Some(Said::Ports(t))) =
+                    (&base, &ours, &theirs)
+                    && let Some(ports) = ports::merged(*b, *o, *t)
+                {
+                    return Some(Said::Ports(ports));
                 }
                 self.clash(fact, Clash::Changed);
             }

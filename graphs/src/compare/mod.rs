@@ -17,6 +17,7 @@ mod fact;
 mod items;
 mod lists;
 mod merge;
+mod ports;
 #[cfg(test)]
 mod tests;
 mod undecided;

@@ -106,9 +106,13 @@ pub(super) fn plain(said: &Said) -> String {
             format!("light {:?}, exposure {:?}, skin {:?}", look.light, look.exposure, look.skin)
         }
         Said::Ports(ports) => {
-            let side = |ports: &[coif_nodes::declared::Port]| {
-                ports.iter().map(|port| port.name.clone()).collect::<Vec<_>>().join(" ")
+            let one = |port: &Port| {
+                let default = port.default.as_ref();
+                let default = default.map(|value| format!(" = {}", short(&write_value(value))));
+                let range = port.hard.map(|(lo, hi)| format!(" in {lo} to {hi}"));
+                [port.name.clone()].into_iter().chain(default).chain(range).collect::<String>()
             };
+            let side = |ports: &[Port]| ports.iter().map(one).collect::<Vec<_>>().join(", ");
             format!("{} -> {}", side(ports.inputs()), side(ports.outputs()))
         }
         Said::Template(it) => format!("{} {}", it.name, it.version).trim().to_owned(),
@@ -161,6 +165,17 @@ pub fn told(a: &Document, b: &Document, changes: &[Change], all: bool) -> Vec<To
             },
         }
     }
+    // What came or went with a group is told by the group.
+    let whole = |id: &NodeId| {
+        of_node.get(id).into_iter().flatten().any(|change| {
+            matches!(change.fact, Fact::Kind(_)) && (change.from.is_none() || change.to.is_none())
+        })
+    };
+    let with_group = |id: &NodeId| {
+        whole(id) && std::iter::successors(id.group(), NodeId::group).any(|group| whole(&group))
+    };
+    let alone: BTreeSet<&NodeId> = of_node.keys().copied().filter(|id| with_group(id)).collect();
+    of_node.retain(|id, _| !alone.contains(*id));
     let nodes = of_node.into_iter().flat_map(|(id, changes)| {
         let texts = telling.of_node(id, &changes).into_iter();
         texts.map(|text| Told { node: Some(id.clone()), text })
@@ -221,7 +236,11 @@ impl Telling<'_> {
 
     fn kind(document: &Document, id: &NodeId) -> String {
         let kind = document.node(id.as_str()).map_or("", |node| &node.kind);
-        coif_nodes::by_id(kind).map_or_else(|| short(kind), |def| def.label.to_owned())
+        let label = document.def(id).map_or_else(|| short(kind), |def| def.label.to_owned());
+        match document.inside(id).count() {
+            0 => label,
+            n => format!("{label} of {}", counted(n, "node")),
+        }
     }
 
     fn of_document(&self, change: &Change) -> String {

@@ -153,11 +153,20 @@ impl Templates {
         }
     }
 
-    /// The rows that have all words that are typed.
+    /// The rows that have all words that are typed: those first whose title begins with them, and of these the shortest.
     fn shown<'a>(&self, rows: &'a [Row]) -> Vec<&'a Row> {
         let words: Vec<String> =
             self.typed.to_lowercase().split_whitespace().map(str::to_owned).collect();
-        rows.iter().filter(|row| row.says(&words)).collect()
+        let mut shown: Vec<&Row> = rows.iter().filter(|row| row.says(&words)).collect();
+        let typed = words.join(" ");
+        let titled = |row: &&Row| row.title().to_lowercase().starts_with(&typed);
+        if !typed.is_empty() {
+            shown.sort_by_key(|row| match titled(row) {
+                true => (false, row.title().len()),
+                false => (true, 0),
+            });
+        }
+        shown
     }
 
     /// The field of the search; whether it has the keyboard.
