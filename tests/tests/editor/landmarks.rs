@@ -103,8 +103,11 @@ fn a_dragged_landmark_is_on_the_skin_where_it_was_put_and_undo_takes_it_back() {
         // From the front the back of the head is hidden.
         assert!(story.place("Landmark nape, guessed").is_none(), "{name}");
         let steps = story.ui.state().state.history.done();
-        let by = Vec2::new(14.0, -9.0);
-        for mark in [Landmark::Chin, Landmark::LeftTemple] {
+        // The temple is near the edge of the head, off which there is no skin.
+        for (mark, by) in [
+            (Landmark::Chin, Vec2::new(14.0, -9.0)),
+            (Landmark::LeftTemple, Vec2::new(-14.0, -9.0)),
+        ] {
             let label = format!("Landmark {}, guessed", mark.name());
             let from = story.place(&label).unwrap_or_else(|| panic!("{name}: {label}"));
             let before = story.said().1;

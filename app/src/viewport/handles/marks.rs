@@ -18,6 +18,7 @@ use coif_nodes::data::sections::named_points;
 use coif_nodes::define::Value;
 use egui::{Color32, Key, PointerButton, Pos2, Rect, Sense, Stroke, Vec2};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// The input that they are stated in.
 const INPUT: &str = "landmarks";
@@ -32,6 +33,8 @@ struct Drag {
     pointer: Pos2,
     /// Where it is held, cm.
     at: Vec3,
+    /// The head that it is on. An evaluation that was stopped may leave none for a moment.
+    scalp: Arc<Scalp>,
 }
 
 /// The landmarks of the active head.
@@ -43,14 +46,14 @@ pub(super) struct Marks {
 /// A head whose landmarks can be dragged.
 struct Head<'a> {
     node: &'a NodeId,
-    scalp: &'a Scalp,
+    scalp: Arc<Scalp>,
     /// What its input says.
     text: &'a str,
 }
 
 impl<'a> Head<'a> {
-    /// The active node, where it is a head that is shown, and nobody else says where its landmarks are.
-    fn active(state: &'a State) -> Option<Self> {
+    /// The active node, where it is a head that is shown or that is being `dragged` on, and nobody else says where its landmarks are.
+    fn active(state: &'a State, dragged: Option<&Drag>) -> Option<Self> {
         let id = state.active()?;
         let node = state.document.node(id.as_str()).filter(|node| node.kind == "head")?;
         let text = match node.inputs.get(INPUT) {
@@ -58,9 +61,12 @@ impl<'a> Head<'a> {
             Some(Setting::Known(Value::Text(text))) => &**text,
             Some(_) => return None,
         };
-        let shown = state.shown.as_ref()?;
-        let Value::Scalp(scalp) = shown.values.get(&Socket::new(id.clone(), "scalp"))? else {
-            return None;
+        let output = Socket::new(id.clone(), "scalp");
+        let shown = state.shown.as_ref().and_then(|shown| shown.values.get(&output));
+        let scalp = match (shown, dragged) {
+            (Some(Value::Scalp(scalp)), _) => scalp.clone(),
+            (_, Some(drag)) if drag.node == *id => drag.scalp.clone(),
+            _ => return None,
         };
         let is_wired = !state.document.wires(id, INPUT).is_empty();
         (!is_wired).then_some(Self { node: id, scalp, text })
@@ -95,7 +101,7 @@ impl Marks {
         ui: &mut egui::Ui,
         out: &mut Vec<Event>,
     ) {
-        let head = Head::active(state);
+        let head = Head::active(state, self.drag.as_ref());
         let is_gone = |drag: &mut Drag| head.as_ref().is_none_or(|head| *head.node != drag.node);
         if self.drag.take_if(is_gone).is_some() {
             out.push(Event::End);
@@ -145,7 +151,8 @@ impl Marks {
             let pressed = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
             out.push(Event::Begin(format!("{}: moved", mark.name())));
             let (node, off) = (head.node.clone(), pressed - at);
-            self.drag = Some(Drag { node, mark, off, pointer: pressed, at: place });
+            let scalp = head.scalp.clone();
+            self.drag = Some(Drag { node, mark, off, pointer: pressed, at: place, scalp });
         }
         panel::menu_at(&response, panel::right_click(&response), |ui| {
             let again = ui.add_enabled(is_set, egui::Button::new("Guess again"));

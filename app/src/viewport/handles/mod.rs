@@ -103,6 +103,9 @@ impl Handles {
         out: &mut Vec<Event>,
     ) {
         let (Some(shown), Some(node)) = (state.shown.as_ref(), state.active()) else {
+            if self.marks.is_dragging() {
+                out.push(Event::End);
+            }
             *self = Self::default();
             return;
         };
