@@ -1,6 +1,6 @@
 //! `coif template` as a whole program: thumbnails are drawn into files, and refused by their headers.
 
-use coif_tests::{Folder, adapter, repository, run};
+use coif_tests::{Folder, adapter, program, repository, run, run_with};
 
 fn copied(folder: &Folder, name: &str) -> String {
     let text = std::fs::read_to_string(repository().join(format!("graphs/templates/{name}.ron")));
@@ -30,7 +30,7 @@ fn a_thumbnail_is_drawn_into_its_file_the_same_each_time_and_is_no_part_of_the_h
     let first = hash(&path);
     let mut drawn = vec![];
     for _ in 0..2 {
-        let ran = run(["template", "thumbnail", &path, "--size", "96"]);
+        let ran = run_with(program(), ["template", "thumbnail", &path, "--size", "96"]);
         assert_eq!((ran.code, ran.err.as_str()), (0, ""));
         drawn.push(std::fs::read_to_string(&path).unwrap());
     }
@@ -49,8 +49,11 @@ fn a_template_made_has_a_thumbnail_and_a_groom_that_takes_it_has_none() {
     let groom = copied(&folder, "fringe");
     let made = folder.path("made.ron").display().to_string();
     let new = |more: &[&str]| {
-        run([&["template", "new", &groom, "fringe", "--out", &made, "--name", "mine"], more]
-            .concat())
+        run_with(
+            program(),
+            [&["template", "new", &groom, "fringe", "--out", &made, "--name", "mine"], more]
+                .concat(),
+        )
     };
     let ran = new(&["--no-thumbnail"]);
     assert_eq!((ran.code, ran.err.as_str()), (0, ""));
