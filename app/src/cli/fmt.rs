@@ -81,15 +81,9 @@ fn formatted(path: &Path) -> Result<Option<String>, Vec<String>> {
     for warning in loaded.conflicts.iter().chain(&loaded.warnings) {
         complain(format_args!("warning: {}", warning.of_file(path.display())));
     }
-    if !loaded.dropped_comments.is_empty() {
-        let lost = loaded.dropped_comments.iter().map(|comment| {
-            let said = coif_nodes::define::short(&comment.message);
-            format!(
-                "{shown}:{}:{}: this comment would be lost, put it on a line of its own before an entry: {said}",
-                comment.line, comment.column
-            )
-        });
-        return Err(lost.collect());
+    let lost = super::groom::lost_comments(path, &loaded.dropped_comments);
+    if !lost.is_empty() {
+        return Err(lost);
     }
     let text = file::write(&loaded.document);
     Ok((text.as_bytes() != bytes).then_some(text))

@@ -16,7 +16,7 @@ use crate::pack::{is_pack, read::Pack};
 use clap::{Args, ValueEnum};
 use coif_graphs::document::graph::{Fault, Severity, check_for, upstream};
 use coif_graphs::document::{Document, Setting, Socket};
-use coif_graphs::file::{self, Loaded};
+use coif_graphs::file::{self, FileError, Loaded};
 use coif_graphs::grooms;
 use coif_graphs::schedule::budget::{Used, used};
 use coif_graphs::schedule::files::{DiskFiles, mount, read_by};
@@ -481,24 +481,26 @@ pub(crate) struct Read {
 /// writes a graph: none of a pack is given, whose files lie nowhere.
 pub(crate) fn load(path: &Path, warnings: &mut Vec<String>) -> Result<(Document, PathBuf), Stop> {
     let (loaded, folder) = read(path)?;
-    let lost: Vec<String> = loaded
-        .dropped_comments
-        .iter()
-        .map(|comment| {
-            format!(
-                "{}:{}:{}: this comment would be lost, put it on a line of its own before an entry: {}",
-                path.display(),
-                comment.line,
-                comment.column,
-                short(&comment.message)
-            )
-        })
-        .collect();
+    let lost = lost_comments(path, &loaded.dropped_comments);
     if !lost.is_empty() {
         return Err(Stop(Exit::Refused, lost));
     }
     tell_of(path.display(), &loaded, warnings);
     Ok((loaded.document, folder))
+}
+
+/// What to do about each comment that stands where none can be kept: nothing is written anew without it.
+pub(super) fn lost_comments(path: &Path, comments: &[FileError]) -> Vec<String> {
+    let line = |comment: &FileError| {
+        format!(
+            "{}:{}:{}: this comment would be lost, put it on a line of its own before an entry: {}",
+            path.display(),
+            comment.line,
+            comment.column,
+            short(&comment.message)
+        )
+    };
+    comments.iter().map(line).collect()
 }
 
 /// The same, with all that is said of it.

@@ -11,7 +11,6 @@ use clap::Args;
 use coif_graphs::compare::{Merged, merge};
 use coif_graphs::document::Document;
 use coif_graphs::file::{self, Loaded};
-use coif_nodes::define::short;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -88,14 +87,10 @@ fn merged([base, ours, theirs]: [&Path; 3]) -> Result<Merged, Vec<Stop>> {
         }
         let (Loaded { document, warnings, conflicts, dropped_comments }, _) = groom::read(path)?;
         tell_warnings(path, conflicts.iter().chain(&warnings));
-        let lost = dropped_comments.iter().filter(|_| !is_base).map(|comment| {
-            format!(
-                "{}: this comment would be lost, put it on a line of its own before an entry, and run coif fmt: {}",
-                path.display(),
-                short(&comment.message)
-            )
-        });
-        let lost: Vec<String> = lost.collect();
+        let lost = match is_base {
+            true => vec![],
+            false => groom::lost_comments(path, &dropped_comments),
+        };
         if lost.is_empty() { Ok(document) } else { Err(Stop(Exit::Refused, lost)) }
     };
     match (read(base, true), read(ours, false), read(theirs, false)) {

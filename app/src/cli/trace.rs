@@ -85,7 +85,10 @@ fn asked(args: &TraceArgs, evaluated: &Evaluated) -> Result<u64, Stop> {
         let point = match (&numbers[..], at.split(',').count()) {
             ([x, y, z], 3) if numbers.iter().all(|x| x.abs() <= FARTHEST) => Vec3::new(*x, *y, *z),
             _ => {
-                return Err(Stop::refused(format!("--at {}: write it as X,Y,Z in cm", short(at))));
+                return Err(Stop::refused(format!(
+                    "--at {}: write it as X,Y,Z in cm, each at most 1000000",
+                    short(at)
+                )));
             }
         };
         let hair = groups.iter().filter(|group| !group.guides);
