@@ -364,7 +364,7 @@ impl Wanted {
     ) -> Option<export::Group> {
         // The skin that keeps points added by export outside: of the only head, if there is one.
         let skin = match scalps {
-            [only] => Some(only.skin()),
+            [only] => only.skin().for_hair(),
             _ => None,
         };
         let Conformed { curves: conformed, changes } =

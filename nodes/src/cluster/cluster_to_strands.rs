@@ -144,7 +144,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let filler = Filler {
         roots: cx.dice(inputs.seed, "roots"),
         walk: cx.dice(inputs.seed, "frizz"),
-        push: inputs.push_out,
+        push: inputs.push_out && skin.is_none_or(|skin| skin.for_hair().is_some()),
         seed: inputs.seed,
         scalp,
         skin,

@@ -132,7 +132,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let maker = Maker {
         inputs: &inputs,
         scalp,
-        skin: inputs.push_out.then_some(skin),
+        skin: inputs.push_out.then_some(skin).and_then(Skin::for_hair),
         dice: cx.dice(inputs.seed, "length"),
     };
     let key = |i: usize| {

@@ -197,8 +197,7 @@ impl Skin<'_> {
             }
             let (out, moved, clear) = self.raise_alone(*p, -depth, &mut near);
             ball = (*p, clear);
-            // (In a tangle what is found may lie farther off than the nearest.)
-            if clear > SURE && !self.is_tangled() {
+            if clear > SURE {
                 note(k, *p, clear - SURE);
             }
             any |= moved;

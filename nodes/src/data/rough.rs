@@ -1,20 +1,20 @@
 //! Meshes that are no head to lead hair on: folded all over, far larger than any scalp, in hundreds of scraps, or a tangle.
 //!
-//! Told from the surface and the region alone, so that it is known before a hair grows. On all of them hair is pushed out of the
-//! skin and not led round it, and asks about each point alone: what makes both worth their price, that thousands of hairs come by the
-//! same ear, is not so there.
+//! Told from the surface and the region alone, so that it is known before a hair grows. On all of them guides are pushed out of the
+//! skin and not led round it, and each point asks alone: what makes both worth their price, that thousands of hairs come by the same
+//! ear, is not so there. Hair that is made between guides is kept out of a wide mesh alone ([`super::skin::Skin::for_hair`]).
 
 use super::scalp::HEAD_RADIUS;
 use crate::maths::closest::Surface;
 use glam::Vec2;
 
-/// Why hair on a mesh is pushed out of the skin and not led round it.
+/// Why hair on a mesh is not led round it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rough {
     /// More than a quarter of the region has other skin before it, within the radius of a head, as crumpled cloth, leaves, many
     /// layers or a whole dressed figure have (heads have 2 %).
     Folded,
-    /// The region is larger than [`WIDE`].
+    /// The region is larger than [`WIDE`], and not folded.
     Wide,
     /// The region is in [`SCRAPS`] parts of like size or more: leaves, cards or confetti.
     Strewn,
@@ -46,10 +46,10 @@ impl Rough {
         if is_strewn(surface, &areas, sum) {
             return Some(Self::Strewn);
         }
-        if 0.5 * sum > f64::from(WIDE * unit * unit) {
-            return Some(Self::Wide);
+        if is_folded(surface, &areas, sum / f64::from(LOOKS), FACED * unit) {
+            return Some(Self::Folded);
         }
-        is_folded(surface, &areas, sum / f64::from(LOOKS), FACED * unit).then_some(Self::Folded)
+        (0.5 * sum > f64::from(WIDE * unit * unit)).then_some(Self::Wide)
     }
 }
 

@@ -499,7 +499,7 @@ impl Scalp {
         let field = head.field.get_or_init(|| DistanceField::new(&head.surface));
         Skin::new(&head.surface, field, self.rough())
     }
-    /// Why hair on this head is pushed out of the skin and not led round it; none on heads.
+    /// Why hair on this mesh is not led round it; none on heads.
     pub fn rough(&self) -> Option<Rough> {
         let Head { surface, space, masks, rough, .. } = &*self.head;
         *rough.get_or_init(|| Rough::of(surface, &masks[REGION], space.frame.unit()))

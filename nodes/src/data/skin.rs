@@ -48,6 +48,12 @@ impl<'a> Skin<'a> {
         Skin { patience: Some(patience), ..self }
     }
 
+    /// The skin for hair by the thousand; none where the mesh is rough and not merely wide: there it takes many times as long to keep
+    /// hair out of what has no clear inside as to grow it. Guides are few, and ask it all the same.
+    pub fn for_hair(self) -> Option<Self> {
+        matches!(self.rough, None | Some(Rough::Wide)).then_some(self)
+    }
+
     /// Notes so many looks of a search; whether there is patience for more.
     pub(super) fn looked(&self, looks: usize) -> bool {
         self.patience.is_none_or(|patience| {
@@ -61,14 +67,17 @@ impl<'a> Skin<'a> {
         self.patience.map_or(usize::MAX, |patience| patience.left() as usize)
     }
 
-    /// Whether what is found as nearest may be something farther off.
-    pub(super) fn is_tangled(&self) -> bool {
-        self.rough == Some(Rough::Tangled)
+    /// Whether nothing has an inside: then no place is in the skin.
+    fn has_no_inside(&self) -> bool {
+        matches!(self.rough, Some(Rough::Tangled | Rough::Strewn))
     }
 
     /// Signed distance of `p` from the skin, cm, negative inside; exact within `EXACT` of it, from the field
     /// beyond, and +-1 cm or more beyond the field's band.
     pub fn distance(&self, p: Vec3) -> f32 {
+        if self.has_no_inside() {
+            return 1.0;
+        }
         match self.field.depth(self.surface, p) {
             Depth::Outside => 1.0,
             Depth::Near(d, ..) if d.abs() > EXACT => d,
@@ -84,7 +93,7 @@ impl<'a> Skin<'a> {
     /// Whether hair is so far from other hair, or the way to the nearest triangle so long, that cells of the field do not pay. There a
     /// point asks about few triangles too: whatever the mesh is, hair has a bounded price.
     pub(crate) fn asks_alone(&self) -> bool {
-        matches!(self.rough, Some(Rough::Wide | Rough::Strewn | Rough::Tangled))
+        self.rough.is_some_and(|rough| rough != Rough::Folded)
     }
 
     /// Signed distance of `p` from the skin as the field tells it, cm: within a fiftieth of a centimetre where the skin is
@@ -106,6 +115,9 @@ impl<'a> Skin<'a> {
     /// Whether the field alone tells that all of a ball is outside the skin. False says nothing.
     #[inline]
     pub fn is_clear(&self, middle: Vec3, radius: f32) -> bool {
+        if self.has_no_inside() {
+            return true;
+        }
         match self.field.depth(self.surface, middle) {
             Depth::Outside => radius < self.field.band(),
             Depth::Near(d, _, doubt) => radius < (d - doubt).max(0.0),
@@ -126,6 +138,9 @@ impl<'a> Skin<'a> {
     /// be wrong; none farther outside than the field's band. A tenth of the price of an exact answer, for hair by the million.
     #[inline]
     pub fn roughly(&self, p: Vec3) -> Option<(f32, Vec3, f32)> {
+        if self.has_no_inside() {
+            return None;
+        }
         match self.field.depth(self.surface, p) {
             Depth::Near(d, gradient, doubt) => Some((d, gradient, doubt)),
             Depth::Inside => Some((-1.0, Vec3::ZERO, 1.0)),
@@ -140,6 +155,7 @@ impl<'a> Skin<'a> {
     /// [`Self::exact`], found sooner where a triangle is known that is near `p`.
     fn exact_from(&self, p: Vec3, near: Option<u32>) -> Option<(f32, Hit)> {
         let hit = match near {
+            _ if self.has_no_inside() => None,
             _ if self.asks_alone() => {
                 let near = near.or_else(|| self.field.hint(self.surface, p));
                 self.surface.closest_of_few(p, near)
@@ -147,15 +163,7 @@ impl<'a> Skin<'a> {
             Some(near) => self.surface.closest_from(p, near),
             None => self.closest(p),
         }?;
-        Some((self.signed(p, &hit), hit))
-    }
-
-    /// How far `p` is from its closest point, negative inside.
-    fn signed(&self, p: Vec3, hit: &Hit) -> f32 {
-        match self.rough {
-            Some(Rough::Strewn) => self.surface.signed_distance_to_scraps(p, hit),
-            _ => self.surface.signed_distance(p, hit),
-        }
+        Some((self.surface.signed_distance(p, &hit), hit))
     }
 
     /// `p`, or the nearest point not deeper than `allow_depth` (cm, 0 = the skin itself) when it lies deeper.
@@ -192,6 +200,9 @@ impl<'a> Skin<'a> {
     /// [`Self::lift`] as far as the field knows, which is right to half a cell: for rounds that come nearer and nearer.
     #[inline]
     pub fn lift_about(&self, p: Vec3, height: f32) -> Vec3 {
+        if self.has_no_inside() {
+            return p;
+        }
         match self.field.depth(self.surface, p) {
             Depth::Near(d, ..) if d >= height => p,
             Depth::Near(d, gradient, _) => p + gradient.normalize_or_zero() * (height - d),
@@ -275,15 +286,12 @@ impl<'a> Skin<'a> {
             self.surface.smooth_normal(hit.triangle, hit.bary)
         };
         let mut moved = hit.point + outward * (height + CLEAR);
-        if self.is_tangled() {
-            return moved;
-        }
         // In a crease the way out of one side may lead into the other: twice more is enough for the
         // creases heads have, and the laws count what is left.
         // The triangle that it came to is near, which makes each look a short one.
         let beside = |moved: Vec3| {
             let next = self.surface.closest_from(moved, hit.triangle)?;
-            Some((self.signed(moved, &next), next))
+            Some((self.surface.signed_distance(moved, &next), next))
         };
         let mut next = beside(moved);
         for _ in 0..3 {
@@ -313,8 +321,7 @@ impl<'a> Skin<'a> {
         let mut ways: Vec<Vec3> = round_about().collect();
         ways.sort_by(|a, b| b.dot(way).total_cmp(&a.dot(way)));
         ways.insert(0, way);
-        let hopeless =
-            self.rough == Some(Rough::Strewn) || self.patience.is_some_and(Patience::is_hopeless);
+        let hopeless = self.patience.is_some_and(Patience::is_hopeless);
         if !hopeless && !self.looked(ways.len()) {
             return p;
         }

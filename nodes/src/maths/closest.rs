@@ -288,16 +288,6 @@ impl Surface {
     /// The distance of `p` from its closest point `hit`, negative inside. Where a mesh ends, or folds into itself as scans do, an
     /// edge or a corner does not tell the sides apart: what seems deep inside such a one is looked at from there.
     pub fn signed_distance(&self, p: Vec3, hit: &Hit) -> f32 {
-        self.signed(p, hit, || self.sees_backs(p))
-    }
-
-    /// The same on a mesh of many small parts, most of which a point is in none of: what sees no back behind it is not looked at
-    /// closer.
-    pub fn signed_distance_to_scraps(&self, p: Vec3, hit: &Hit) -> f32 {
-        self.signed(p, hit, || self.sees_back(p, p - hit.point) && self.sees_backs(p))
-    }
-
-    fn signed(&self, p: Vec3, hit: &Hit, sees_backs: impl Fn() -> bool) -> f32 {
         let side = (p - hit.point).dot(self.pseudo_normal(hit));
         if side >= 0.0 {
             return hit.distance;
@@ -305,7 +295,7 @@ impl Surface {
         let at_edge = [1.0 - hit.bary.x - hit.bary.y, hit.bary.x, hit.bary.y];
         let doubtful =
             hit.distance > DOUBTFUL && !self.is_tangled() && at_edge.iter().any(|w| *w <= ON);
-        if doubtful && !sees_backs() { hit.distance } else { -hit.distance }
+        if doubtful && !self.sees_backs(p) { hit.distance } else { -hit.distance }
     }
 
     /// Whether most ways from a point meet the back of the surface first, which is how it looks from inside.
@@ -414,7 +404,11 @@ pub fn closest_on_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> (Vec2, Vec3) {
 }
 
 /// Moeller and Trumbore 1997, both sides.
-fn ray_triangle(origin: Vec3, direction: Vec3, [a, b, c]: [Vec3; 3]) -> Option<(f32, Vec2)> {
+pub(super) fn ray_triangle(
+    origin: Vec3,
+    direction: Vec3,
+    [a, b, c]: [Vec3; 3],
+) -> Option<(f32, Vec2)> {
     let (ab, ac) = (b - a, c - a);
     let h = direction.cross(ac);
     let det = ab.dot(h);

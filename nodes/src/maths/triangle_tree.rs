@@ -8,6 +8,7 @@
 //! same everywhere, but may lie farther off than the nearest.
 
 use glam::{Vec2, Vec3};
+use std::cell::RefCell;
 
 /// Children of a node.
 const WIDE: usize = 4;
@@ -27,11 +28,13 @@ const AIRY: f32 = 16.0;
 const HALVINGS: u32 = 4;
 const MOST_PIECES: usize = 400_000;
 
-/// A mesh is tangled where a search near it looks at more triangles than this: heads and
-/// dressed figures take five to forty ...
+/// A mesh is tangled where a search near it, or a ray from there, looks at more triangles than this: heads and dressed figures take five
+/// to forty, and one to five ...
 const TANGLED: usize = 150;
 /// ... on average over so many places, so far off a triangle as a part of its side ...
 const SAMPLES: usize = 64;
+/// ... and so far (cm) into the open, ...
+const OPEN: f32 = 1e4;
 const OFF: f32 = 0.1;
 /// ... and there it looks at so many: those whose boxes are nearest.
 const MOST_LOOKS: usize = 24;
@@ -99,7 +102,7 @@ impl TriangleTree {
             tree.leaves.reserve(items.len());
             tree.nodes.reserve(items.len() / 2);
             tree.add(&mut items);
-            if tree.looks() > TANGLED {
+            if tree.looks() > TANGLED || tree.ray_looks() > TANGLED {
                 tree.most = MOST_LOOKS;
             }
         }
@@ -113,24 +116,39 @@ impl TriangleTree {
 
     /// How many triangles a search looks at for a place a little off the mesh, on average over some places of it.
     fn looks(&self) -> usize {
-        let places = self.leaves.len().min(SAMPLES);
-        let mut looks = 0;
-        for k in 0..places {
-            let [a, b, c] = self.leaves[k * self.leaves.len() / places].corners;
-            let p = (a + b + c) / 3.0
-                + OFF * (b - a).cross(c - a).normalize_or_zero() * (c - a).length();
+        self.looks_at_places(|p, _, look| {
             let mut best = f32::MAX;
-            let mut looked = 0;
             let mut leaf = |leaf: &Leaf| {
-                looked += 1;
+                look();
                 let (_, point) = super::closest::closest_on_triangle(p, leaf.corners);
                 best = best.min(point.distance_squared(p));
                 best
             };
             self.walk(|node| node.squares(p), &mut leaf, f32::MAX, 20 * TANGLED);
-            looks += looked;
+        })
+    }
+
+    /// How many triangles a ray from such a place into the open looks at.
+    fn ray_looks(&self) -> usize {
+        self.looks_at_places(|p, out, look| {
+            let look = RefCell::new(look);
+            self.first(p, out, OPEN, |corners| {
+                look.borrow_mut()();
+                super::closest::ray_triangle(p, out, corners)
+            });
+        })
+    }
+
+    /// How often `looks` looks, on average over some places a little off the mesh, with the way out there.
+    fn looks_at_places(&self, looks: impl Fn(Vec3, Vec3, &mut dyn FnMut())) -> usize {
+        let places = self.leaves.len().min(SAMPLES);
+        let mut looked = 0;
+        for k in 0..places {
+            let [a, b, c] = self.leaves[k * self.leaves.len() / places].corners;
+            let out = (b - a).cross(c - a).normalize_or_zero();
+            looks((a + b + c) / 3.0 + OFF * out * (c - a).length(), out, &mut || looked += 1);
         }
-        looks / places.max(1)
+        looked / places.max(1)
     }
 
     /// The box about all triangles; none of none.

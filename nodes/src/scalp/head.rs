@@ -275,26 +275,39 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = Scalp::new(surface, uvs, frame, masks).with_drawn(drawn, links);
     let scalp = scalp.carried(space).with_landmarks(landmarks);
     if let Some(rough) = scalp.rough() {
-        let why = match rough {
-            Rough::Folded => format!(
-                "more than a quarter of the region faces other skin within {:.0} cm: among so many folds",
-                frame.radius
-            ),
-            Rough::Wide => format!(
-                "the region is larger than {:.0} cm2: on so large a one",
-                WIDE * frame.unit() * frame.unit()
-            ),
-            Rough::Strewn => {
-                format!("the region is in more than {SCRAPS} parts: on scraps")
-            }
-            Rough::Tangled => {
-                "so many triangles cross each other that little of the mesh has an inside: among them".to_owned()
-            }
-        };
-        cx.remark(format!("{why} hair is pushed out of the skin, but not led round it"));
+        tell_rough(cx, rough, &frame);
     }
     let scalp = scalp.with_cm_per_unit(scale).with_parts(parts.list()).with_kept(kept);
     Ok(Outputs { scalp: Arc::new(scalp) })
+}
+
+/// Says what hair on a rough mesh is kept out of.
+fn tell_rough(cx: &EvalCx, rough: Rough, frame: &HeadFrame) {
+    let why = match rough {
+        Rough::Folded => {
+            let reach = frame.radius;
+            format!("more than a quarter of the region faces other skin within {reach:.0} cm")
+        }
+        Rough::Wide => {
+            format!("the region is larger than {:.0} cm2", WIDE * frame.unit() * frame.unit())
+        }
+        Rough::Strewn => format!("the region is in more than {SCRAPS} parts"),
+        Rough::Tangled => {
+            "so many triangles cross each other that the mesh has no inside".to_owned()
+        }
+    };
+    const REMEDY: &str = "to keep hair out of the head, leave the other parts out (leave_out), or choose a smaller region";
+    match rough {
+        Rough::Wide => {
+            cx.remark(format!("{why}: hair is pushed out of the skin, but not led round it"))
+        }
+        Rough::Folded => cx.warn(format!(
+            "{why}: guides are kept out of the skin, hair between them is not; {REMEDY}"
+        )),
+        Rough::Strewn | Rough::Tangled => {
+            cx.warn(format!("{why}: neither guides nor hair are kept out of it; {REMEDY}"))
+        }
+    }
 }
 
 /// Says so where there are more heads than one.
