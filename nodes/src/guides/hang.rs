@@ -24,80 +24,81 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Let curves hang from their roots: out of the scalp, then down, resting on head, neck and shoulders.
+    /// Hangs curves from their roots: out of the scalp, then down, resting on head, neck and shoulders.
     ///
-    /// For braids, locs and twists that hang free, and for long hair: give it roots (the middles of sections, or any guides,
-    /// of which the first point counts) and braid or fill what comes out. The clearance is half as thick as what will lie
-    /// along the curve, so that this, not the curve, rests on the skin and on its neighbours.
+    /// For free-hanging braids, locs and twists, and for long hair. Give it roots (the middles of sections, or guides,
+    /// of which the first point is used) and braid or fill the result. Clearance is half the thickness of what runs
+    /// along the curve, so that its surface, not the curve, rests on the skin.
     "hang", version 1, label "Hang",
         words "gravity fall drape simulate simulation dynamics collide collision rest shoulders free hanging locs twists long hair droop dangle";
     inputs {
         /// Curves whose first points are the roots.
         roots: Curves, words("source guides");
-        /// The head, with neck and shoulders where it has them. Without it curves fall freely.
+        /// The head, with neck and shoulders if it has them. Without a head, curves fall freely.
         scalp: Option<Arc<Scalp>>;
-        /// Length of each curve, whatever it lies on.
+        /// Length of each curve.
         length: FieldInput = 35.0, hard(0.1, 500.0), soft(1.0, 90.0), unit(Length), handle(Handle::Length);
-        /// How far the curve stands out before its weight bends it down: 0 falls at once, 1 to 2 a braid, 10 a stiff lock.
+        /// How far the curve stands out before its weight bends it down: 0 falls at once, 1 to 2 suits a braid, 10 a
+        /// stiff lock.
         stiffness: FieldInput = 1.2, hard(0.0, 100.0), soft(0.0, 10.0), unit(Length), words("bend rigidity stand");
         /// Angle between scalp and curve at the root: 0 lies flat, 90 stands straight out.
         lie: FieldInput = 20.0, hard(0.0, 90.0), unit(Angle), words("lift stand elevation"), handle(Handle::Angle);
-        /// Which way curves leave their roots.
+        /// Direction in which curves leave their roots.
         flow: Flow = Flow::Sides, words("direction part comb");
-        /// The direction, for the flows that have one, in the head frame (x to the head's left, y up, z forward).
+        /// Direction for the flows that use one, in the head frame (x to the head's left, y up, z forward).
         direction: Vec3 = Vec3::new(1.0, -0.2, -0.35),
             idle(|of| matches!(of("flow"), Some(Value::Text(is)) if !["sides", "direction"].contains(&&*is)).then_some("curves leave their roots another way"));
-        /// Where hair is parted when it falls to both sides: 0 where the scalp is parted, else in the middle; positive nearer
-        /// to the head's left ear. Within 1.5 cm of there a parting of the scalp decides, and hair falls away from it.
+        /// Position of the parting when hair falls to both sides: 0 follows the scalp's parting or the midline,
+        /// positive is nearer the head's left ear. Within 1.5 cm, a parting of the scalp decides which way hair falls.
         parted_at: f32 = 0.0, hard(-20.0, 20.0), soft(-6.0, 6.0), unit(Length), words("part side middle centre"),
             idle(|of| unless(of, "flow", "sides", "hair does not fall to both sides"));
 
         [Shape]
-        /// How far curves that lie on the head keep to the way they are laid, before they just slide down.
+        /// Length over which curves that lie on the head follow the flow before they slide straight down.
         hold: f32 = 5.0, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), words("style set friction");
-        /// What pulls besides gravity, in the head frame, as a share of it: (0.2, 0, 0) leans to the head's left.
+        /// Extra pull besides gravity, as a fraction of it, in the head frame: (0.2, 0, 0) leans to the head's left.
         swing: Vec3 = Vec3::ZERO, words("wind tilt motion lean");
 
         [Thickness]
-        /// Half the thickness of what will lie along the curve: so far its middle keeps from the skin, and twice as far from
-        /// its neighbours. At the root the curve is in the skin.
+        /// Half the thickness of what runs along the curve. Curves keep this distance from the skin and twice as much
+        /// from each other; each starts in the skin at its root.
         clearance: FieldInput = 0.4, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), handle(Handle::Radius),
             words("radius thickness offset collision");
-        /// Keep curves apart as far as they are thick. Off lets them pass through each other and is quicker.
+        /// Keep curves apart by their thickness. Off is faster and lets them intersect.
         separate: bool = true, words("collision neighbours stack layers");
 
         [Detail]
-        /// Points on each curve, root and tip included.
+        /// CVs per curve, root and tip included.
         points: i64 = 48, hard(2.0, 1024.0), soft(8.0, 128.0), unit(Count), words("cvs segments");
-        /// Whether lengths grow with the size of the head.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How much shorter a curve may be than its length, drawn for each: 0 none, 0.95 down to a twentieth.
+        /// Random shortening of each curve: 0 keeps the full length, 0.95 allows down to a twentieth of it.
         length_variation: f32 = 0.04, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("random vary ends layers");
-        /// How far each curve strays from the straight fall, at random.
+        /// Random deviation of each curve from the straight fall.
         variation: f32 = 4.0, hard(0.0, 60.0), soft(0.0, 20.0), unit(Angle), words("random jitter natural");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// The curves, one tuft each, with all that their roots had and their clearance as radius.
+        /// The curves, one tuft each, with the attributes of their roots and the clearance as radius.
         curves: Curves;
     }
 }
 
 choice! {
-    /// Which way curves leave their roots.
+    /// Direction in which curves leave their roots.
     Flow {
-        /// The direction below on the head's left and its mirror image on the right, down at the back: hair that is parted.
+        /// The direction below on the head's left, mirrored on the right, and down at the back: parted hair.
         Sides = "sides",
         /// The same direction everywhere.
         Direction = "direction",
-        /// From the forehead back over the head, and down behind.
+        /// From the forehead back over the head, then down.
         Back = "back",
         /// Down, each on the side where it is rooted.
         Down = "down",
-        /// As the curves given begin.
+        /// As the input curves begin.
         Curve = "curve",
     }
 }

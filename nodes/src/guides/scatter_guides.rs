@@ -21,26 +21,26 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Spread guides evenly over the scalp and lay them in a direction.
+    /// Scatters guides evenly over the scalp and lays them in a direction.
     ///
-    /// A start for combing, clusters for filling, or with Interpolate a whole short head of hair. Raising the count
-    /// only adds guides between those there are. Where the scalp region is soft, guides are fewer.
+    /// Comb them with the pen, use them as clusters and fill them, or wire them to Interpolate to grow a short groom at
+    /// once. Raising the count adds guides and keeps the existing ones. A soft region mask thins them out.
     "scatter_guides", version 1, label "Scatter guides",
         words "guides guide init plant distribute populate roots crown whorl cowlick flow short hair generate grow";
     inputs {
         /// The head.
         scalp: Arc<Scalp>;
-        /// Whether the number of guides is given, or how many there are on a square centimetre.
+        /// Set the number of guides for the whole region, or per square centimeter.
         by: By = By::Count;
-        /// Guides on the whole region, when by count; those that would be rooted in a parting are left out.
+        /// Guides on the whole region, when by count. Guides that would root in a parting are left out.
         count: i64 = 300, hard(0.0, 100000.0), soft(10.0, 2000.0), unit(Count), words("amount number"),
             idle(|of| unless(of, "by", "count", "the number goes by density"));
-        /// Guides on a square centimetre, when by density.
+        /// Guides per square centimeter, when by density.
         density: f32 = 0.5, hard(0.0, 1000.0), soft(0.05, 5.0), unit(PerCm2), words("amount number"),
             idle(|of| unless(of, "by", "density", "the number goes by count"));
-        /// How many of the guides are kept, from none to all; usually a painted mask.
+        /// Fraction of guides to keep; usually a painted mask.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region paint");
-        /// No two roots are nearer than this. Asking for too much ends with fewer guides than asked for.
+        /// Smallest distance between two roots. A large value can leave fewer guides than requested.
         min_distance: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("spacing relax poisson");
         /// Length of the guides.
         length: FieldInput = 6.0, hard(0.05, 300.0), soft(0.5, 40.0), unit(Length), handle(Handle::Length);
@@ -48,63 +48,63 @@ node! {
         radius: FieldInput = 1.0, hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), handle(Handle::Radius);
 
         [Shape]
-        /// Which way guides are laid.
+        /// Direction in which guides lie.
         flow: Flow = Flow::Crown, words("direction part comb");
-        /// The direction for that flow, in the head frame (x to the head's left, y up, z forward).
+        /// Direction for that flow, in the head frame (x to the head's left, y up, z forward).
         direction: Vec3 = Vec3::NEG_Y,
             idle(|of| unless(of, "flow", "direction", "guides are laid another way"));
-        /// Where the crown is, in the head frame, centimetres on a head of average size.
+        /// Position of the crown in the head frame, in head units.
         crown: Vec3 = Vec3::new(0.8, 6.8, -5.6), handle(Handle::Point), words("whorl vertex cowlick"),
             idle(|of| unless(of, "flow", "crown", "guides are not laid from the crown"));
-        /// How far hair at the crown turns out of the straight way from it, in degrees: 0 is a plain star, 60 a strong
-        /// whorl. It fades away within about 5 cm.
+        /// Angle by which hair swirls around the crown: 0 is a plain star, 60 a strong whorl. It fades out within about
+        /// 5 cm.
         whorl: f32 = 45.0, hard(-180.0, 180.0), soft(-90.0, 90.0), unit(Angle), words("swirl cowlick"),
             idle(|of| unless(of, "flow", "crown", "guides are not laid from the crown"));
         /// Angle between scalp and guide at the root: 0 lies flat, 90 stands straight up.
         lie: FieldInput = 35.0, hard(0.0, 90.0), unit(Angle), words("lift stand elevation"), handle(Handle::Angle);
-        /// How far a guide bends from root to tip, towards the scalp.
+        /// Bend from root to tip, toward the scalp.
         bend: f32 = 25.0, hard(-360.0, 360.0), soft(-90.0, 180.0), unit(Angle), words("curve curl under");
-        /// How strongly gravity pulls: 0 not at all, 1 lets hair hang after a few centimetres.
+        /// Strength of gravity: 0 is none, 1 makes hair hang after a few centimeters.
         droop: f32 = 0.25, hard(0.0, 10.0), soft(0.0, 2.0), unit(Ratio), words("gravity hang fall sag");
 
         [Detail]
-        /// Points on each guide, root and tip included.
+        /// CVs per guide, root and tip included.
         points: i64 = 10, hard(2.0, 1024.0), soft(4.0, 32.0), unit(Count), words("cvs segments");
-        /// Whether lengths grow with the size of the head.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How much shorter a guide may be than its length, drawn for each: 0 none, 0.95 down to a twentieth.
+        /// Random shortening of each guide: 0 keeps the full length, 0.95 allows down to a twentieth of it.
         length_variation: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("random vary");
-        /// How far the direction strays at random.
+        /// Random deviation of the direction.
         randomness: f32 = 8.0, hard(0.0, 180.0), soft(0.0, 45.0), unit(Angle), words("jitter noise messy");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// Guides, one tuft each.
+        /// The guides, one tuft each.
         curves: Curves;
     }
 }
 
 choice! {
-    /// What decides the number of guides.
+    /// What sets the number of guides.
     By {
-        /// So many on the whole region.
+        /// Per region.
         Count = "count",
-        /// So many on each square centimetre.
+        /// Per square centimeter.
         Density = "density",
     }
 }
 
 choice! {
-    /// Which way guides are laid.
+    /// Direction in which guides lie.
     Flow {
         /// Away from the crown in all directions, as short hair grows.
         Crown = "crown",
-        /// Down, whatever the head does.
+        /// Straight down everywhere.
         Down = "down",
-        /// From the forehead back over the head, and down behind.
+        /// From the forehead back over the head, then down.
         Back = "back",
         /// The same direction everywhere.
         Direction = "direction",

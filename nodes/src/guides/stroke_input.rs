@@ -20,63 +20,63 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Curves drawn with the pen: rows for braids, partings, guides, control curves of clusters.
+    /// Curves drawn with the pen: braid rows, partings, guides or center curves of clusters.
     ///
-    /// Draw them on the head in the viewport. A stroke is pulled on to the scalp, or kept as drawn in space with its
+    /// Draw them on the head in the viewport. Strokes are projected onto the scalp, or kept as drawn in space with the
     /// root on the scalp.
     "stroke_input", version 1, label "Stroke input", words "draw pen pencil sketch stylus curve guide row parting line tablet";
     inputs {
-        /// The strokes, root first. Drawn in the viewport; stored in the head's own frame.
+        /// The strokes, root first. Draw them in the viewport; they are stored in the head frame.
         strokes: Arc<Strokes> = Strokes::default(), words("drawn pen");
         /// The head that the strokes are drawn on.
         scalp: Arc<Scalp>;
-        /// Radius of the cluster or braid that the curve stands for. A ramp runs from root to tip.
+        /// Radius of the cluster or braid around the curve. A ramp runs from root to tip.
         radius: FieldInput = 1.0, hard(0.001, 100.0), soft(0.05, 3.0), unit(Length), handle(Handle::Radius), words("width size thickness");
-        /// How much the pen's pressure makes the radius: 0 not at all, 100% from nothing at no pressure to the full radius
-        /// at full pressure.
+        /// How much pen pressure scales the radius: at 0 it has no effect, at 100% the radius goes from zero at no
+        /// pressure to full at full pressure.
         pressure_radius: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("pen pressure width");
-        /// Whether every stroke is drawn on the other side of the head too.
+        /// Mirror strokes to the other side of the head.
         mirror: Mirror = Mirror::None, words("symmetry symmetrise flip x");
 
         [Placement]
-        /// Whether strokes lie on the scalp or hang in space.
+        /// Keep strokes on the scalp, or free in space.
         project: Project = Project::Scalp, words("surface snap stick");
-        /// How far over the scalp projected strokes lie. Negative is under the skin. A ramp runs from root to tip.
+        /// Height of projected strokes above the scalp; negative is below the skin. A ramp runs from root to tip.
         offset: FieldInput = 0.0, hard(-2.0, 20.0), soft(0.0, 2.0), unit(Length), handle(Handle::Length), words("height lift");
 
         [Detail]
-        /// How far the drawn line is averaged along itself, to take out the tremble of the hand. 0 keeps every wiggle.
+        /// Length over which the drawn line is smoothed, to remove hand tremor. 0 keeps it as drawn.
         smoothing: f32 = 0.3, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), words("smooth stabilise jitter");
-        /// Distance between the points of the curves. Each curve gets the number that comes closest.
+        /// Distance between CVs. Each curve gets the count that comes closest.
         spacing: f32 = 0.5, hard(0.01, 100.0), soft(0.1, 2.0), unit(Length), words("resample resolution points cvs");
-        /// Whether lengths here grow with the head. Strokes always do.
+        /// Scale lengths with the size of the head. Strokes always scale.
         scale_with_head: bool = true, words("head units");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// One curve for each stroke and each mirrored twin, in drawing order, with radius, pressure, root, scalp normals and how
-        /// far the root had to drift to lie on this head.
+        /// One curve per stroke and per mirror image, in drawing order, with radius, pressure, root, scalp normals and
+        /// drift (how far the root moved to lie on this head).
         curves: Curves;
     }
 }
 
 choice! {
-    /// Whether strokes lie on the scalp or hang in space.
+    /// Keep strokes on the scalp, or free in space.
     Project {
-        /// Every point is pulled to the closest point of the scalp.
+        /// Projects every point to the closest point of the scalp.
         Scalp = "scalp",
-        /// As drawn; the root goes to the closest point of the scalp, and what runs under the skin is pushed out.
+        /// As drawn: the root snaps to the scalp, and points below the skin are pushed out.
         Free = "free",
     }
 }
 
 choice! {
-    /// Whether every stroke is drawn on the other side of the head too.
+    /// Mirror strokes to the other side of the head.
     Mirror {
         /// Each stroke once.
         None = "none",
-        /// Each stroke and its mirror image, except strokes on the midline of the head.
+        /// Each stroke and its mirror image, except strokes on the midline.
         Both = "both",
     }
 }

@@ -25,70 +25,72 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 node! {
-    /// Short fine hair along the hairline: edges as they grow, laid, or in swoops.
+    /// Short, fine hair along the hairline: natural, laid or swooped edges.
     ///
-    /// Natural edges stand softly off the skin; laid ones are combed flat along the hairline; swooped ones lie in S-waves, a lock
-    /// at a time. On a parted scalp they keep to the sections.
+    /// Natural edges stand softly off the skin; laid edges are combed flat along the hairline; swooped edges lie in
+    /// S-waves, one lock at a time. On a parted scalp they stay in their sections.
     "baby_hair", version 1, label "Baby hair", words "edges baby hair hairline laid swoop swooped slick fuzz wisp fringe border fine short", thins;
     inputs {
         /// The head.
         scalp: Arc<Scalp>;
         /// How the hair lies.
         style: Style = Style::Natural, words("laid swoop edges");
-        /// Hairs on each centimetre of the hairline.
+        /// Hairs per centimeter of hairline.
         per_cm: f32 = 30.0, hard(0.0, 2000.0), soft(2.0, 150.0), unit(PerCm), words("density count amount");
-        /// How many of the hairs are kept, from none to all; usually a painted mask or a ramp round the head.
+        /// Fraction of hairs to keep; usually a painted mask.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area where front nape temples");
         /// Length of the hairs.
         length: f32 = 1.6, hard(0.05, 30.0), soft(0.5, 3.0), unit(Length);
 
         [Placement]
-        /// Width of the band behind the hairline in which they are rooted.
+        /// Width of the band behind the hairline that they are rooted in.
         band: f32 = 0.7, hard(0.0, 10.0), soft(0.1, 2.0), unit(Length), words("depth zone");
-        /// How far ahead of the hairline the first of them are rooted, as far as hair grows there at all.
+        /// How far in front of the hairline the first hairs are rooted, where hair grows at all.
         ahead: f32 = 0.12, hard(0.0, 5.0), soft(0.0, 0.5), unit(Length), words("soft edge start");
-        /// Where the middle is that they lie away from: 0 in the middle of the head, positive nearer to its left ear. As the
-        /// other hair is parted.
+        /// Position of the parting that the hairs lie away from: 0 is the midline, positive is nearer the head's left
+        /// ear. Match the parting of the other hair.
         parted_at: f32 = 0.0, hard(-20.0, 20.0), soft(-6.0, 6.0), unit(Length), words("part side middle centre");
 
         [Shape]
-        /// Which way they lie: 0 straight out over the face, 90 along the hairline away from the middle, -90 towards it.
+        /// Direction in which they lie: 0 is straight out over the face, 90 along the hairline away from the parting,
+        /// -90 toward it.
         direction: f32 = 35.0, hard(-180.0, 180.0), soft(-90.0, 90.0), unit(Angle), handle(Handle::Angle), words("comb flow sweep");
-        /// How far the tips stand off the skin.
+        /// Height of the tips above the skin.
         lift: f32 = 0.12, hard(0.0, 10.0), soft(0.0, 1.0), unit(Length), words("height off");
         /// How far swoops turn to each side.
         wave: f32 = 65.0, hard(0.0, 180.0), soft(0.0, 120.0), unit(Angle), words("swoop amplitude s-wave finger wave");
-        /// Length of a whole wave of a swoop.
+        /// Length of one full wave of a swoop.
         wave_length: f32 = 2.2, hard(0.1, 30.0), soft(0.5, 6.0), unit(Length), words("period");
 
         [Clumping]
         /// Width of a lock along the hairline.
         lock: f32 = 0.8, hard(0.05, 30.0), soft(0.2, 3.0), unit(Length), words("clump width group");
-        /// How much the hairs of a lock draw together towards its tip.
+        /// How much the hairs of a lock converge toward its tip.
         gather: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("clump tightness");
 
         [Thickness]
-        /// Diameter at the root: baby hair is finer than other hair.
+        /// Diameter at the root; baby hair is finer than other hair.
         width_root: f32 = 0.004, hard(0.0001, 1.0), soft(0.001, 0.01), unit(Length), words("thickness diameter");
         /// Diameter at the tip.
         width_tip: f32 = 0.0012, hard(0.0001, 1.0), soft(0.0003, 0.01), unit(Length), words("thickness diameter taper");
 
         [Detail]
-        /// Points on each hair, root and tip included.
+        /// CVs per hair, root and tip included.
         points: i64 = 12, hard(4.0, 255.0), soft(6.0, 32.0), unit(Count), words("cvs segments resolution");
-        /// Whether lengths grow with the size of the head; the number of hairs then stays. Widths never do.
+        /// Scale lengths with the size of the head. The number of hairs and their widths stay.
         scale_with_head: bool = true, words("head units");
 
         [Randomness]
-        /// How much shorter a hair may be, drawn for each: 0 none, 0.95 down to a twentieth. The foremost are the shortest.
+        /// Random shortening of each hair: 0 keeps the full length, 0.95 allows down to a twentieth of it. The foremost
+        /// hairs are the shortest.
         length_variation: f32 = 0.55, hard(0.0, 0.95), unit(Ratio), words("random vary");
-        /// How much hairs differ in direction, lift and bend.
+        /// Random variation in direction, lift and bend.
         unevenness: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("random messy natural");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// The hairs, with their lock as group.
+        /// The hairs, with the lock number as group.
         curves: Curves;
     }
 }
@@ -96,11 +98,11 @@ node! {
 choice! {
     /// How the hair lies.
     Style {
-        /// As it grows: each a little its own way.
+        /// Each hair in its own direction, as it grows.
         Natural = "natural",
         /// Combed flat along the hairline.
         Laid = "laid",
-        /// Laid in S-waves, a lock at a time.
+        /// Laid in S-waves, one lock at a time.
         Swooped = "swooped",
     }
 }

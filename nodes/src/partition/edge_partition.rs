@@ -29,115 +29,115 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 node! {
-    /// Hairs pulled from the partings into braids: what lies between cornrows.
+    /// Hair pulled from the partings into braids: the combed hair between cornrows.
     ///
-    /// Wire the rows that braids are laid along. For each row the nearest rows on its left and right are found; half-way
-    /// to them is the parting, where the hairs are rooted, and from there they are combed over the scalp along and into the
-    /// braid, evenly or gathered at each stitch. On a parted scalp (node Partings) a row meets the rows of its own section;
-    /// where the section ends sooner its border is the parting, and hairs stay in it.
+    /// Wire the rows that the braids follow. The parting lies halfway between neighboring rows; hairs are rooted there
+    /// and combed over the scalp into the braid, evenly or gathered at each stitch. On a parted scalp (node Partings),
+    /// only rows of the same section are neighbors, and hairs stay inside the section.
     "edge_partition", version 1, label "Edge partition", words "parting part side middle hairs section cornrow canerow braid edge guide partition segments pulled comb line", thins;
     inputs {
-        /// The rows, root first: the same curves that the braids are laid along.
+        /// The rows, root first: the same curves that the braids follow.
         source: Curves, words("rows braids guides");
         /// The head.
         scalp: Arc<Scalp>;
-        /// The curves that rows are parted from. Without any, the other rows of the source.
+        /// Neighbors to part the rows from. By default, the other rows of the source.
         adjacent: Option<Curves>, words("neighbours adjacent");
-        /// Curves on the left of the rows (seen along them from outside the head), used instead of found ones.
+        /// Neighbors on the left of the rows (seen along them from outside the head), instead of detected ones.
         left: Option<Curves>, words("adjacent");
-        /// Curves on the right of the rows, used instead of found ones.
+        /// Neighbors on the right of the rows, instead of detected ones.
         right: Option<Curves>, words("adjacent");
-        /// The stitches of the braids, from the braid node, for grouping by stitches.
+        /// Stitches from the braid node, for grouping by stitches.
         stitches: Option<Curves>, words("knots");
-        /// Curves whose roots are the places along the nearest row where hairs gather, for grouping by picked points.
+        /// Curves whose roots mark where hairs gather along the nearest row, for grouping by picked points.
         picked: Option<Curves>, words("points centroids");
-        /// Whether the number of hairs is given for each centimetre of a row or for the whole row.
+        /// Set the number of hairs per centimeter of row, or per row.
         by: By = By::PerCm;
-        /// Hairs on each side of a row for each centimetre of it.
+        /// Hairs per centimeter of row, on each side.
         per_cm: f32 = 80.0, hard(0.0, 2000.0), soft(1.0, 200.0), unit(PerCm), words("density count amount"),
             idle(|of| unless(of, "by", "per_cm", "the number is that of a whole row"));
-        /// Hairs of a row, both sides together.
+        /// Hairs per row, both sides together.
         total: i64 = 1000, hard(0.0, 1000000.0), soft(10.0, 5000.0), unit(Count), words("count amount"),
             idle(|of| unless(of, "by", "total", "the number is that of a centimetre"));
-        /// Where between its row and the neighbour a hair is rooted: 0 at the row, 50% half-way, at the parting, 100% at the
-        /// neighbour. Varies along the row.
+        /// Where hairs are rooted between their row and its neighbor: 0 at the row, 50% halfway, at the parting, 100%
+        /// at the neighbor. Varies along the row.
         mediate: FieldInput = 0.5, hard(0.0, 1.0), unit(Ratio), words("mediate midpoint length position");
         /// Diameter of a hair. A ramp runs from root to end.
         width: FieldInput = 0.008, hard(0.0001, 1.0), soft(0.002, 0.02), unit(Length), words("thickness diameter");
 
         [Placement]
-        /// Let roots and hairs cross the partings. Off keeps every hair in its own row's ground.
+        /// Let roots and hairs cross the partings. Off keeps every hair in its row's territory.
         cross_partings: bool = false, words("overlap territory");
-        /// Width of the bare skin of a parting; roots keep half of it from the middle.
+        /// Width of the bare skin along a parting. Roots stay half of it away from the middle.
         parting_width: f32 = 0.15, hard(0.0, 5.0), soft(0.0, 0.6), unit(Length), words("gap line skin");
-        /// How far a neighbour may be; a row with none on a side is open there.
+        /// Largest distance to a neighbor. A row without a neighbor on one side is open there.
         reach: f32 = 6.0, hard(0.01, 100.0), soft(1.0, 15.0), unit(Length), words("distance neighbour search");
-        /// Where no neighbour is met, the row's ground ends this far from it, and where hair stops growing. 0 leaves that side
-        /// bare.
+        /// Width of the territory on an open side, measured from the row; it also ends where hair stops growing. 0
+        /// leaves that side bare.
         open_side: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 4.0), unit(Length), words("outermost hairline edge");
-        /// How far ahead of the row's root hairs are rooted, swept back into the start of the braid, as far as hair grows.
+        /// How far in front of the row's root hairs are rooted and swept back into the start of the braid, where hair
+        /// grows.
         lead: f32 = 0.6, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("front hairline start");
 
         [Shape]
-        /// How far hairs are off the scalp half-way. Varies along the row.
+        /// Height of the hairs above the scalp at their midpoint. Varies along the row.
         lift: FieldInput = 0.04, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), handle(Handle::Length), words("height loose puff");
-        /// How far hairs are combed along the braid: 0 square to the row, 80 nearly along it, negative against it. Varies
-        /// along the row.
+        /// Angle at which hairs are combed along the braid: 0 is square to the row, 80 nearly along it, negative
+        /// against it. Varies along the row.
         pull_angle: FieldInput = 50.0, hard(-80.0, 80.0), unit(Angle), handle(Handle::Angle), words("sweep oblique comb direction");
-        /// How hairs turn into the braid: 0 straight from root to end, 100% they leave the parting square and end along the
-        /// braid.
+        /// How hairs turn into the braid: 0 is straight from root to end, 100% leaves the parting square and ends along
+        /// the braid.
         sweep: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("curve bend comb");
-        /// Radius of the braid that the hairs end in. Varies along the row; by default the rows' own radius.
+        /// Radius of the braid that the hairs end in. Varies along the row; by default, the rows' own radius.
         row_radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()), hard(0.001, 50.0), soft(0.1, 2.0), unit(Length), handle(Handle::Radius), words("braid size envelope");
-        /// How far under the braid's surface hairs end, so that their ends are hidden.
+        /// How far below the braid's surface the hairs end, to hide the ends.
         tuck: f32 = 0.1, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("hide depth inside");
 
         [Clumping]
-        /// Whether ends are spread along the braid or gathered.
+        /// Spread the hair ends along the braid, or gather them.
         grouping: Grouping = Grouping::None, words("clump stitch knot gather");
-        /// Hairs in a group, when every so many form one.
+        /// Hairs per group, when grouping by a fixed count.
         every: i64 = 20, hard(1.0, 100000.0), soft(2.0, 200.0), unit(Count), words("k"),
             idle(|of| unless(of, "grouping", "every_k", "hairs are not grouped by number"));
-        /// How far from the middle of their group hairs end.
+        /// Distance of hair ends from the center of their group.
         group_radius: f32 = 0.1, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), handle(Handle::Radius), words("clump spread"),
             idle(|of| matches!(of("grouping"), Some(Value::Text(is)) if *is == *"none").then_some("hairs are not grouped"));
-        /// How close the hairs of a group lie together, from root to end: 0 they only meet at the end, 1 they run as one lock.
+        /// How tightly a group is drawn together, from root to end: 0 meets only at the end, 1 runs as one lock.
         tightness: Arc<Ramp> = Ramp::linear(0.0, 0.7), words("clump profile gather"),
             idle(|of| matches!(of("grouping"), Some(Value::Text(is)) if *is == *"none").then_some("hairs are not grouped"));
 
         [Detail]
-        /// Points on each hair, root and end included.
+        /// CVs per hair, root and end included.
         cvs: i64 = 10, hard(4.0, 64.0), soft(6.0, 24.0), unit(Count), words("points resolution");
-        /// Whether lengths here grow with the head; the number of hairs then stays. The width of a hair never does.
+        /// Scale lengths with the size of the head. The number of hairs and their widths stay.
         scale_with_head: bool = true, words("head units");
 
         [Randomness]
-        /// How far roots are scattered from there back to the row: 0 in one line, 100% all the way.
+        /// Random scatter of roots from the parting back toward the row: 0 is a single line, 100% the whole way.
         jitter: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("random scatter");
-        /// How much hairs differ in angle, lift and where round the braid they end.
+        /// Random variation in angle, lift and position around the braid.
         unevenness: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("random variation natural messy");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// The parting hairs, one tuft for each row, rooted in the scalp, with their row, side, group and where along the row
-        /// they end.
+        /// The hairs, one tuft per row, rooted in the scalp, with their row, side, group and the position along the row
+        /// where they end.
         curves: Curves;
     }
 }
 
 choice! {
-    /// Whether the number of hairs is given for each centimetre or for the row.
+    /// How the number of hairs is set.
     By {
-        /// For each centimetre of a row and each side.
+        /// Per centimeter of row and side.
         PerCm = "per_cm",
-        /// For each row.
+        /// Per row.
         Total = "total",
     }
 }
 
 choice! {
-    /// Whether ends are spread along the braid or gathered.
+    /// Spread the hair ends along the braid, or gather them.
     Grouping {
         /// Spread evenly.
         None = "none",
@@ -145,7 +145,7 @@ choice! {
         Stitches = "stitches",
         /// At the nearest picked point.
         Picked = "picked",
-        /// Every so many hairs, at even distances.
+        /// In groups of a fixed count, evenly spaced.
         EveryK = "every_k",
     }
 }

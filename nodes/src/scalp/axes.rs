@@ -6,9 +6,9 @@ use crate::define::choice;
 use glam::Vec3;
 
 choice! {
-    /// The file's axis that points up.
+    /// Axis of the file that points up.
     Up {
-        /// Y up, as most files have it.
+        /// Y up, as in most files.
         Y = "y",
         /// Z up.
         Z = "z",
@@ -24,21 +24,21 @@ choice! {
 }
 
 choice! {
-    /// The file's axis that the face looks along.
+    /// Axis of the file that the face points along.
     Forward {
-        /// Where the face looks, as found.
+        /// Detected from the face.
         Auto = "auto",
-        /// Along the file's X.
+        /// The file's +X.
         PlusX = "+x",
-        /// Against the file's X.
+        /// The file's -X.
         MinusX = "-x",
-        /// Along the file's Y.
+        /// The file's +Y.
         PlusY = "+y",
-        /// Against the file's Y.
+        /// The file's -Y.
         MinusY = "-y",
-        /// Along the file's Z.
+        /// The file's +Z.
         PlusZ = "+z",
-        /// Against the file's Z.
+        /// The file's -Z.
         MinusZ = "-z",
     }
 }

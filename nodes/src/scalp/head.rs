@@ -29,73 +29,75 @@ use std::sync::Arc;
 node! {
     /// The head that hair grows on: the built-in bust or a mesh file.
     ///
-    /// A sphere is fitted to the cranium; its centre, its radius and the direction of the face make the head frame, in
-    /// which strokes and partings are stored, so that a groom finds its place on another head. Units, axes,
-    /// size and the region where hair grows are found by themselves, and every one can be set by hand.
+    /// A sphere fitted to the cranium and the direction of the face define the head frame. Strokes and partings are
+    /// stored in that frame, so a groom transfers to another head. Units, axes, size and the region where hair grows
+    /// are detected; every one can be overridden.
     "head", version 1, label "Head", words "skull bust mesh scalp model import obj gltf glb surface emitter character skin";
     inputs {
-        /// The head to use while no mesh file is given.
+        /// Built-in head, used while no mesh file is set.
         builtin: Builtin = Builtin::Adult, words("default bust");
-        /// A mesh file (.obj, .gltf or .glb), used instead of the built-in head. Its uvs, materials and vertex colours are
-        /// kept as uvs and masks.
+        /// Mesh file (.obj, .gltf or .glb) to use instead of the built-in head. UVs are kept; materials and vertex
+        /// colors become masks.
         mesh: Option<Arc<FileData>>, holds(Holds::Mesh), words("file import model");
-        /// Parts of the mesh that are no head, such as hair, hats and glasses: they are no skin, no hair grows on them, and the
-        /// sphere is not fitted to them. Names of meshes, nodes, groups or materials, or "piece 2" for the second largest piece of a
-        /// mesh without names, separated by commas, in any case; `*` stands for any text, as in `hair*, *glasses`. What looks like
-        /// such a part is proposed in the messages.
+        /// Parts of the mesh to ignore, such as hair, hats and glasses: no hair grows on them and the cranium is not
+        /// fitted to them. Comma-separated names of meshes, nodes, groups or materials, or "piece 2" for the second
+        /// largest piece of a mesh without names; `*` matches any text, as in `hair*, *glasses`. Case is ignored. The
+        /// messages suggest candidates.
         leave_out: Arc<str> = "", words("hide ignore exclude remove hair hat helmet glasses lashes brows part material");
         /// Where hair grows.
         region: Region = Region::Default, words("scalp area growth hairline density map");
-        /// The painted mask, or the materials, that say where hair grows. Several materials are separated by commas.
+        /// Painted mask, or comma-separated materials, that define where hair grows.
         region_name: Arc<str> = "", words("vertex colour color paint material name");
-        /// The edge of the region as a closed stroke on the skin; hair grows inside, on the smaller of its two sides. Further
-        /// strokes enclose further regions; one inside another leaves a hole.
+        /// Edge of the region, as a closed stroke on the skin. Hair grows inside, on the smaller of its two sides. More
+        /// strokes add regions; a stroke inside another cuts a hole.
         hairline: Arc<Strokes> = Strokes::default(), words("edge outline");
-        /// Names for drawn regions: a name and a point in it, in the head frame (x to the head's left, y up, z forward),
-        /// centimetres on a head of average size, such as `beard 0 -7 7; left brow 3 1 9`. Each is a mask of that name. A point
-        /// outside of every stroke chooses the other side of the nearest.
+        /// Names for drawn regions, each with a point inside it in the head frame (x to the head's left, y up, z
+        /// forward, in head units), such as `beard 0 -7 7; left brow 3 1 9`. Each becomes a mask of that name. A point
+        /// outside every stroke selects the outer side of the nearest one.
         names: Arc<str> = "", words("name label several regions mask side");
-        /// Width over which the edge of a default or drawn region fades. 0 is a sharp edge.
+        /// Fade width at the edge of a default or drawn region. 0 is a sharp edge.
         edge: f32 = 0.5, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("soft fade falloff");
-        /// Where landmarks of this head are, instead of where they were guessed: each a name and a point in the head frame as above,
-        /// such as `crown 0 8.3 -3.9; chin 0 -10 7.3`. They are front and nape (where the hairline crosses the middle), left and
-        /// right temple (the hairline between forehead and ear), left and right ear (the skin just over it), crown, and chin. The
-        /// messages list where they are.
+        /// Landmarks of this head that replace the detected ones: name and position in the head frame, such as `crown 0
+        /// 8.3 -3.9; chin 0 -10 7.3`. Names: front and nape (hairline at the midline), left and right temple (hairline
+        /// between forehead and ear), left and right ear (skin just above it), crown, chin. The messages list all
+        /// positions.
         landmarks: Arc<str> = "", words("points fit markers correspondence hairline nape temple ear crown chin");
-        /// The landmarks of the head that the groom was made on, all in head units of that one, as the messages list them. Then
-        /// everything that is given in head units (strokes, names, hairline, masks, places) is carried from there to this head:
-        /// landmarks meet, and between them all moves with them. Empty where the groom is at home. `coif fit` sets it.
+        /// Landmarks of the head that the groom was made on, in that head's units, as its messages list them. Strokes,
+        /// names, hairline, masks and positions are then warped so that these landmarks meet the ones of this head.
+        /// Leave empty on the original head. `coif fit` sets it.
         home: Arc<str> = "", words("fit transfer carry map other head source original landmarks warp retarget");
 
         [Placement]
-        /// What one unit of the file measures. Auto takes what the file states, else what makes the cranium as large as a
-        /// person's.
+        /// Length of one unit of the file. Auto reads it from the file, or picks the unit that gives the cranium a
+        /// human size.
         units: Units = Units::Auto, words("scale metres centimetres inches");
-        /// Centimetres in one unit of the file, when units are set to custom.
+        /// Centimeters per unit of the file, when units are custom.
         scale: f32 = 1.0, hard(0.000001, 1000000.0), soft(0.1, 100.0), words("size"),
             idle(|of| unless(of, "units", "custom", "the units of the file are known"));
-        /// The file's axis that points up; the mesh is turned to Y up. Where no head is found so, the other axes are tried.
+        /// Axis of the file that points up; the mesh is rotated to Y up. If no head is found that way, the other axes
+        /// are tried.
         up: Up = Up::Y, words("axis orientation z-up");
-        /// The file's axis that the face looks along. Auto finds the plane that the head mirrors in, and the end of it that is
-        /// like a face; within 5 degrees of an axis it takes the axis.
+        /// Axis of the file that the face points along. Auto finds the mirror plane of the head and the end that looks
+        /// like a face, and snaps to an axis within 5 degrees.
         forward: Forward = Forward::Auto, words("axis orientation face direction");
-        /// Turns forward about the up axis, for a head that looks between two axes; positive to the head's own left.
+        /// Rotates forward about the up axis, for a head that faces between two axes. Positive turns to the head's own
+        /// left.
         turn: f32 = 0.0, hard(-180.0, 180.0), unit(Angle), handle(Handle::Angle), words("yaw rotate");
         /// How the head frame is found.
         fit: FitBy = FitBy::Cranium, words("sphere cranium animal creature");
-        /// Radius of the cranium, used instead of the fitted one; 0 keeps what was fitted.
+        /// Radius of the cranium, instead of the fitted one; 0 keeps the fit.
         radius: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 12.0), unit(Length), handle(Handle::Radius), words("size");
-        /// Moves the centre of the cranium, in cm along the head's right, up and forward.
+        /// Offset of the cranium's center, in cm along the head's right, up and forward.
         centre: Vec3 = Vec3::ZERO, handle(Handle::Point), words("center offset origin");
     }
     outputs {
-        /// The head with its frame, its masks and the region where hair grows.
+        /// The head with its frame, masks and the region where hair grows.
         scalp: Arc<Scalp>;
     }
 }
 
 choice! {
-    /// Heads that come with the program.
+    /// Built-in heads.
     Builtin {
         /// An adult bust with ears and neck, bald.
         Adult = "adult",
@@ -103,19 +105,19 @@ choice! {
 }
 
 choice! {
-    /// What one unit of the file measures.
+    /// Length of one unit of the file.
     Units {
-        /// What the file states, else found from the size of the cranium.
+        /// As the file states, or else derived from the size of the cranium.
         Auto = "auto",
-        /// Millimetres.
+        /// Millimeters.
         Millimetre = "mm",
-        /// Centimetres.
+        /// Centimeters.
         Centimetre = "cm",
-        /// Metres.
+        /// Meters.
         Metre = "m",
         /// Inches.
         Inch = "in",
-        /// As many centimetres as scale says.
+        /// As many centimeters as scale says.
         Custom = "custom",
     }
 }
@@ -123,9 +125,9 @@ choice! {
 choice! {
     /// How the head frame is found.
     FitBy {
-        /// By the sphere that the cranium fits best.
+        /// By the best-fitting sphere of the cranium.
         Cranium = "cranium",
-        /// Not at all: the file's own origin and axes, for animals and things.
+        /// No fit: the file's own origin and axes, for animals and props.
         None = "none",
     }
 }
@@ -133,12 +135,12 @@ choice! {
 choice! {
     /// Where hair grows.
     Region {
-        /// The mask "scalp" or "hairline" where the mesh brings one, else the usual hairline of a head; on a mesh without
-        /// a cranium, everywhere.
+        /// The mask "scalp" or "hairline" if the mesh has one, else a standard hairline; everywhere on a mesh without a
+        /// cranium.
         Default = "default",
         /// Where the painted mask of the given name is.
         Mask = "mask",
-        /// Where the given materials are.
+        /// On the given materials.
         Material = "material",
         /// Inside the drawn hairline.
         Hairline = "hairline",

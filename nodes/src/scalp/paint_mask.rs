@@ -17,28 +17,30 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 node! {
-    /// A mask that the pen paints on the head: paint, erase, smooth and flood it in the viewport, and wire it to any field.
+    /// A mask painted on the head with the pen: paint, erase, smooth and flood in the viewport, then wire it to any
+    /// field.
     ///
-    /// Each stroke is kept in the head's own frame, so that the mask goes along to another head and is as sharp on a coarse mesh as
-    /// on a fine one. A closed stroke is a hairline: what lies inside is the mask, with a soft edge.
+    /// Strokes are stored in the head frame, so the mask transfers to another head and stays sharp on a coarse mesh. A
+    /// closed stroke works like a hairline: its inside is the mask, with a soft edge.
     "paint_mask", version 1, label "Paint mask",
         words "paint brush map weight density length region area hairline outline draw dab flood smooth erase texture";
     inputs {
-        /// What the pen painted, in order. Painted in the viewport; stored in the head's own frame.
+        /// Painted strokes, in order. Paint them in the viewport; they are stored in the head frame.
         strokes: Arc<Strokes> = Strokes::default(), words("pen dabs brush painted");
-        /// The head. Strokes that keep to a section need the parted one.
+        /// The head. Strokes limited to a section need the parted head.
         scalp: Arc<Scalp>;
-        /// What the mask is before the first stroke: a number, a mask of the head, a texture mask, or another painted mask.
+        /// Value before the first stroke: a number, a mask of the head, a texture mask or another painted mask.
         base: FieldInput = 0.0, hard(0.0, 1.0), unit(Ratio), words("start texture fill background vertex colour");
-        /// The share of the brush over which a dab fades: 0 is a hard edge, 1 fades from the middle on.
+        /// Fraction of the brush radius over which a dab fades: 0 is a hard edge, 1 fades from the center.
         softness: f32 = 1.0, hard(0.0, 1.0), unit(Ratio), words("hardness falloff feather blur");
-        /// Width over which the inside of a closed stroke fades. 0 is a sharp edge.
+        /// Fade width inside a closed stroke. 0 is a sharp edge.
         edge: f32 = 0.3, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("hairline soft fade feather");
-        /// Whether the width of that edge grows with the head. Dabs always do.
+        /// Scale the edge width with the size of the head. Dabs always scale.
         scale_with_head: bool = true, words("head units");
     }
     outputs {
-        /// The painted number, 0 to 1, under the root of each hair. Wire it to any field: a mask, a density, a length.
+        /// The painted value, 0 to 1, at the root of each hair. Wire it to any field, such as a mask, density or
+        /// length.
         mask: Arc<Field>;
     }
 }

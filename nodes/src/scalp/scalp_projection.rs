@@ -18,46 +18,46 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Pull curves to the scalp, at an offset, and root them in it.
+    /// Projects curves onto the scalp at an offset and binds their roots to it.
     ///
-    /// Lines drawn coarsely lie on the surface everywhere, not only at their points: points are added until they do.
-    /// Each curve gets its root and the scalp's normal at every point, which braids and partings use.
+    /// Points are added until the curve follows the surface between its points too. Each curve gets a root and scalp
+    /// normals, which braids and partings use.
     "scalp_projection", version 1, label "Scalp projection", words "project snap stick shrinkwrap attach bind root hair curves to surface ray";
     inputs {
-        /// Curves to pull to the scalp.
+        /// Curves to project.
         curves: Curves;
         /// The head.
         scalp: Arc<Scalp>;
-        /// How much of each curve is pulled.
+        /// How much of each curve is projected.
         what: What = What::Whole, words("root only attach");
-        /// How far over the scalp the curves lie. Negative is under the skin. A ramp runs from root to tip.
+        /// Height of the curves above the scalp; negative is below the skin. A ramp runs from root to tip.
         offset: FieldInput = 0.0, hard(-2.0, 20.0), soft(0.0, 2.0), unit(Length), handle(Handle::Length), words("height lift distance");
-        /// How far the curves are pulled: 0 leaves them, 100% lays them on the scalp. A ramp runs from root to tip.
+        /// Blend from the original curve (0) to the projected one (100%). A ramp runs from root to tip.
         amount: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("blend mix strength");
-        /// How far the line on the scalp is averaged along itself, where closest points jump or bunch. 0 takes the closest
-        /// points as they are.
+        /// Length over which the projected curve is smoothed, where closest points jump or bunch up. 0 takes the
+        /// closest points as they are.
         smoothing: f32 = 0.5, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), words("smooth relax");
 
         [Detail]
-        /// Add points until the curve follows the scalp between them too. Off keeps the number of points.
+        /// Add points until the curve follows the scalp between them. Off keeps the point count.
         refine: bool = true, words("resample subdivide points");
-        /// How far the curve may leave the scalp between its points.
+        /// Largest distance between curve and scalp between two points.
         tolerance: f32 = 0.02, hard(0.0005, 10.0), soft(0.005, 0.2), unit(Length), words("precision error");
-        /// Whether offset, smoothing and tolerance grow with the head.
+        /// Scale offset, smoothing and tolerance with the size of the head.
         scale_with_head: bool = true, words("head units");
     }
     outputs {
-        /// The curves, rooted, with the scalp's normal at every point.
+        /// The projected curves, with roots and scalp normals at every point.
         curves: Curves;
     }
 }
 
 choice! {
-    /// How much of each curve is pulled.
+    /// How much of each curve is projected.
     What {
-        /// All of it.
+        /// The whole curve.
         Whole = "whole",
-        /// The root alone; the rest stays where it is.
+        /// The root only; the rest stays in place.
         Root = "root",
     }
 }

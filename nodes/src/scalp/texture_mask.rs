@@ -12,37 +12,37 @@ use crate::maths::hash::KeyBuilder;
 use std::sync::Arc;
 
 node! {
-    /// A picture as a mask: one channel of it, read on the head by its uvs. Wire it to any field, or to a painted mask as its base.
+    /// Reads one channel of an image through the head's UVs. Wire it to any field, or to the base of a painted mask.
     "texture_mask", version 1, label "Texture mask",
         words "texture map image picture png tiff tif uv paint weight density length mari substance ptex grey";
     inputs {
-        /// A PNG or TIFF file of 8 or 16 bits. No colour space is applied: a mask is data.
+        /// PNG or TIFF file, 8 or 16 bits per channel, read as raw data without a color space.
         file: Arc<FileData>, holds(Holds::Picture), words("image picture map path");
-        /// The head, with uvs.
+        /// The head; it needs UVs.
         scalp: Arc<Scalp>;
-        /// Which number of its pixels is read.
+        /// Channel to read.
         channel: Channel = Channel::Luminance, words("red green blue alpha luminance");
-        /// Whether black is 1 and white is 0.
+        /// Invert the values: black is 1 and white is 0.
         invert: bool = false, words("negative flip opposite");
     }
     outputs {
-        /// The picture's number, 0 to 1, under the root of each hair.
+        /// The channel's value, 0 to 1, at the root of each hair.
         mask: Arc<Field>;
     }
 }
 
 choice! {
-    /// Which number of a pixel is read.
+    /// Channel to read.
     Channel {
-        /// How light it is.
+        /// Luminance of the pixel.
         Luminance = "luminance",
-        /// Its red.
+        /// Red.
         Red = "red",
-        /// Its green.
+        /// Green.
         Green = "green",
-        /// Its blue.
+        /// Blue.
         Blue = "blue",
-        /// Its alpha; 1 where the file has none.
+        /// Alpha; 1 if the file has none.
         Alpha = "alpha",
     }
 }
