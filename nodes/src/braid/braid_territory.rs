@@ -31,82 +31,81 @@ use glam::Vec3;
 use std::sync::{Arc, OnceLock};
 
 node! {
-    /// Share out the hair of a scalp among rows of braiding: every root of a row's ground is combed to where the braid
-    /// picks it up.
+    /// Divides the hair of a scalp among braid rows: every hair of a row's territory is combed to where the braid picks
+    /// it up.
     ///
-    /// Wire the rows that braids are laid along. Each root belongs to the row nearest to it; between two rows is a
-    /// parting. The hairs go to Braid hair, which leads them on into the strands. The rows come out again with the
-    /// attribute girth, how thick the braid is for the hair that it has there: wire them to the Lissajous braid and
-    /// multiply its width by that attribute, and it grows as hair is picked up.
+    /// Wire the rows that braids run along. Each root belongs to its nearest row, with a parting between rows. Wire the
+    /// hairs to Hair through braids. The rows come out with the attribute girth, the thickness that the braid needs for
+    /// the hair picked up so far: wire them to the Lissajous braid and multiply its width by girth.
     "braid_territory", version 1, label "Territory of braids",
         words "pick up section french dutch cornrow canerow feed in extension add gather roots comb parting row", thins;
     inputs {
-        /// The rows, root first: the curves that braids are to be laid along. Rows may go on beyond the scalp.
+        /// The rows, root first: the curves that the braids will follow. They may extend beyond the scalp.
         source: Curves, words("rows braids guides");
         /// The head.
         scalp: Arc<Scalp>;
-        /// Hairs on a square centimetre. People have 130 to 250.
+        /// Hairs per square centimeter. People have 130 to 250.
         density: f32 = 130.0, hard(0.0, 5000.0), soft(1.0, 300.0), unit(PerCm2), words("amount number count");
-        /// Width of the bare skin of a parting between two rows; roots keep half of it from the middle.
+        /// Width of the bare skin of a parting between two rows. Roots stay half of it away from the middle.
         parting_width: f32 = 0.15, hard(0.0, 5.0), soft(0.0, 0.6), unit(Length), words("gap line skin clean");
-        /// How far beside the row the braid's edge is, where hair comes in.
+        /// Distance from the row to the edge of the braid, where hair enters.
         braid_width: f32 = 1.0, hard(0.0, 50.0), soft(0.2, 4.0), unit(Length), words("size");
-        /// Length of the hair. It may end within the braid, which gets thinner there. 0: all of it reaches the end.
+        /// Length of the hair. Short hair ends inside the braid and thins it there. 0: all of it reaches the end.
         length: FieldInput = 0.0, hard(0.0, 500.0), soft(0.0, 80.0), unit(Length), words("cut layers");
 
         [Placement]
-        /// How far from its row hair is picked up. 0: however far it is, as long as no other row is nearer.
+        /// Largest distance from which a row picks up hair. 0: no limit, as long as no other row is nearer.
         reach: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 15.0), unit(Length), words("distance section width"), handle(Handle::Radius);
-        /// How far behind the front of its row each braid begins: hair before that is combed back to the first stitch, the
-        /// section that the first strands are made of. A braid begins no farther than half as far as its row leads over the
-        /// scalp; one that stands up from the head begins at its root.
+        /// Distance from the front of its row to where each braid begins; hair in front of it is combed back to the
+        /// first stitch. Limited to half of the row's length on the scalp. A braid that stands up from the head begins
+        /// at its root.
         start: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 5.0), unit(Length), words("first section base");
-        /// Where on the scalp the last hair joins, as a fraction of the row's length there.
+        /// Where the last hair joins, as a fraction of the row's length on the scalp.
         until: f32 = 0.97, hard(0.05, 1.0), unit(Ratio), handle(Handle::Along), words("last end");
 
         [Shape]
-        /// How far hair is combed along the row on its way to it: 0 square, 80 nearly along it, negative against it.
-        /// Varies along the row.
+        /// Angle at which hair is combed along the row on its way to it: 0 is square, 80 nearly along it, negative
+        /// against it. Varies along the row.
         pull_angle: FieldInput = 45.0, hard(-80.0, 80.0), unit(Angle), handle(Handle::Angle), words("sweep oblique comb direction back lead");
-        /// How hairs turn into the braid: 0 straight from root to braid, 100% they leave the parting square and end along
-        /// the braid.
+        /// How hair turns into the braid: 0 is straight from root to braid, 100% leaves the parting square and ends
+        /// along the braid.
         sweep: f32 = 0.45, hard(0.0, 1.0), unit(Ratio), words("curve bend comb");
-        /// How far each row goes on beyond its last point, hanging down and resting on head, neck and shoulders. 0: not at
-        /// all.
+        /// Length by which each row continues past its last point, hanging down over head, neck and shoulders. 0: not
+        /// at all.
         tail: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 60.0), unit(Length), words("hang free length pony"), handle(Handle::Length);
-        /// How far off the skin the tail keeps: about half the braid's height.
+        /// Height of the tail above the skin; about half the braid's height.
         tail_height: f32 = 0.8, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("clearance");
 
         [Thickness]
         /// Extension hairs fed into each row: 0 for none.
         feed: FieldInput = 0.0, hard(0.0, 100000.0), soft(0.0, 5000.0), unit(Count), words("feed in extension knotless add braiding hair kanekalon jumbo");
-        /// Where along the row feeding begins. 0 is the first stitch.
+        /// Distance along the row at which feeding begins. 0 is the first stitch.
         feed_from: f32 = 1.0, hard(0.0, 100.0), soft(0.0, 10.0), unit(Length), words("extension knotless");
-        /// How much is fed in along the row, from where it begins (left) to the end (right). A fall to 0 early on feeds
-        /// it all in a few stitches.
+        /// Feeding rate along the row, from where it begins (left) to the end (right). A ramp that drops to 0 early
+        /// feeds all hair within a few stitches.
         feed_ramp: Arc<Ramp> = fading(), words("amount extension");
         /// Length of extension hair. 0: it reaches the end.
         feed_length: f32 = 0.0, hard(0.0, 500.0), soft(0.0, 120.0), unit(Length), words("extension");
 
         [Detail]
-        /// Points on each hair from its root to the braid.
+        /// CVs per hair, from its root to the braid.
         cvs: i64 = 9, hard(3.0, 64.0), soft(5.0, 24.0), unit(Count), words("points resolution");
-        /// Whether lengths grow with the head, and the density falls with its square.
+        /// Scale lengths with the size of the head; density is divided by its square, which keeps the number of hairs.
         scale_with_head: bool = true, words("head units");
 
         [Randomness]
-        /// How much hairs differ in that angle.
+        /// Random variation of the pull angle.
         unevenness: f32 = 0.15, hard(0.0, 1.0), unit(Ratio), words("random variation natural loose messy");
-        /// How much shorter single hairs may be, when a length is given.
+        /// Random shortening of hairs, when a length is set.
         length_variation: f32 = 0.2, hard(0.0, 1.0), unit(Ratio), words("random layers");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// The hairs from their roots to where they join the braid, with row, side and the place along the row.
+        /// The hairs from their roots to where they join the braid, with row, side and position along the row.
         curves: Curves;
-        /// The rows from where their braids begin, with the attributes girth (how thick the braid is there, 0 to 1) and
-        /// joined (the share of all hair that has joined up to there).
+        /// The rows, starting where their braids begin, with the attributes girth (thickness of the braid, 0 to 1) and
+        /// joined (fraction of all hair that has joined so far).
         source: Curves;
     }
 }

@@ -34,113 +34,129 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Winds curves into waves, curls, coils and kinks whose cross-sections are drawn, turn by turn, from a list of shapes.
+    /// Winds curves into waves, curls, coils and kinks, turn by turn, from a list of profiles.
     ///
-    /// Choose a preset and change what you like: every number left unset is the preset's, every number that is set
-    /// replaces it. What was used is told in the node's messages. Hairs of one parent share a curl as far as
-    /// `definition` says.
+    /// Pick a preset and change what you like: unset values come from the preset, set values replace it. The node's
+    /// messages list the values used. Hairs of one parent share a curl as closely as `definition` says.
     "shape_list_curl", version 2, label "Shape-list curl",
         words "curl curly wave wavy coil coily kink kinky ringlets helix spiral perm texture type 2a 2b 2c 3a 3b 3c 4a 4b 4c zigzag guide process cross-section uniformity";
     inputs {
-        /// Curves to wind, one curl along each.
+        /// Curves to wind; each becomes one curl.
         curves: Curves;
-        /// Head that curls stay out of, and whose masks numbers may use. A curl that would lead over a parting of it begins later. Where a curl is pushed out, its length is put right once.
+        /// Head that curls stay out of, and whose masks the inputs can read. A curl that would cross a parting begins
+        /// farther from the root. Lengths are corrected once after a curl is pushed out of the head.
         scalp: Option<Arc<Scalp>>;
-        /// Type that unset numbers are taken from. Starting points, not measurements.
+        /// Curl type that fills in unset values. A starting point, not a measurement.
         preset: Preset = Preset::Type3b, words("type hair pattern chart");
-        /// Diameter of a coil; a flat wave of it is 1.41 times as high from crest to trough. 0 leaves curves as they are. Unset: the preset's.
+        /// Diameter of a coil; a flat wave of the same diameter is 1.41 times as high from crest to trough. 0 leaves
+        /// curves as they are. Unset: the preset's.
         diameter: Option<FieldInput>, hard(0.0, 100.0), soft(0.1, 4.0), unit(Length), handle(Handle::Radius),
             words("amplitude radius size width");
-        /// Length of the source that one turn takes; a small one makes tight curls that shrink much. Unset: the preset's.
+        /// Length of the source curve per turn. A small pitch makes tight curls that shrink a lot. Unset: the preset's.
         pitch: Option<FieldInput>, hard(0.02, 1000.0), soft(0.2, 8.0), unit(Length), handle(Handle::Along),
             words("frequency wavelength period turns");
-        /// Factor of the diameter; draw a ramp to let curls grow or fade from root to tip.
+        /// Multiplies the diameter. A ramp makes curls grow or fade from root to tip.
         amount: FieldInput = 1.0, hard(0.0, 10.0), soft(0.0, 2.0), words("amplitude ramp taper strength");
-        /// How closely hairs of one parent follow the same curl, from 0 (each its own: loose, dry) to 1 (all alike: set with product). In between, hairs keep step with the others until they leave, one here and one there, for a curl of their own. Unset: the preset's.
+        /// How closely hairs of one parent follow the same curl, from 0 (each its own: loose, dry) to 1 (all alike: set
+        /// with product). In between, hairs follow the shared curl until each leaves it at a random point. Unset: the
+        /// preset's.
         definition: Option<FieldInput>, hard(0.0, 1.0), unit(Ratio), words("clump product gel frizz styling");
-        /// Whether a hair reaches as far as before or stays as long as before.
+        /// Keep the reach of the hair, or its length.
         length: Keep = Keep::Span, words("shrinkage stretch keep");
-        /// Length of each hair where `length` is `visible` or `stretched`.
+        /// Length of each hair, when `length` is `visible` or `stretched`.
         hair_length: FieldInput = 15.0, hard(0.1, 1000.0), soft(1.0, 60.0), unit(Length), words("ask visible stretched grown long short"),
             idle(|of| matches!(of("length"), Some(Value::Text(is)) if !["visible", "stretched"].contains(&&*is)).then_some("hairs keep what they have"));
 
         [Shape]
-        /// Cross-sections in tiers: A is the primary shape, B the secondary, C the tertiary. Unset: the preset's.
+        /// Profiles in tiers: A is primary, B secondary, C tertiary. Unset: the preset's.
         shapes: Option<Arc<ShapeList>>, words("cross-section lame polygon ellipse circle rose");
-        /// Drawn cross-sections: each curve is flattened to its own plane, closed and brought to the curl's size. They take the place of the tier's other shapes.
+        /// Drawn profiles: each curve is flattened to its own plane, closed and scaled to the curl. They replace the
+        /// other profiles of their tier.
         shape_curves: Option<Curves>, words("custom drawn sketch cross-section profile outline");
-        /// Tier that drawn cross-sections join.
+        /// Tier that drawn profiles belong to.
         drawn_tier: DrawnTier = DrawnTier::A, words("custom drawn sketch");
-        /// Share of turns that have a shape of tier A, from 0 (none) to 1 (all). Unset: the preset's.
+        /// Fraction of turns with a profile of tier A, from 0 (none) to 1 (all). Unset: the preset's.
         uniformity: Option<f32>, hard(0.0, 1.0), unit(Ratio);
-        /// How many turns have a shape of tier B for each one of tier C. Unset: the preset's.
+        /// Turns with a tier B profile per turn with a tier C profile. Unset: the preset's.
         b_to_c: Option<f32>, hard(0.0, 1000.0), soft(0.0, 10.0);
-        /// Share of turns that are Z-bends: straight legs and sharp bends in a plane that changes. Unset: the preset's.
+        /// Fraction of turns that are Z-bends: straight legs and sharp bends in a changing plane. Unset: the preset's.
         z_bends: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("zigzag kink");
-        /// Share of turns at which the curl changes its direction, as a telephone cord does. Unset: the preset's.
+        /// Fraction of turns at which the curl reverses its direction, like a tangled telephone cord. Unset: the
+        /// preset's.
         switchbacks: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("perversion reversal tendril");
-        /// Share of turns that are skipped, where the hair runs nearly straight for one turn; at 1 all of it does. The other turns keep their size, and the hair's diameter is told as that of all turns in the mean. Unset: the preset's.
+        /// Fraction of turns to skip: hair runs nearly straight for one turn; at 1, everywhere. The other turns keep
+        /// their size, so the reported diameter is the mean over all turns. Unset: the preset's.
         skipped: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("skip period straight");
-        /// Part of each turn over which it changes from the last one; 0 makes corners where turns differ. Unset: the preset's.
+        /// Fraction of each turn over which it blends from the previous one; 0 makes corners where turns differ. Unset:
+        /// the preset's.
         blend: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("smooth transition");
-        /// Least radius of a shape's corners and of Z-bends, as a share of the shape's radius. Ellipses are not rounded. Unset: the preset's.
+        /// Smallest corner radius of profiles and Z-bends, as a fraction of the profile's radius. Ellipses are not
+        /// rounded. Unset: the preset's.
         rounding: Option<f32>, hard(0.05, 1.0), soft(0.05, 0.6), unit(Ratio), words("corner sharp");
-        /// Turns the cross-section about the curve; the plane of a flat wave turns with it. Added to the curves' own roll.
+        /// Rotates the profiles about the curve, and with them the plane of a flat wave. Added to the curves' own roll.
         roll: FieldInput = 0.0, hard(-36000.0, 36000.0), soft(-180.0, 180.0), unit(Angle), handle(Handle::Angle);
 
         [RootAndTip]
         /// Length from the root that stays straight.
         start: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 10.0), unit(Length), handle(Handle::Along), words("offset root straight");
-        /// Turns over which the curl grows to its full size; few let it turn away from the root at once. Unset: the preset's.
+        /// Turns over which the curl grows to full size; a small value makes it leave the root at once. Unset: the
+        /// preset's.
         rise: Option<f32>, hard(0.25, 100.0), soft(0.5, 6.0), words("blend root grow");
-        /// Length of hair at the root where the curl is still forming: smaller turns, closer together, half of full size at the skin. It gives the spongy root of coily hair. 0: none.
+        /// Length at the root where the curl is still forming: smaller, tighter turns, half of full size at the skin.
+        /// Gives coily hair its spongy root. 0: none.
         sponge: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), handle(Handle::Along), words("spongy root new growth density lift");
 
         [Clumping]
-        /// What starts in the same phase.
+        /// Which curls start in phase.
         phase_lock: Lock = Lock::Clump, words("clump synchronised free");
         /// Angle at which curls start; with `all`, every curl starts there.
         phase: f32 = 0.0, hard(-360.0, 360.0), soft(-180.0, 180.0), unit(Angle);
-        /// Direction of the turns, seen along the hair from the root.
+        /// Handedness of the turns, seen along the hair from the root.
         hand: Hand = Hand::Random, words("handedness chirality clockwise s z");
 
         [Detail]
-        /// What decides the number of points.
+        /// What sets the number of CVs.
         points: Points = Points::Auto, words("cvs resolution segments");
-        /// Points on a turn of full size, when given by the turn. Smaller turns get fewer, but eight at least. Unset: as many as the tolerance asks for, or 12.
+        /// CVs per turn of full size, when given per turn. Smaller turns get fewer, but at least eight. Unset: as many
+        /// as the tolerance asks for, or 12.
         points_per_turn: Option<f32>, hard(8.0, 256.0), soft(8.0, 32.0), unit(Count), words("cvs resolution segments"),
             idle(|of| matches!(of("points"), Some(Value::Text(is)) if *is == *"tolerance").then_some("points go by the tolerance"));
-        /// How far a coil may lie off the straight line between two points, as a share of its radius: 3 % makes 13 points a turn, 1 % 22. Sharp shapes get more, small turns fewer. Where a turn runs into another of another size or kind it may be twice as far.
+        /// Largest distance of a coil from the straight line between two CVs, as a fraction of its radius: 3 % gives 13
+        /// CVs per turn, 1 % gives 22. Sharp profiles get more, small turns fewer. It may double where a turn meets one
+        /// of another size or kind.
         tolerance: f32 = 0.03, hard(0.0005, 0.2), soft(0.01, 0.1), unit(Ratio), words("chord error accuracy cvs"),
             idle(|of| matches!(of("points"), Some(Value::Text(is)) if *is == *"turn").then_some("points go by the turn"));
-        /// The most points on a hair. Hairs that would get more are drawn coarser, evenly, and counted. Where that would leave a turn fewer than seven points, the hair's curl is drawn larger, in diameter and in pitch, and the hairs are named.
+        /// Largest number of CVs per hair. A hair that needs more is sampled evenly and coarser, and counted in a
+        /// message. If a turn would get fewer than seven CVs, the curl is made larger in diameter and pitch, and the
+        /// hairs are listed.
         most_points: i64 = 255, hard(4.0, 16384.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
 
         [Randomness]
-        /// How much curls differ over the head in size and in pitch, from 0 (all alike) to 1 (from half to twice). No head has one curl everywhere. Unset: the preset's.
+        /// Variation of size and pitch over the head, from 0 (all alike) to 1 (from half to twice). No head has one
+        /// curl everywhere. Unset: the preset's.
         spread: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("variation random mixed");
-        /// How much turns of a curl differ in size, as a share of it. Unset: the preset's.
+        /// Random variation in size between turns of a curl, as a fraction of it. Unset: the preset's.
         amplitude_range: Option<f32>, hard(0.0, 0.95), soft(0.0, 0.6), unit(Ratio), words("random irregular");
-        /// How much turns of a curl differ in how many there are to a length, as a share of it. Unset: the preset's.
+        /// Random variation in frequency between turns of a curl, as a fraction of it. Unset: the preset's.
         frequency_range: Option<f32>, hard(0.0, 0.9), soft(0.0, 0.6), unit(Ratio), words("random irregular pitch");
-        /// How far a turn may run ahead or behind, as a share of a turn. Unset: the preset's.
+        /// How far a turn may run ahead or behind, as a fraction of a turn. Unset: the preset's.
         phase_range: Option<f32>, hard(0.0, 0.5), soft(0.0, 0.2), unit(Ratio), words("random irregular shift");
-        /// How far a turn may lie off the source curve, as a share of the curl's radius. Unset: the preset's.
+        /// How far a turn may shift off the source curve, as a fraction of the curl's radius. Unset: the preset's.
         offset_range: Option<f32>, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("random irregular wander");
-        /// Seed tag; stored, mixed into randomness.
+        /// Random seed for this node.
         seed: i64 = 0;
     }
     outputs {
-        /// The curls, one for each curve, with the same ids. `fibre_length` is the hair's length along the curl in cm,
-        /// `shrinkage` the share by which its span is shorter.
+        /// The curls, one per curve, with the same ids. `fibre_length` is the length along the curl in cm, `shrinkage`
+        /// the fraction by which the span is shorter.
         curves: Curves;
     }
 }
 
 choice! {
-    /// Type of curl that fills in what is not set.
+    /// Curl type that fills in unset values.
     Preset {
-        /// A plain round coil: for curls whose every number you set.
+        /// A plain round coil, for curls whose every value you set.
         Custom = "custom",
         /// Waves 12 mm high every 80 mm (2a): long, loose, close to the head.
         Type2a = "2a",
@@ -158,13 +174,13 @@ choice! {
         Type4a = "4a",
         /// Zigzags 4 mm wide every 4.5 mm (4b): sharp bends and few full turns.
         Type4b = "4b",
-        /// Kinks and coils 3 mm wide every 2.5 mm (4c): dense, small, changing direction often, hardly clumped.
+        /// Kinks and coils 3 mm wide every 2.5 mm (4c): dense, small, often changing direction, barely clumped.
         Type4c = "4c",
     }
 }
 
 choice! {
-    /// Tier that drawn shapes join.
+    /// Tier that drawn profiles belong to.
     DrawnTier {
         /// Primary: as often as the uniformity says.
         A = "a",
@@ -176,53 +192,54 @@ choice! {
 }
 
 choice! {
-    /// Direction of the turns.
+    /// Handedness of the turns.
     Hand {
-        /// Counter-clockwise seen from the root: a left-handed screw.
+        /// Counterclockwise seen from the root: a left-handed screw.
         Left = "left",
         /// Clockwise seen from the root: a right-handed screw.
         Right = "right",
-        /// Drawn for each clump; loose hairs may differ from their clump.
+        /// Random per clump; loose hairs may differ from their clump.
         Random = "random",
-        /// Each turn goes against the last.
+        /// Each turn reverses the previous one.
         Alternating = "alternating",
     }
 }
 
 choice! {
-    /// What starts in the same phase.
+    /// Which curls start in phase.
     Lock {
-        /// Hairs of one parent share their curl; parents differ. `definition` says how closely.
+        /// Hairs of one parent share their curl as closely as `definition` says; parents differ.
         Clump = "clump",
-        /// Every hair has a curl of its own.
+        /// Every hair has its own curl.
         Free = "free",
-        /// As `clump`, and all curls start at the same angle.
+        /// Like `clump`, with all curls starting at the same angle.
         All = "all",
     }
 }
 
 choice! {
-    /// What the curl keeps.
+    /// What the curl preserves.
     Keep {
-        /// The curl ends where the curve ended: the hair becomes longer along its curl.
+        /// The curl ends where the curve ended, so the hair gets longer along its curl.
         Span = "span",
-        /// The hair keeps its length, so the curl ends short of the curve's end. Where curves have a `fibre_length`, it is kept as far as the curve has room for it.
+        /// The hair keeps its length, so the curl ends before the curve's end. If curves have a `fibre_length`, that
+        /// length is used as far as the curve has room.
         Fibre = "fibre",
-        /// The hair is seen to be `hair_length` long: its curl takes so much of the curve, or goes straight on past its end.
+        /// The hair looks `hair_length` long: its curl uses that much of the curve, or continues straight past its end.
         Visible = "visible",
-        /// The hair is `hair_length` long when pulled straight; its curl makes it shorter to see.
+        /// The hair is `hair_length` long when pulled straight; its curl makes it look shorter.
         Stretched = "stretched",
     }
 }
 
 choice! {
-    /// What decides the number of points.
+    /// What sets the number of CVs.
     Points {
-        /// By the turn where `points_per_turn` is set, else by the tolerance.
+        /// Per turn if `points_per_turn` is set, else by tolerance.
         Auto = "auto",
-        /// So many on a turn.
+        /// A fixed number per turn.
         PerTurn = "turn",
-        /// As many as keep the curl within the tolerance.
+        /// As many as the tolerance needs.
         Tolerance = "tolerance",
     }
 }

@@ -34,80 +34,79 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 node! {
-    /// Combs hair smoothly over the scalp into a tie: the base of pony tails, buns and puffs.
+    /// Combs hair smoothly over the scalp into a tie: the base of ponytails, buns and puffs.
     ///
-    /// Hair goes the straight way over the head and lies in layers, what comes from farther away on top. Wire `curves` and
-    /// `ties` into Tail or Bun, which make the hair go on past the tie, or `ties` into Sphere puff. With several
-    /// ties each hair goes to the nearest, and a bare line is left between.
+    /// Hair takes the shortest way over the head and lies in layers, with hair from farther away on top. Wire `curves`
+    /// and `ties` into Tail or Bun, which continue the hair past the tie, or `ties` into Sphere puff. With several
+    /// ties, each hair goes to the nearest one, with a parting between them.
     "gather", version 1, label "Gather into tie",
         words "tie ponytail pony tail bun puff elastic band hair tie base sleek slick back comb pull bunches pigtails updo", thins;
     inputs {
         /// The head.
         scalp: Arc<Scalp>;
-        /// Hair whose roots are gathered, such as that of a section; the rest of it does not count. Without it hair is rooted all
-        /// over the scalp, as `density` and `mask` say.
+        /// Hair to gather by its roots, such as that of a section; only the roots are used. Without it, hair is rooted
+        /// all over the scalp by `density` and `mask`.
         roots: Option<Curves>, words("section hair");
-        /// Curves whose roots are where ties sit, one tie a root. Without them there is one at `position`.
+        /// Curves whose roots are the positions of ties, one tie per root. Without them, one tie sits at `position`.
         placements: Option<Curves>, words("points several");
-        /// Where the tie sits, in head units (cm on a head of average size) from the middle of the cranium: the place on the
-        /// scalp that lies in this direction.
+        /// Position of the tie in head units from the center of the cranium: the point of the scalp in this direction.
         position: Vec3 = Vec3::new(0.0, 6.5, -7.0), handle(Handle::Point), words("place pick height high low");
-        /// Whether a second tie sits at the same place on the other side of the head, with a centre parting between.
+        /// Add a second tie at the mirrored position, with a center parting between them.
         mirror: bool = false, words("symmetry pigtails bunches two");
-        /// Hairs on a square centimetre. People have 130 to 250.
+        /// Hairs per square centimeter. People have 130 to 250.
         density: f32 = 150.0, hard(0.0, 5000.0), soft(20.0, 300.0), unit(PerCm2), words("amount number");
-        /// How many of the hairs are kept, from none to all; usually a mask or a section.
+        /// Fraction of hairs to keep; usually a mask or a section.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region section paint");
         /// Diameter of a hair.
         width: f32 = 0.007, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
 
         [Placement]
-        /// Hair rooted farther from its tie than this, over the scalp, is not gathered. 0: no limit.
+        /// Largest distance over the scalp from which a tie gathers hair. 0: no limit.
         reach: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 20.0), unit(Length), handle(Handle::Radius), words("area section");
-        /// Whether a tie takes only hair of the section that it sits in, where the scalp is parted.
+        /// On a parted scalp, let each tie gather only hair of its own section.
         own_section: bool = false, words("partings section parted area");
-        /// Width of the bare line between the hair of two ties.
+        /// Width of the parting between the hair of two ties.
         parting: f32 = 0.15, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("part line section");
-        /// Hairs along the outer edges, at hairline and partings, for each that grows there: more make a firm edge where hair is
-        /// combed away from bare skin.
+        /// Hairs along the outer edges, at hairline and partings, per hair that grows there. More makes a firm edge
+        /// where hair is combed away from bare skin.
         edge_density: f32 = 1.0, hard(1.0, 12.0), soft(1.0, 6.0), words("hairline parting edge dense laid crisp");
-        /// How far in from an edge hair is denser.
+        /// Width of the denser band along an edge.
         edge_width: f32 = 0.7, hard(0.0, 10.0), soft(0.2, 2.0), unit(Length), words("hairline parting edge");
 
         [Shape]
-        /// How thick hair lies on hair: 1 as thick as fills the tie, 0 all on the skin.
+        /// Thickness of the layers of hair: 1 is as thick as fills the tie, 0 lays all hair on the skin.
         volume: f32 = 1.0, hard(0.0, 4.0), soft(0.0, 2.0), unit(Ratio), words("lift body fullness");
-        /// How far hair lies over the skin at least, past its root.
+        /// Smallest height of the hair above the skin, past its root.
         clearance: f32 = 0.03, hard(0.0, 5.0), soft(0.0, 0.3), unit(Length), words("lift offset");
 
         [Tie]
-        /// Height over the scalp at which hair leaves the tie.
+        /// Height above the scalp at which hair leaves the tie.
         height: f32 = 1.2, hard(0.1, 30.0), soft(0.3, 4.0), unit(Length), handle(Handle::Length), words("stand off");
         /// Radius of the hair in the tie. A full head of straight hair has 1 to 1.5 cm.
         radius: f32 = 1.2, hard(0.05, 10.0), soft(0.3, 2.5), unit(Length), handle(Handle::Radius), words("thickness girth");
-        /// How far the tie leans from the scalp's normal: up over the head, or down when negative.
+        /// Tilt of the tie from the scalp normal: up over the head, or down when negative.
         lean: f32 = 0.0, hard(-80.0, 80.0), soft(-60.0, 60.0), unit(Angle), handle(Handle::Angle), words("tilt angle direction");
-        /// How tightly hair is drawn in: 1 bends sharply up into the tie and lies flat until then, 0 rises to it from far.
+        /// How tightly hair is pulled in: 1 lies flat and bends sharply up into the tie, 0 rises to it from far away.
         tightness: f32 = 0.75, hard(0.0, 1.0), unit(Ratio), words("elastic band tension");
-        /// Turns of the band's guide round the tie; 0 gives no band.
+        /// Turns of the band's guide around the tie; 0 makes no band.
         band_turns: f32 = 3.0, hard(0.0, 20.0), soft(0.0, 6.0), words("wrap hair elastic");
-        /// Height that the band covers.
+        /// Height of the tie that the band covers.
         band_height: f32 = 0.7, hard(0.0, 10.0), soft(0.2, 2.0), unit(Length), words("wrap hair elastic");
 
         [Detail]
-        /// Points on each hair, root and end included.
+        /// CVs per hair, root and end included.
         points: i64 = 20, hard(4.0, 200.0), soft(8.0, 40.0), unit(Count), words("cvs resolution segments");
-        /// Whether lengths follow the head's size.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How far hairs wander to the side on their way. 0 is combed perfectly.
+        /// How far hairs wander sideways on their way. 0 is perfectly combed.
         wander: f32 = 0.08, hard(0.0, 5.0), soft(0.0, 0.5), unit(Length), words("jitter random messy natural");
-        /// Share of hairs that stand off from the others on their way.
+        /// Fraction of hairs that stand off from the others on their way.
         stray: f32 = 0.01, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("flyaways loose");
-        /// How far they stand off at most.
+        /// Largest distance by which they stand off.
         stray_height: f32 = 0.5, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("flyaways loose");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
@@ -115,7 +114,7 @@ node! {
         curves: Curves;
         /// The ties: curves from the scalp to where hair is free again, with their radius.
         ties: Curves;
-        /// A lock that winds round each tie and hides its band: fill it with Cluster to strands.
+        /// A lock wound around each tie to hide its band. Fill it with Cluster to strands.
         bands: Curves;
     }
 }

@@ -23,23 +23,23 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 node! {
-    /// Presses puffs of several nodes flat against each other where they meet.
+    /// Presses the puffs of several nodes flat against each other where they meet.
     ///
-    /// Wire the hair of all puffs into it, by way of Merge, and its own into Shape-list curl: a curl then reaches over the
-    /// plane between two puffs by no more than its own size. Puffs of one Sphere puff node can be pressed by its own
-    /// `flatten` as well. Hair that belongs to no outline goes through.
+    /// Merge the hair of all puffs and wire it here, then wire the result to Shape-list curl, so that curls cross the
+    /// plane between two puffs by no more than their own size. Sphere puff can press the puffs of one node with its own
+    /// `flatten`. Hair without an outline passes through unchanged.
     "press_puffs", version 1, label "Press puffs",
         words "flatten collide touch squash squeeze meet several between balls";
     inputs {
-        /// Hair or guides of all puffs, as Sphere puff gives them.
+        /// Hair or guides of all puffs, from Sphere puff.
         curves: Curves;
-        /// Head that pressed hair is kept out of.
+        /// Head that pressed hair stays out of.
         scalp: Option<Arc<Scalp>>;
-        /// How flat puffs are where they meet: 0 lets them overlap, 1 ends them at the plane between.
+        /// How flat puffs are where they meet: 0 lets them overlap, 1 ends them at the plane between them.
         flatten: f32 = 1.0, hard(0.0, 1.0), unit(Ratio), words("press strength amount");
     }
     outputs {
-        /// The same hair, flat between the puffs.
+        /// The same hair, flattened between the puffs.
         curves: Curves;
     }
 }

@@ -33,122 +33,124 @@ use std::ops::Range;
 use std::sync::Arc;
 
 node! {
-    /// Makes a puff: hair rooted in a circle on the scalp, gathered by a tie, whose tips lie on a perfect sphere.
+    /// Makes a puff: hair rooted in a circle on the scalp and gathered by a tie, with its tips on a perfect sphere.
     ///
-    /// `guides` are rows and columns of curves that end on the sphere; `curves` is the hair between them. Wire a
-    /// Shape-list curl after it, with its length at `fibre` or `span`, to curl the puff without losing its outline.
+    /// `guides` are rows and columns of curves that end on the sphere; `curves` is the hair between them. Follow it
+    /// with Shape-list curl, with length at `fibre` or `span`, to curl the puff and keep its outline.
     "sphere_puff", version 1, label "Sphere puff",
         words "puff afro bun buns space pom ball bunches sphere silhouette", thins;
     inputs {
         /// Head that the puff grows on.
         scalp: Arc<Scalp>;
-        /// Curves whose roots are the middles of puffs, one puff a root. Without them there is one puff at `position`.
+        /// Curves whose roots are the centers of puffs, one puff per root. Without them, one puff sits at `position`.
         placements: Option<Curves>, words("points roots several");
-        /// Ties that puffs grow out of, one puff a tie, as Gather into tie gives them. They say where puffs are, which way they stand, and
-        /// how wide and how high they are tied: position, root radius, tie height and tightness then do not count.
+        /// Ties that puffs grow out of, one puff per tie, from Gather into tie. They set position and direction, and
+        /// replace the inputs position, root radius, tie height and tightness.
         ties: Option<Curves>, words("gather base elastic band");
-        /// Where the puff is, in head units (cm on a head of average size) from the middle of the cranium: the place on the
-        /// scalp that lies in this direction.
+        /// Position of the puff in head units from the center of the cranium: the point of the scalp in this direction.
         position: Vec3 = Vec3::new(0.0, 8.0, -4.0), handle(Handle::Point), words("place pick centre");
         /// Radius on the scalp within which hair is rooted.
         root_radius: f32 = 3.0, hard(0.01, 30.0), soft(0.5, 8.0), unit(Length), handle(Handle::Radius), words("base section");
         /// Radius of the sphere.
         sphere_radius: f32 = 6.0, hard(0.1, 60.0), soft(2.0, 15.0), unit(Length), handle(Handle::Ball), words("size ball");
-        /// Whether the number of hairs is given, or how densely they are rooted.
+        /// Set the number of hairs, or their density at the roots.
         fill: Fill = Fill::Count;
-        /// Hairs in a puff, when given by count. More only adds hairs.
+        /// Hairs per puff, when by count. Raising it only adds hairs.
         count: i64 = 6000, hard(0.0, 1000000.0), soft(500.0, 20000.0), unit(Count), words("amount hairs strands"),
             idle(|of| unless(of, "fill", "count", "the number goes by density"));
-        /// Hairs to each square centimetre of roots, when given by density.
+        /// Hairs per square centimeter of root area, when by density.
         density: f32 = 200.0, hard(0.0, 5000.0), soft(20.0, 600.0), unit(PerCm2), words("amount hairs strands"),
             idle(|of| unless(of, "fill", "density", "the number goes by count"));
-        /// By which share hair will shrink when it is curled: `fibre_length` is so much longer than the hair's way to the sphere. A curl
-        /// that keeps the fibre's length then ends at the sphere, unless it shrinks more.
+        /// Fraction of length that hair will lose when it is curled; `fibre_length` is lengthened accordingly. A curl
+        /// that keeps the fiber length then ends at the sphere, unless it shrinks more.
         shrinkage: f32 = 0.75, hard(0.0, 0.95), soft(0.0, 0.9), unit(Ratio), words("fibre length curl");
 
         [Placement]
-        /// How deep under the sphere the outermost tips end, as a share of its radius.
+        /// Depth below the sphere at which the outermost tips end, as a fraction of its radius.
         depth_from: f32 = 0.0, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("tip depth soft");
-        /// How deep under the sphere the innermost tips end, as a share of its radius.
+        /// Depth below the sphere at which the innermost tips end, as a fraction of its radius.
         depth_to: f32 = 0.1, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("tip depth soft");
 
         [Shape]
-        /// What the tips lie on.
+        /// Outline that the tips lie on.
         shape: Shape = Shape::Sphere, words("outline silhouette ellipsoid mesh drawn trim topiary");
-        /// Half axes of the ellipsoid in sphere radii: to the puff's right, along its axis, ahead.
+        /// Half axes of the ellipsoid in sphere radii: to the puff's right, along its axis, forward.
         stretch: Vec3 = Vec3::ONE, words("ellipsoid egg oval flat wide tall"),
             idle(|of| unless(of, "shape", "ellipsoid", "the outline is no ellipsoid"));
-        /// Closed mesh that the tips lie on, where it is: a Head node that reads it, without a fit. The puff's middle is the mesh's.
+        /// Closed mesh for the tips, used at its own position: wire a Head node that reads it, with no fit. The puff is
+        /// centered on the mesh.
         mesh: Option<Arc<Scalp>>, words("volume outline topiary");
-        /// Closed outline as seen from the front, drawn round the sphere's middle.
+        /// Closed outline in front view, drawn around the sphere's center.
         front: Option<Curves>, words("outline silhouette draw stroke");
-        /// Closed outline as seen from the side, drawn round the sphere's middle.
+        /// Closed outline in side view, drawn around the sphere's center.
         side: Option<Curves>, words("outline silhouette draw stroke");
-        /// How flat the puffs of this node press against each other where they meet, and against the head: 0 lets them overlap, 1 ends
-        /// them at the plane between, and just over the skin. Puffs of several nodes are pressed by Press puffs.
+        /// How flat the puffs of this node are where they meet, and where they meet the head: 0 lets them overlap, 1
+        /// ends them at the plane between them and just above the skin. Press puffs does this across nodes.
         flatten: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("press collide touch");
-        /// Height of the sphere's middle over the scalp. Unset: the sphere's radius, so that it rests on the scalp.
+        /// Height of the sphere's center above the scalp. Unset: the sphere's radius, so that it rests on the scalp.
         offset: Option<f32>, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), handle(Handle::Length), words("height centre");
-        /// Angle from the top of the sphere down to which tips reach: 90 degrees is the upper half, 175 (the most) all but the foot.
+        /// Angle from the top of the sphere down to which tips reach: 90 degrees is the upper half, 175 (the largest)
+        /// all but the base.
         coverage: f32 = 140.0, hard(10.0, 175.0), soft(60.0, 160.0), unit(Angle), handle(Handle::Angle), words("cap cone");
-        /// How the hair runs from the tie to the sphere, from 0 (straight) to 1 (through the middle, ending square to the sphere).
+        /// Path of the hair from the tie to the sphere, from 0 (straight) to 1 (through the center, ending square to
+        /// the sphere).
         bulge: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("round swell");
 
         [Tie]
-        /// Height over the scalp at which the hair is tied.
+        /// Height above the scalp at which the hair is tied.
         tie_height: f32 = 1.0, hard(0.0, 30.0), soft(0.0, 4.0), unit(Length), handle(Handle::Length), words("root gather band elastic");
-        /// How tightly the tie gathers the hair, from 0 (as wide as its roots) to 1 (to a point, nearly).
+        /// How tightly the tie gathers the hair, from 0 (as wide as its roots) to 1 (nearly a point).
         tightness: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("root gather band elastic");
 
         [Detail]
-        /// Rows of guides from the top down, each as far in area from the next.
+        /// Rows of guides from the top down, evenly spaced by area.
         rows: i64 = 6, hard(1.0, 200.0), soft(2.0, 16.0), unit(Count);
-        /// Guides in a row.
+        /// Guides per row.
         columns: i64 = 16, hard(3.0, 400.0), soft(6.0, 40.0), unit(Count);
-        /// Points on each curve.
+        /// CVs per curve.
         points: i64 = 24, hard(6.0, 1000.0), soft(8.0, 64.0), unit(Count), words("cvs resolution segments");
-        /// Whether lengths follow the head's size.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How far tips may lie within or outside the outline; most lie close to it. 0 is the clean outline.
+        /// How far tips may lie inside or outside the outline; most lie close to it. 0 is a clean outline.
         edge_softness: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 1.5), unit(Length), words("fuzzy halo frizz natural");
-        /// Share of hairs that reach over the outline.
+        /// Fraction of hairs that stick out of the outline.
         stray: f32 = 0.0, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("flyaways loose");
-        /// How far they reach over it at most.
+        /// Largest distance by which they stick out.
         stray_length: f32 = 0.8, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("flyaways loose"),
             idle(|of| matches!(of("stray"), Some(Value::Float(0.0))).then_some("no hair strays"));
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
         /// Rows and columns of curves that end on the sphere. Their parent is the puff.
         guides: Curves;
-        /// The hair. Its parents are the nearest guides, so that a curl clumps by guide.
+        /// The hair. Its parents are the nearest guides, so curls clump by guide.
         curves: Curves;
     }
 }
 
 choice! {
-    /// What tips lie on.
+    /// Outline that the tips lie on.
     Shape {
         /// A sphere.
         Sphere = "sphere",
-        /// A ball stretched along its three axes.
+        /// An ellipsoid with its own size along three axes.
         Ellipsoid = "ellipsoid",
         /// A closed mesh.
         Mesh = "mesh",
-        /// Outlines drawn from front and side; the sphere where one is missing.
+        /// Outlines drawn in front and side view; the sphere where one is missing.
         Drawn = "drawn",
     }
 }
 
 choice! {
-    /// What decides the number of hairs.
+    /// What sets the number of hairs.
     Fill {
-        /// So many in a puff.
+        /// Per puff.
         Count = "count",
-        /// So many to a square centimetre of roots.
+        /// Per square centimeter of root area.
         Density = "density",
     }
 }
