@@ -18,56 +18,56 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Colour hair by its pigment, as it grows: from white over blond and brown to black, with grey hairs and dye.
+    /// Colors hair by its pigment, from white through blond and brown to black, with gray hairs and dye.
     ///
-    /// Melanin 0.97 is black, 0.87 brown, 0.3 blond, 0.02 white. Wire another one behind it with a mask for highlights or
-    /// dipped tips.
+    /// Melanin 0.97 is black, 0.87 brown, 0.3 blond, 0.02 white. Add a second node with a mask for highlights or dipped
+    /// tips.
     "hair_colour", version 1, label "Hair colour",
         words "color melanin ombre balayage grey gray white highlights dye tint bleach natural eumelanin pheomelanin pigment black brown blond blonde red ginger";
     inputs {
-        /// Hair to colour.
+        /// Hair to color.
         curves: Curves;
-        /// The head; needed by masks only.
+        /// The head; only masks need it.
         scalp: Option<Arc<Scalp>>;
-        /// Where the colour comes from that single hairs, grey and dye then change.
+        /// Base color, before variation between hairs, gray and dye.
         from: Base = Base::Melanin, words("own keep inherit base cluster painted");
         /// Pigment at the root, 0 (white) to 1 (black).
         melanin_root: f32 = 0.9, hard(0.0, 1.0), unit(Ratio), words("eumelanin pigment darkness");
-        /// Pigment at the tip: sun and washing leave a little less.
+        /// Pigment at the tip. Sun and washing fade it slightly.
         melanin_tip: f32 = 0.87, hard(0.0, 1.0), unit(Ratio), words("eumelanin pigment darkness ombre balayage");
-        /// How much of the pigment is red: 0 is ash, 0.2 warm, 1 ginger.
+        /// Fraction of the pigment that is red: 0 is ash, 0.2 warm, 1 ginger.
         redness: f32 = 0.1, hard(0.0, 1.0), unit(Ratio), words("pheomelanin warm red ginger auburn");
-        /// How the colour goes from that of the root (0) to that of the tip (1), root at the left.
+        /// Blend from the root color (0) to the tip color (1), along the hair.
         profile: Arc<Ramp> = Ramp::smooth(0.0, 1.0), words("gradient blend falloff ombre");
-        /// Share of hairs that are grey, which is white among the others. A mask greys temples first.
+        /// Fraction of hairs that are gray, that is, white among the others. A mask grays the temples first.
         grey: FieldInput = 0.0, hard(0.0, 1.0), unit(Ratio), words("gray white salt pepper age silver");
-        /// How many hairs stand between grey and not: 0 makes each the one or the other.
+        /// Fraction of hairs between gray and not: 0 makes each hair one or the other.
         grey_softness: f32 = 0.15, hard(0.0, 1.0), unit(Ratio), words("gray blend");
-        /// Colour laid on top; white is no dye. It can only darken, as dye does: lower the melanin to bleach first.
+        /// Color of the dye; white is no dye. Dye only darkens: lower the melanin to bleach first.
         dye: Colour = Vec3::ONE, words("color tint henna");
-        /// How strong the dye is; a ramp dyes tips or leaves grown roots.
+        /// Strength of the dye. A ramp dyes only the tips, or leaves grown-out roots.
         dye_amount: FieldInput = 1.0, hard(0.0, 4.0), soft(0.0, 1.0), unit(Ratio), words("strength roots tips");
-        /// How much of the new colour covers the old: 0 leaves hair as it is, 1 covers it. A mask makes streaks.
+        /// Blend from the old color (0) to the new one (1). A mask makes streaks.
         amount: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("mix opacity mask highlights");
 
         [Randomness]
-        /// How much more or less pigment single hairs have: 0.2 means up to about a fifth.
+        /// Random variation in pigment between hairs: 0.2 means up to about a fifth.
         variation: f32 = 0.2, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("random vary");
-        /// Seed tag; stored, mixed into randomness.
+        /// Random seed for this node.
         seed: i64 = 0;
     }
     outputs {
-        /// The same hair, coloured.
+        /// The same hair, colored.
         curves: Curves;
     }
 }
 
 choice! {
-    /// Where a colour comes from.
+    /// Base color.
     Base {
         /// The pigment below, from root to tip.
         Melanin = "melanin",
-        /// The hair's own: that of its cluster, of the pen that implanted it, or of a node before.
+        /// The hair's own color: from its cluster, the pen that implanted it, or an earlier node.
         Own = "own",
     }
 }

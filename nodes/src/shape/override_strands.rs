@@ -19,10 +19,10 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 node! {
-    /// Changes single hairs by hand: take one out, shorten, turn, lift, thicken or colour it.
+    /// Changes single hairs by hand: remove, shorten, turn, lift, thicken or color them.
     ///
-    /// The spreadsheet and the viewport show a hair's id. What is said of an id goes for that hair alone, however much hair is
-    /// made.
+    /// The spreadsheet and the viewport show a hair's id. An override affects that hair only, and stays with it at any
+    /// density.
     "override_strands", version 1, label "Override strands",
         words "override edit single hair strand stray pluck remove delete tweak manual hand paint fix flyaway select id", thins;
     inputs {
@@ -30,14 +30,14 @@ node! {
         curves: Curves;
         /// The head.
         scalp: Arc<Scalp>;
-        /// What is changed: an id and what is asked of it, such as `57d468d8e00ddc87 turn 20, lift 10; 4d36 remove`. `remove`;
-        /// `length` in cm: cut, or made longer in proportion; `turn` in degrees about the scalp's normal, counter-clockwise from
-        /// outside; `lift` in degrees off the skin; `width` times as thick; `colour` red, green and blue, linear. Angles are
-        /// in degrees, from -180 to 180.
+        /// Overrides, each an id and its changes, such as `57d468d8e00ddc87 turn 20, lift 10; 4d36 remove`. `remove`;
+        /// `length` in cm (cut, or stretched in proportion); `turn` in degrees about the scalp normal, counterclockwise
+        /// seen from outside; `lift` in degrees off the skin; `width` as a factor; `colour` as linear red, green, blue.
+        /// Angles run from -180 to 180.
         overrides: Arc<str> = "", words("ids list edits");
     }
     outputs {
-        /// The hair, with the named ones changed or taken out.
+        /// The hair, with the named ones changed or removed.
         curves: Curves;
     }
 }

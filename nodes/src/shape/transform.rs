@@ -17,49 +17,48 @@ use glam::{Mat3, Vec2, Vec3};
 use std::sync::Arc;
 
 node! {
-    /// Move, turn and scale curves as a whole.
+    /// Moves, rotates and scales curves as a whole.
     "transform", version 1, label "Transform", words "move translate rotate scale mirror place position xform flip";
     inputs {
         /// Curves to move.
         curves: Curves;
-        /// The head, whose frame is meant by the space "head", and to which roots may be bound again.
+        /// The head: the space "head" uses its frame, and roots can be bound to it again.
         scalp: Option<Arc<Scalp>>;
-        /// Whose axes and whose centimetres the numbers below are in.
+        /// Axes and units of the values below.
         space: Space = Space::Head, words("local world coordinates");
-        /// How far to move, after turning and scaling.
+        /// Translation, applied after rotation and scale.
         translate: Vec3 = Vec3::ZERO, unit(Length), words("offset position move");
-        /// Degrees to turn about the x, then the y, then the z axis.
+        /// Rotation in degrees about the x, then the y, then the z axis.
         rotate: Vec3 = Vec3::ZERO, unit(Angle), words("orient turn");
-        /// Factor along each axis, before turning. -1 mirrors.
+        /// Scale along each axis, applied before rotation. -1 mirrors.
         scale: Vec3 = Vec3::ONE, words("size mirror");
-        /// The point that stays where it is when turning and scaling.
+        /// Point that stays in place under rotation and scale.
         pivot: Vec3 = Vec3::ZERO, unit(Length), words("origin centre center"), handle(Handle::Point);
-        /// What the root binding says afterwards.
+        /// What happens to the root binding.
         roots: Roots = Roots::Keep, words("binding attach");
     }
     outputs {
-        /// The same curves elsewhere.
+        /// The transformed curves.
         curves: Curves;
     }
 }
 
 choice! {
-    /// Whose axes are meant.
+    /// Axes and units of the values.
     Space {
-        /// The head's: x to its left, y up, z forward, from the centre of the cranium, in centimetres on a head of
-        /// average size.
+        /// The head frame: x to the head's left, y up, z forward, from the center of the cranium, in head units.
         Head = "head",
-        /// The file's axes and true centimetres.
+        /// World axes and true centimeters.
         World = "world",
     }
 }
 
 choice! {
-    /// What the root binding says afterwards.
+    /// What happens to the root binding.
     Roots {
-        /// Where the curve grew, so that masks read the same as before.
+        /// Keeps the binding to where the curve grew, so that masks read the same as before.
         Keep = "keep",
-        /// The point of the scalp nearest to the new root. Needs the scalp.
+        /// Binds to the point of the scalp nearest to the new root. Needs the scalp.
         Bind = "bind",
     }
 }

@@ -21,55 +21,56 @@ use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 node! {
-    /// Cuts hair to a shape: a ball or an egg round the head, a closed mesh, or outlines drawn from front and side.
+    /// Cuts hair to a shape: an ellipsoid around the head, a closed mesh, or outlines drawn in front and side view.
     ///
-    /// Each hair is kept from its root to where it first leaves the shape. Wire it before Shape-list curl, so that no points are
-    /// spent on what is cut off; it cuts curled hair too.
+    /// Each hair keeps the part from its root to where it first leaves the shape. Wire it before Shape-list curl, so
+    /// that no CVs are spent on hair that gets cut off; it cuts curled hair too.
     "trim", version 1, label "Trim",
         words "trim cut shears scissors haircut barber shape outline silhouette afro round topiary crop clip ellipsoid";
     inputs {
         /// Hair to cut.
         curves: Curves;
-        /// The head that the shape stands on.
+        /// The head that the shape is placed on.
         scalp: Arc<Scalp>;
-        /// What the hair is cut to.
+        /// Shape to cut the hair to.
         shape: Shape = Shape::Ellipsoid, words("outline silhouette ellipsoid mesh drawn");
-        /// Middle of the shape, in head units (cm on a head of average size) from the middle of the cranium.
+        /// Center of the shape, in head units (cm on a head of average size) from the center of the cranium.
         centre: Vec3 = Vec3::new(0.0, 1.5, -1.5), handle(Handle::Point), words("middle position place");
-        /// Half axes of the ellipsoid: to the side, up, ahead.
+        /// Half axes of the ellipsoid: sideways, up, forward.
         size: Vec3 = Vec3::new(14.0, 14.0, 14.0), unit(Length), words("radius width height depth ellipsoid"),
             idle(|of| unless(of, "shape", "ellipsoid", "the shape is no ellipsoid"));
-        /// How far the shape leans back about its middle.
+        /// How far the shape leans back about its center.
         tilt: f32 = 0.0, hard(-180.0, 180.0), soft(-60.0, 60.0), unit(Angle), words("lean rotate");
-        /// Closed mesh that hair is cut to, where it is: a Head node that reads it, without a fit. The shape's middle is the mesh's.
+        /// Closed mesh to cut to, used at its own position: wire a Head node that reads it, with no fit. The shape is
+        /// centered on the mesh.
         mesh: Option<Arc<Scalp>>, words("volume outline topiary");
-        /// Closed outline as seen from the front, drawn round the shape's middle.
+        /// Closed outline in front view, drawn around the shape's center.
         front: Option<Curves>, words("outline silhouette draw stroke");
-        /// Closed outline as seen from the side, drawn round the shape's middle.
+        /// Closed outline in side view, drawn around the shape's center.
         side: Option<Curves>, words("outline silhouette draw stroke");
-        /// How far ends may lie within or outside the outline; most lie close to it. 0 is a clean cut.
+        /// How far ends may lie inside or outside the outline; most lie close to it. 0 is a clean cut.
         softness: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), words("fuzzy uneven natural edge point");
-        /// The least that is left of a hair that was longer, even outside the shape.
+        /// Shortest length that a cut leaves, even outside the shape.
         least: f32 = 0.3, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("minimum stub stubble hairline");
-        /// Whether lengths follow the head's size.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
-        /// Seed tag; stored, mixed into randomness.
+        /// Random seed for this node.
         seed: i64 = 0;
     }
     outputs {
-        /// The same hair, none longer than the shape lets it be.
+        /// The same hair, cut to the shape.
         curves: Curves;
     }
 }
 
 choice! {
-    /// What hair is cut to.
+    /// Shape to cut the hair to.
     Shape {
-        /// A ball, stretched along its three axes.
+        /// An ellipsoid with its own size along three axes.
         Ellipsoid = "ellipsoid",
         /// A closed mesh.
         Mesh = "mesh",
-        /// Outlines drawn from front and side; the ellipsoid's width, height or depth where one is missing.
+        /// Outlines drawn in front and side view; the ellipsoid's width, height or depth where one is missing.
         Drawn = "drawn",
     }
 }

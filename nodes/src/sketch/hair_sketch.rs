@@ -23,44 +23,47 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 node! {
-    /// Makes hair with the pen, and edits by hand whatever a graph made: implant, lengthen, cut, comb, pin, twist, re-draw, scatter and more.
+    /// Makes hair with the pen, and edits by hand whatever the graph made: implant, lengthen, cut, comb, pin, twist,
+    /// re-draw, scatter and more.
     ///
-    /// Draw in the viewport. Without curves it begins on a bare head; behind other nodes a gesture is kept by the ids of the curves
-    /// it acts on, so that more guides, another parting or another head keep it. Give the result to Cluster to strands.
+    /// Draw in the viewport. Without curves the sketch begins on a bare head. After other nodes, each gesture stores
+    /// the ids of the curves it acts on, so edits survive more guides, another parting or another head. Wire the result
+    /// to Cluster to strands.
     "hair_sketch", version 1, label "Hair sketch",
         words "sketch pen tablet comb brush implant plant hairpin grab hand edit manual tweak sculpt points redraw strands scatter copy silhouette outline shape";
     inputs {
-        /// What the pen did, in drawing order. Drawn in the viewport; stored in the head's own frame.
+        /// Pen gestures, in order. Draw them in the viewport; they are stored in the head frame.
         gestures: Arc<Gestures> = Gestures::default(), words("pen strokes drawn edits");
-        /// Clusters or guides to edit. Without them the sketch begins on a bare head.
+        /// Clusters or guides to edit. Without them, the sketch begins on a bare head.
         curves: Option<Curves>;
         /// The head.
         scalp: Arc<Scalp>;
-        /// Radius of what is implanted.
+        /// Radius of an implant.
         radius: f32 = 1.0, hard(0.001, 100.0), soft(0.1, 3.0), unit(Length), words("width size thickness cluster");
-        /// How full an implant is where no cluster is near; elsewhere it is as full as those.
+        /// Density of an implant with no cluster nearby; otherwise it takes the density of its neighbors.
         density: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("fullness default");
-        /// Reach of a comb in pixels of the picture that was drawn on, and length of the pieces that a stroke pushes with.
+        /// Radius of the comb in pixels of the view it was drawn in, and the length of the pieces that a stroke is cut
+        /// into.
         rho: f32 = 30.0, hard(2.0, 1000.0), soft(10.0, 100.0), words("comb radius pixels force size");
 
         [Shape]
-        /// How far curves are looked for that tell a new one how deep to go, and how full to be.
+        /// Distance within which neighboring curves set the depth and density of a new one.
         tau: f32 = 4.0, hard(0.01, 100.0), soft(1.0, 10.0), unit(Length), words("neighbours reach distance depth");
-        /// How far a curve nearby may run elsewhere on the picture and still tell a new one how deep to go.
+        /// Largest angle in the view between a new curve and a neighbor that sets its depth.
         angle: f32 = 30.0, hard(0.0, 180.0), soft(5.0, 60.0), unit(Angle), words("neighbours similar direction");
-        /// How much combed hair also turns towards the depth in which the curves about it run: 0 keeps its depth.
+        /// How far combed hair also turns toward the depth of the curves around it: 0 keeps its own depth.
         follow: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("comb neighbours direction side view");
 
         [Detail]
-        /// Length of a segment of what is implanted or lengthened.
+        /// Segment length of implanted and lengthened curves.
         segment: f32 = 2.0, hard(0.05, 100.0), soft(0.5, 4.0), unit(Length), words("spacing cvs points resolution");
-        /// Whether lengths here grow with the head. Gestures always do.
+        /// Scale lengths with the size of the head. Gestures always scale.
         scale_with_head: bool = true, words("head units");
-        /// Seed tag; stored, mixed into the ids of implants.
+        /// Random seed for this node. It changes the ids of implants.
         seed: i64 = 0;
     }
     outputs {
-        /// The curves as the pen left them: one tuft for each, with radius, density, frizz, roll, colour and pins.
+        /// The curves as the pen left them, one tuft each, with radius, density, frizz, roll, color and pins.
         curves: Curves;
     }
 }
