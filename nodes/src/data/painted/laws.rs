@@ -23,7 +23,7 @@ fn made(id: &str, set: &[(&str, Value)]) -> (Arc<Scalp>, Vec<String>) {
     }
 }
 
-/// The scanned head; none where it is not on this machine.
+/// The scanned head; `None` if this machine does not have it.
 fn scanned() -> Option<Arc<Scalp>> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/lps_head/LeePerrySmith.glb");
     let bytes = std::fs::read(path).ok()?.into();
@@ -32,7 +32,7 @@ fn scanned() -> Option<Arc<Scalp>> {
     Some(made("head", &[("mesh", Value::File(Arc::new(file)))]).0)
 }
 
-/// A stroke through directions of the head's frame, where they leave the built-in head, at full pressure.
+/// A stroke through directions of the head frame, where they leave the built-in head, at full pressure.
 fn stroke(id: u64, ways: &[[f32; 3]], brush: Brush) -> Stroke {
     let scalp = head();
     let frame = scalp.frame();
@@ -69,7 +69,7 @@ fn painted(scalp: &Arc<Scalp>, strokes: &[Stroke]) -> Arc<Painted> {
     }
 }
 
-/// The value where a direction of the head's frame leaves the head.
+/// The value where a direction of the head frame leaves the head.
 fn at(painted: &Painted, way: [f32; 3]) -> f32 {
     let (scalp, frame) = (painted.scalp(), painted.scalp().frame());
     let out = frame.vector_from_head(Vec3::from(way).normalize());
@@ -181,7 +181,7 @@ fn erasing_takes_all_paint_away_and_values_stay_between_0_and_1() {
         let mut strokes: Vec<Stroke> = (1..8).map(|k| any_stroke(round * 100 + k)).collect();
         let values = painted(&scalp, &strokes).on(&places).unwrap();
         assert!(values.iter().all(|x| (0.0..=1.0).contains(x)), "round {round}");
-        // A place that no stroke has changed is as it was.
+        // A point that no stroke changed keeps its value.
         let again: Vec<f32> = painted(&scalp, &strokes).on(&places).unwrap();
         assert_eq!(values, again);
         for (id, way) in (9000..)
@@ -214,7 +214,7 @@ fn a_mirrored_stroke_paints_both_sides_alike() {
         covered += u32::from(at(&both, way) > 0.5);
         assert_eq!(at(&own, twin), 0.0, "{way:?}");
     }
-    // The built-in head is the same on both sides but for its triangles.
+    // Both sides of the built-in head are the same except for their triangles.
     assert!(covered > 20 && off < 0.03, "{covered} {off}");
 }
 
@@ -248,12 +248,12 @@ fn sections_keep_strokes_and_floods_to_themselves() {
             );
         }
     }
-    // Where there is no such section the stroke does nothing, and the node says so.
+    // Without such a section the stroke has no effect, and the node says so.
     let (field, said) = mask(&head(), &[stroke(1, &[front], within("front", Mode::Flood))], &[]);
     let Field::Painted(on) = &*field else { panic!() };
     assert_eq!(at(on, front), 0.0);
     assert!(said[0].contains("\"front\"") && said[0].contains("not parted"), "{said:?}");
-    // Partings that no stroke asks for are no part of the mask.
+    // Partings that no stroke uses do not affect the mask.
     let free = [stroke(1, &[front], brush(Mode::Paint, 2.0, 1.0))];
     let other = parts(3, &[]);
     assert_eq!(mask(&parted, &free, &[]).0.bytes(), mask(&other, &free, &[]).0.bytes());
@@ -262,7 +262,7 @@ fn sections_keep_strokes_and_floods_to_themselves() {
     assert_ne!(painted(&parted, &kept).key(), painted(&other, &kept).key());
 }
 
-/// A ring about the crown, so many degrees from it.
+/// A ring around the crown, this many degrees from it.
 fn ring(degrees: f32) -> Vec<[f32; 3]> {
     let (out, up) = crate::maths::transcendental::sin_cos(degrees.to_radians());
     let way = |k: u32| {
@@ -319,7 +319,7 @@ fn a_closed_stroke_is_its_smaller_inside_with_an_edge_in_millimetres() {
     assert_eq!((at(&holed, CROWN), at(&holed, [1.0, 0.0, 0.0])), (0.0, 1.0));
 }
 
-/// The whole of a head's mask, cm2, and how far from a point it reaches, cm, looked at some 14 times in a length.
+/// The total value of a head's mask, cm2, and its largest distance from a point, cm, sampled about 14 times per length.
 fn painted_skin(on: &Painted, middle: Vec3, length: f32) -> (f32, f32) {
     let surface = on.scalp().surface();
     let (mut sum, mut farthest) = (0.0f64, 0.0f32);
