@@ -1,6 +1,7 @@
-//! Axes of a mesh file: which one points up, and which one the face looks along.
+//! Axes of a mesh file: which one points up, and which one the face points along.
 //!
-//! Heads are Y up inside the program; what a file has up is turned there. Names are the file's.
+//! Heads are Y up inside the program; files with another axis up are rotated on reading. Axis names are those of the
+//! file.
 
 use crate::define::choice;
 use glam::Vec3;
@@ -48,7 +49,7 @@ impl Up {
     pub(crate) const ALL: [Self; 6] =
         [Self::Y, Self::Z, Self::X, Self::MinusY, Self::MinusZ, Self::MinusX];
 
-    /// A point or direction of a file with this axis up, in Y up. The same person in a file with Z up looks along -Y.
+    /// Converts a point or direction of a file with this axis up to Y up. The same person in a file with Z up faces -Y.
     pub(crate) fn turned(self, p: Vec3) -> Vec3 {
         match self {
             Self::Y => p,
@@ -82,7 +83,7 @@ impl Forward {
         (Vec3::NEG_Z, "-z"),
     ];
 
-    /// The file's axis; none where the face is to be found.
+    /// The file's axis; `None` if the face is to be detected.
     pub(crate) fn axis(self) -> Option<Vec3> {
         Some(match self {
             Self::Auto => return None,
@@ -94,7 +95,7 @@ impl Forward {
             Self::MinusZ => Vec3::NEG_Z,
         })
     }
-    /// The name of the file's axis that lies along `way` once the file is turned to Y up.
+    /// Name of the file's axis that lies along `way` after the file is rotated to Y up.
     pub(crate) fn name_of(way: Vec3, up: Up) -> &'static str {
         Self::AXES
             .into_iter()

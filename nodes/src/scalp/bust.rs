@@ -1,21 +1,21 @@
-//! The built-in adult bust: head, neck and shoulders to groom on where no mesh is given.
+//! The built-in adult bust: head, neck and shoulders, used while no mesh is given.
 //!
-//! [`adult`] decodes a mesh that is part of the program. It is of our own making, modelled in code by
-//! `examples/make_bust` after published averages of adult heads, and shows no one in particular.
-//! Centimetres, Y up, +Z forward, the origin at the centre of the cranium sphere (radius 8.9).
+//! [`adult`] decodes a mesh that is part of the program. It is our own, modeled in code by `examples/make_bust` from
+//! published averages of adult heads, and depicts no one in particular. Centimeters, Y up, +Z forward, origin at the
+//! center of the cranium sphere (radius 8.9).
 //!
-//! Guarantees, each with a test below: closed, manifold, one part, exactly mirror-symmetric; materials
-//! `skin`, `lips`, `eyes` and `iris`; one uv tile in which nothing overlaps; a painted mask `hairline`; eight
-//! landmarks. The same bits on every machine: decoding divides and compares, nothing else.
-//! Not guaranteed: vertex numbers and uvs from one version of the program to the next.
+//! Guarantees, each with a test below: closed, manifold, one part, exactly mirror-symmetric; materials `skin`, `lips`,
+//! `eyes` and `iris`; one UV tile without overlaps; a painted mask `hairline`; eight landmarks. The same bits on every
+//! machine: decoding only divides and compares. Not guaranteed: vertex numbers and UVs from one version of the program
+//! to the next.
 //!
 //! Layout of `bust.bin`, little-endian, without padding:
-//! - 8 bytes `COIFBUST`; u32 counts: points, wedges, triangles, materials; u32 triangles of each
-//!   material, in the order of `MATERIALS` (triangles are sorted by it); u32 masks;
+//! - 8 bytes `COIFBUST`; u32 counts: points, wedges, triangles, materials; u32 triangles of each material, in the order
+//!   of `MATERIALS` (triangles are sorted by it); u32 masks;
 //! - points, then the landmarks in the order of `LANDMARKS`: f32 x, y, z each;
-//! - wedges (a point with a uv): u32 point, f32 u, f32 v;
-//! - triangles: three u16 wedge numbers each, counter-clockwise seen from outside;
-//! - masks in the order of `MASKS`: one u8 a point, in 255ths.
+//! - wedges (a point with a UV): u32 point, f32 u, f32 v;
+//! - triangles: three u16 wedge numbers each, counterclockwise seen from outside;
+//! - masks in the order of `MASKS`: one u8 per point, in 255ths.
 
 use crate::data::mesh::Mesh;
 use glam::{Vec2, Vec3};
@@ -34,7 +34,7 @@ const LANDMARKS: [&str; 8] = [
     "chin",
 ];
 
-/// Walks over the embedded bytes. The file is part of the program, so a short one is a bug: it panics.
+/// Reads the embedded bytes. The file is part of the program, so a short one is a bug: it panics.
 struct Reader<'a>(&'a [u8]);
 
 impl Reader<'_> {
@@ -62,7 +62,7 @@ impl Reader<'_> {
     }
 }
 
-/// The counts, and the reader set on the first point.
+/// The counts, and a reader positioned at the first point.
 fn open() -> (Reader<'static>, [usize; 3], [usize; 4], usize) {
     let mut read = Reader(BYTES);
     assert_eq!(&read.take::<8>(), b"COIFBUST", "bust.bin is not the bust");
@@ -73,7 +73,7 @@ fn open() -> (Reader<'static>, [usize; 3], [usize; 4], usize) {
     (read, counts, runs, masks)
 }
 
-/// The built-in adult bust, in centimetres.
+/// The built-in adult bust, in centimeters.
 pub fn adult() -> Mesh {
     let (mut read, [points, wedges, triangles], runs, masks) = open();
     assert_eq!(masks, MASKS.len(), "bust.bin has other masks");

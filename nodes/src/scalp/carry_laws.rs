@@ -1,4 +1,4 @@
-//! What a head guarantees to a groom that was made on another one.
+//! Guarantees of a head to a groom that was made on another one.
 
 use super::landmark_laws::{HEADS, of};
 use crate::data::landmarks::Landmark;
@@ -9,7 +9,7 @@ use crate::testing::{curves_of, head, run};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// The landmarks of a head as its `home` takes them.
+/// The landmarks of a head in the form that its `home` takes.
 fn text(scalp: &Scalp) -> Value {
     scalp.landmarks().to_string().as_str().into()
 }

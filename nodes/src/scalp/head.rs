@@ -1,9 +1,8 @@
-//! Head: the mesh that hair grows on, its size, where it looks and where its scalp is.
+//! Head: the mesh that hair grows on, with its size, the direction of its face, and its scalp region.
 //!
-//! methods.md 0.1. The mesh keeps its place: it is scaled to centimetres about its origin (and turned to Y up when its
-//! file has Z up), and the head frame says where the cranium is. Hair stored in that frame fits every
-//! head. Any mesh that its reader accepts gives a scalp; one without a cranium keeps its own
-//! coordinates and says so.
+//! methods.md 0.1. The mesh stays in place: it is scaled to centimeters about its origin (and rotated to Y up if its
+//! file has Z up), and the head frame locates the cranium. Hair stored in that frame fits every head. Every mesh that a
+//! reader accepts gives a scalp; one without a cranium keeps its own coordinates, with a message.
 
 use super::axes::{Forward, Up};
 use super::face::{By, FACE};
@@ -299,7 +298,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { scalp: Arc::new(scalp) })
 }
 
-/// Says so where there are more heads than one.
+/// Reports additional heads.
 fn tell_others(cx: &EvalCx, found: &Found, pieces: &Pieces, parts: &Parts) {
     let (Some(piece), false) = (found.piece, found.others.is_empty()) else { return };
     let told = |is: &dyn Fn(u32) -> bool| {
@@ -317,7 +316,7 @@ fn tell_others(cx: &EvalCx, found: &Found, pieces: &Pieces, parts: &Parts) {
     ));
 }
 
-/// Says what was turned round: all of an `inside_out` mesh, but for what was then turned back.
+/// Reports what was flipped: all of an `inside_out` mesh, except for what was then flipped back.
 fn tell_turned(cx: &EvalCx, inside_out: bool, turned: Option<Vec<bool>>, parts: &Parts) {
     let Some(mut turned) = turned else {
         if inside_out {
@@ -336,7 +335,8 @@ fn tell_turned(cx: &EvalCx, inside_out: bool, turned: Option<Vec<bool>>, parts: 
     ));
 }
 
-/// Takes what `leave_out` names out of the mesh; gives the numbers of the triangles that stay, where some do not.
+/// Removes the parts named by `leave_out` from the mesh; returns the indices of the remaining triangles if any were
+/// removed.
 fn leave_out(
     cx: &EvalCx,
     inputs: &Inputs,
@@ -368,11 +368,11 @@ fn leave_out(
     Ok(Some(all.filter(|(_, gone)| !**gone).map(|(t, _)| t).collect()))
 }
 
-/// So many other axes, the most promising ones, are looked at closely.
+/// Number of other axes, the most promising ones, that are examined closely.
 const MOST_AXES: usize = 2;
 
-/// The head with the asked axis up; where none is there, with another one that surely shows one. A cranium that is none is
-/// left out, and told.
+/// The head with the given axis up; if there is none, with another axis that clearly shows one. A cranium that is not
+/// one is dropped and reported.
 fn find_head(
     cx: &EvalCx,
     inputs: &Inputs,
@@ -387,7 +387,7 @@ fn find_head(
     if asked.is_sure() {
         return Ok((inputs.up, asked));
     }
-    // What is said of the face has to stay true.
+    // Messages about the face have to stay true.
     let stays_true =
         |other: &Up| inputs.forward.axis().is_none_or(|axis| other.turned(axis).y == 0.0);
     let others = Up::ALL.into_iter().filter(|other| *other != inputs.up).filter(stays_true);
@@ -432,7 +432,7 @@ fn find_head(
     Ok((inputs.up, Found::default()))
 }
 
-/// Says so where something stands on the crown that the sphere was fitted to.
+/// Reports if something on the crown may have disturbed the sphere's fit.
 fn doubt(cx: &EvalCx, fit: Option<&Fit>, parts: &Parts) {
     let Some(fit) = fit.filter(|fit| !fit.is_bare()) else { return };
     let told = parts.told();
@@ -448,11 +448,11 @@ fn doubt(cx: &EvalCx, fit: Option<&Fit>, parts: &Parts) {
     ));
 }
 
-/// What a person's scalp measures, cm2, and what is more than any on a head of average size.
+/// Scalp area of a person, cm2, and an upper limit for any on a head of average size.
 const USUAL_SCALP: &str = "600 to 900 cm2";
 const MOST_SCALP: f32 = 1500.0;
 
-/// Says how large the region is, and what to do where it is no scalp.
+/// Reports the size of the region, and what to do if it is not a scalp.
 fn tell_region(
     cx: &EvalCx,
     inputs: &Inputs,
@@ -488,7 +488,7 @@ fn tell_region(
     }
 }
 
-/// What is no higher than this part of its width is flat.
+/// A mesh whose height is below this fraction of its width is flat.
 const FLAT: f32 = 1e-3;
 
 fn read(file: &FileData) -> Result<Mesh, NodeError> {
@@ -497,7 +497,7 @@ fn read(file: &FileData) -> Result<Mesh, NodeError> {
         .map_err(|err| NodeError::Refused { file: file.path.clone(), reason: err.to_string() })
 }
 
-/// A number with the sign of the volume that the triangles enclose, seen from the middle of the box.
+/// A number with the sign of the volume enclosed by the triangles, seen from the center of the bounding box.
 fn volume(points: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
     let first = points.first().copied().unwrap_or_default();
     let (lo, hi) = points.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
@@ -506,7 +506,7 @@ fn volume(points: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
     triangles.iter().map(|t| f64::from(corner(t[0]).dot(corner(t[1]).cross(corner(t[2]))))).sum()
 }
 
-/// Centimetres in a unit of the file.
+/// Centimeters per unit of the file.
 fn scale(
     cx: &EvalCx,
     inputs: &Inputs,
@@ -563,7 +563,7 @@ fn scale(
             let first = points.first().copied().unwrap_or_default();
             let ends = points.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
             let size = ends.1 - ends.0;
-            // What is flat has no height that tells anything.
+            // A flat mesh has no meaningful height.
             let (what, size) = match size.y < FLAT * size.max_element() {
                 true => ("width (it is flat)", size.max_element()),
                 false => ("height", size.y),
@@ -575,15 +575,15 @@ fn scale(
     }
 }
 
-/// A face that looks so far from a file's axis, degrees, is taken to look along it: heads are modelled to 2 degrees.
+/// A face within this many degrees of a file axis snaps to it: heads are modeled to 2 degrees.
 const SNAP_DEGREES: f32 = 5.0;
-/// The same for the farthest point, which is a poor sign of where a face looks.
+/// The same for the farthest point, a weak indication of where a face looks.
 const SNAP_FARTHEST_DEGREES: f32 = 20.0;
 
-/// The mask of a hollow head's inner wall.
+/// Name of the mask of a hollow head's inner wall.
 const INNER_WALL: &str = "inner_wall";
 
-/// Where the face looks: level and unit, Y up.
+/// Direction of the face: level and unit, Y up.
 fn forward(cx: &EvalCx, inputs: &Inputs, up: Up, found: &Found) -> Result<Vec3, NodeError> {
     let Some(axis) = inputs.forward.axis() else { return Ok(looks(cx, up, found)) };
     let axis = up.turned(axis);
@@ -597,7 +597,7 @@ fn forward(cx: &EvalCx, inputs: &Inputs, up: Up, found: &Found) -> Result<Vec3, 
     Ok(axis)
 }
 
-/// Where the face that was found looks.
+/// Direction of the detected face.
 fn looks(cx: &EvalCx, up: Up, found: &Found) -> Vec3 {
     let axes = [Vec3::Z, Vec3::X, Vec3::NEG_Z, Vec3::NEG_X];
     let first = Forward::name_of(Vec3::Z, up);
@@ -651,7 +651,7 @@ fn frame(inputs: &Inputs, fit: Option<&Fit>, scale: f32, looks: Vec3) -> HeadFra
     frame
 }
 
-/// For each name the part of the surface about each vertex that belongs to it.
+/// For each name, the fraction of the surface around each vertex that belongs to it.
 fn incident(surface: &Surface, of: &[u32], names: &[String]) -> BTreeMap<String, Vec<f32>> {
     let mut all = vec![0.0f32; surface.points.len()];
     let mut out: BTreeMap<String, Vec<f32>> = BTreeMap::new();
@@ -675,12 +675,12 @@ fn incident(surface: &Surface, of: &[u32], names: &[String]) -> BTreeMap<String,
     out
 }
 
-/// The mask that a mesh brings for where hair grows.
+/// The mesh's own mask for where hair grows.
 fn own_region(masks: &BTreeMap<String, Vec<f32>>) -> Option<&Vec<f32>> {
     masks.get(REGION).or_else(|| masks.get("hairline"))
 }
 
-/// `ears` are the vertices of both ears; none where the mesh is no head.
+/// `ears` are the vertices of both ears; `None` if the mesh is not a head.
 fn grows(
     cx: &EvalCx,
     inputs: &Inputs,

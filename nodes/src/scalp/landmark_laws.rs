@@ -1,4 +1,4 @@
-//! What the landmarks of the built-in head and of real ones guarantee.
+//! Guarantees of the landmarks of the built-in head and of real ones.
 
 use crate::data::landmarks::{Landmark, Landmarks};
 use crate::data::scalp::Scalp;
@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The heads that are tried: of a file, or the built-in one.
+/// The tested heads: from a file, or the built-in one.
 pub(super) const HEADS: [&str; 5] = [
     "",
     "lps_head/LeePerrySmith.glb",
@@ -18,7 +18,7 @@ pub(super) const HEADS: [&str; 5] = [
     "snowden_scan/snowden.obj",
 ];
 
-/// A head with something set; none, and said so, where its file is not on this machine.
+/// A head with an input set; `None`, with a note, if this machine does not have its file.
 #[track_caller]
 pub(super) fn of(name: &str, set: &[(&str, Value)]) -> Option<Arc<Scalp>> {
     match name {

@@ -1,9 +1,9 @@
 //! Paint mask: a field that the pen paints on the head.
 //!
-//! What strokes with brushes make of a number at each place is told in `data/painted.rs`; here they meet a head.
+//! `data/painted.rs` computes the value that brush strokes give each point; here they meet a head.
 //!
-//! Guarantees: values are 0 to 1, from the strokes alone, so that they mean the same on a coarse head, a fine one and another
-//! one; how much hair reads the mask changes nothing of it.
+//! Guarantees: values are 0 to 1 and depend on the strokes only, so that they mean the same on coarse heads, fine heads
+//! and other heads; the amount of hair that reads the mask does not change it.
 
 use crate::data::field::Field;
 use crate::data::laid::Laid;
@@ -83,7 +83,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { mask: Field::Painted(painted.into()).into() })
 }
 
-/// The strokes in this head's own units. (So the twin of a mirrored one is mirrored on this head, not on the one it was made on.)
+/// The strokes in this head's own units. (So the mirror image of a stroke is mirrored on this head, not on the one it
+/// was made on.)
 fn carried(scalp: &Scalp, strokes: Arc<Strokes>) -> Arc<Strokes> {
     let space = scalp.space();
     if space.carry().is_none() {
@@ -95,7 +96,7 @@ fn carried(scalp: &Scalp, strokes: Arc<Strokes>) -> Arc<Strokes> {
     Arc::new(out)
 }
 
-/// Whether a field asks for what only hair has.
+/// Whether a field reads something that only hair has.
 fn reads_hair(field: &Field) -> bool {
     match field {
         Field::Attribute(_) | Field::Ramp(_) => true,
@@ -104,7 +105,7 @@ fn reads_hair(field: &Field) -> bool {
     }
 }
 
-/// Tells of sections that strokes keep to and the head has not.
+/// Reports sections that strokes are limited to and the head does not have.
 fn tell_sections(cx: &EvalCx, scalp: &Scalp, strokes: &Strokes) {
     let names = strokes.0.iter().filter_map(|stroke| Some(&*stroke.brush.as_ref()?.section));
     let names: BTreeSet<&str> = names.filter(|name| !name.is_empty()).collect();

@@ -1,9 +1,10 @@
-//! One head saved plain, in a skin, and in a skin with quantized positions is one head to what grows on it.
+//! One head saved plain, skinned, and skinned with quantized positions is the same head for what grows on it.
 //!
-//! Floats in metres and in centimetres do not round alike: at 1.7 m their last bits are 0.00001 cm apart, and
-//! quantized positions are steps of 0.0005 cm. The skin and the frame follow exactly that. Hair adds its own: rows laid on
-//! the plain head move by 0.0008 cm when the last bit of each coordinate is turned, as the tip of a guide does whose root's normal
-//! turns by that over 10 cm. What is scattered keeps its roots: which guide is taken and where is not told by last bits.
+//! Floats in meters and in centimeters round differently: at 1.7 m their last bits are 0.00001 cm apart, and quantized
+//! positions have steps of 0.0005 cm. Skin and frame follow exactly that. Hair adds its own: rows laid on the plain
+//! head move by 0.0008 cm if the last bit of each coordinate changes, like the tip of a guide over 10 cm when the
+//! normal at its root turns by that much. Scattered hair keeps its roots: last bits do not change which guide is used
+//! and where.
 
 use super::{head, scalp_projection};
 use crate::data::curves::{Curves, TuftBuilder};
@@ -15,7 +16,7 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The head of a file; none where `../shared` is not there.
+/// The head of a file; `None` without `../shared`.
 fn scalp(name: &str) -> Option<Arc<Scalp>> {
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/reported/");
     let Ok(bytes) = std::fs::read(format!("{data}{name}.glb")) else {
@@ -31,7 +32,7 @@ fn scalp(name: &str) -> Option<Arc<Scalp>> {
     }
 }
 
-/// Twelve rows drawn from the crown down in the head's frame and laid on the scalp.
+/// Twelve rows drawn from the crown down in the head frame and laid on the scalp.
 fn rows(scalp: &Arc<Scalp>) -> Curves {
     let frame = scalp.frame();
     let mut b = TuftBuilder::new();

@@ -1,6 +1,6 @@
-//! Texture mask: a field from a picture that was painted elsewhere, by the head's uvs.
+//! Texture mask: a field from an existing picture, through the head's UVs.
 //!
-//! Guarantees: values are 0 to 1 as they stand in the file. What a head without uvs cannot show is refused.
+//! Guarantees: values are 0 to 1 as stored in the file. A head without UVs is refused.
 
 use crate::data::field::Field;
 use crate::data::scalp::Scalp;
@@ -123,7 +123,7 @@ mod tests {
         }
     }
 
-    /// Each curve's value and the u at its root.
+    /// Each curve's value, and the u at its root.
     fn values(field: &Field, curves: &Curves, scalp: &Scalp) -> Vec<(f32, f32)> {
         let all = curves.tufts().iter().flat_map(|tuft| {
             let values = field.on(tuft, Some(scalp), (0.0, 1.0)).unwrap();

@@ -1,4 +1,5 @@
-//! What drawn regions promise: hair inside the line alone, on heads and animals, by name, and a word on what does not fit.
+//! What drawn regions promise: hair only inside the line, on heads and animals, by name, and a message for what does
+//! not fit.
 
 use crate::data::scalp::Scalp;
 use crate::data::strokes::{Sample, Stroke, Strokes};

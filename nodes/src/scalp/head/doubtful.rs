@@ -1,4 +1,4 @@
-//! What is said and done where a mesh is no plain head: parts inside out, two heads, flat things, things worn.
+//! Messages and behavior for meshes that are not plain heads: inverted parts, two heads, flat things, things worn.
 
 use super::laws::{adult, bust_shape, named, on_the_bust};
 use super::worn::Shape;

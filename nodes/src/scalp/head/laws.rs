@@ -1,4 +1,4 @@
-//! What the head node guarantees, on real heads and on heads made up for the case.
+//! Guarantees of the head node, on real heads and on synthetic ones.
 
 use super::worn::{KINDS, Shape, way, worn};
 use super::*;

@@ -1,6 +1,7 @@
-//! What stands on heads in tests: buns, tails, fringes, caps of hair, helmets, hats, glasses, of any size and direction.
+//! Things worn on heads, for tests: buns, tails, bangs, caps of hair, helmets, hats, glasses, of any size and
+//! direction.
 //!
-//! A head here has its cranium's centre at the origin, radius 1, and looks along +z.
+//! A head here has its cranium's center at the origin, radius 1, and faces +z.
 
 use crate::maths::hash::Dice;
 use crate::maths::transcendental::{sin_cos, sin_cos_turns};
@@ -52,7 +53,7 @@ impl Shape {
     }
 }
 
-/// The direction at so many degrees to the head's left of its face and above its centre.
+/// The direction at these degrees to the head's left of its face and above its center.
 pub(super) fn way(aside: f32, above: f32) -> Vec3 {
     let ((s, c), (high, out)) = (sin_cos(aside.to_radians()), sin_cos(above.to_radians()));
     Vec3::new(s * out, high, c * out)
@@ -67,10 +68,10 @@ fn shell(far: f32, low: f32, side: f32, top: f32) -> Shape {
     })
 }
 
-/// Kinds of what is worn.
+/// Number of kinds of things worn.
 pub(super) const KINDS: u32 = 14;
 
-/// One of each kind, any size and direction.
+/// One of each kind, of any size and direction.
 pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
     let any = |index: u64, lo: f32, hi: f32| dice.range(id, index, lo, hi);
     let both = |shape: &dyn Fn(f32) -> Shape| shape(1.0).and(&shape(-1.0));
