@@ -1,12 +1,12 @@
-//! Hang: curves that leave the scalp where they are rooted and fall, resting on head, neck, shoulders and one another.
+//! Hang: curves that leave the scalp at their roots and fall, resting on head, neck, shoulders and each other.
 //!
-//! Guarantees: the same curves on every machine; lengths right to 0.1 %; no point under the skin and no NaN whatever comes in;
-//! points evenly spaced; what does not hang freely rests on something: skin or another curve (`fall.rs` says how).
-//! Not promised: that curves keep their radii apart where more are asked for than there is room, as beside their roots.
+//! Guarantees: the same curves on every machine; lengths exact to 0.1 %; no point below the skin and no NaN for any
+//! input; evenly spaced points; every part that does not hang freely rests on skin or another curve (`fall.rs` explains
+//! how). Not promised: that curves keep their radii apart where there is not enough room, as beside their roots.
 //!
-//! **What depends on what:** curves that touch depend on each other, through a chain of touches on all others, so the fall
-//! is worked out for all at once (80 braids take a tenth of a second). Each curve is a tuft of its own and tufts are known
-//! by content: of what comes after, only that runs again whose curve came out another.
+//! **Dependencies:** curves that touch depend on each other and, through chains of contacts, on all others, so all are
+//!  computed at once (80 braids take a tenth of a second). Each curve is its own tuft, keyed by content: downstream,
+//!  only curves that changed run again.
 
 use super::fall::{Fall, Thread};
 use crate::data::attributes::{
@@ -143,7 +143,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             if scalp.is_some_and(|scalp| scalp.uvs().is_some()) {
                 b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
             }
-            // What is laid along the curve faces outwards.
+            // What is laid along the curve faces outward.
             let tangent = (points[1] - points[0]).normalize_or(thread.direction);
             let normal = across(root.normal, tangent).unwrap_or_else(|| any_normal(tangent));
             b.set(NORMAL, Domain::Curve, vec![normal]);
@@ -200,7 +200,7 @@ fn threads<'a>(cx: &EvalCx, inputs: &'a Inputs, unit: f32) -> Result<Threads<'a>
     Ok((threads, from))
 }
 
-/// Where a curve is bound to the scalp, or else the point of it that is nearest to its root.
+/// Where a curve is bound to the scalp, or else its point nearest to the root.
 fn bound(scalp: &Scalp, tuft: &Tuft, i: usize, point: Vec3) -> Option<Root> {
     let first = tuft.range(i).start;
     let triangle = tuft.view(ROOT_TRIANGLE).at(i, first);
@@ -212,18 +212,18 @@ fn bound(scalp: &Scalp, tuft: &Tuft, i: usize, point: Vec3) -> Option<Root> {
     known.or_else(|| scalp.closest_root(point))
 }
 
-/// So near (cm) to where hair is parted a parting that is drawn decides to which side it falls.
+/// Within this distance (cm) of the requested parting, a drawn parting decides to which side hair falls.
 const ASIDE: f32 = 1.5;
 
 impl Inputs {
-    /// The way along the skin in which a curve leaves its root. Unit, at right angles to `normal`.
+    /// Direction along the skin in which a curve leaves its root. Unit, perpendicular to `normal`.
     fn flow(&self, scalp: Option<&Scalp>, curve: &[Vec3], p: Vec3, normal: Vec3) -> Vec3 {
         let identity = crate::data::scalp::HeadFrame::IDENTITY;
         let frame = scalp.map_or(&identity, Scalp::frame);
         let at = scalp.map_or_else(|| frame.head_from_point(p), |scalp| scalp.given(p));
         let wanted = match self.flow {
             Flow::Sides => {
-                // Parted hair is parted to the crown: on the back of the head it falls down.
+                // Hair is parted up to the crown: on the back of the head it falls down.
                 let behind = ((-normal.dot(frame.forward) - 0.1) / 0.6).clamp(0.0, 1.0);
                 let behind = behind * behind * (3.0 - 2.0 * behind);
                 let to = |side: f32| {
@@ -231,7 +231,7 @@ impl Inputs {
                     frame.vector_from_head(sideways.lerp(Vec3::NEG_Y, behind))
                 };
                 let side = if at.x < self.parted_at { -1.0 } else { 1.0 };
-                // A parting that is drawn there is not quite where hair is said to part: it decides.
+                // A drawn parting does not exactly match the requested one: the drawn one decides.
                 let step = ASIDE * frame.unit();
                 let leads_over = |side: f32| {
                     let along = across(to(side), normal).unwrap_or(Vec3::ZERO);
@@ -240,7 +240,7 @@ impl Inputs {
                 };
                 let near = (at.x - self.parted_at).abs() < ASIDE;
                 let turned = near && leads_over(side) && !leads_over(-side);
-                // Where nobody said the line, the partings say it: hair falls to the side that none cuts off.
+                // Without a requested parting, the scalp's partings decide: hair falls to the side that is not cut off.
                 let cut_off = |side: f32| {
                     let aside = Vec3::new(side * HEAD_RADIUS, 0.0, at.z);
                     let aside = scalp.and_then(|s| s.closest_root(frame.point_from_head(aside)));
@@ -262,7 +262,7 @@ impl Inputs {
             Flow::Curve => curve.get(1).map_or(Vec3::ZERO, |next| *next - curve[0]),
         };
         let flat = |v: Vec3| v.try_normalize().and_then(|v| across(v, normal));
-        // Where that points out of the skin: away from the head's axis.
+        // If that points out of the skin: away from the head's axis.
         flat(wanted)
             .or_else(|| flat(p - frame.origin - frame.up * (p - frame.origin).dot(frame.up)))
             .unwrap_or_else(|| any_normal(normal))

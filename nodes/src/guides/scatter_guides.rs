@@ -1,9 +1,9 @@
 //! Scatter guides: guides all over the scalp region, laid by a simple flow, as a start for combing or as short hair.
 //!
-//! Guarantees: roots lie on the scalp and in the region; a higher count only adds guides; no point
-//! lies under the skin; points are evenly spaced; on a parted scalp none is rooted in a parting or leads over one on the skin: it
-//! goes along it, and ends at a corner that leaves no way. A parting takes the guides that would be rooted in it and no others. Not
-//! promised: that guides keep clear of each other.
+//! Guarantees: roots lie on the scalp and in the region; a higher count only adds guides; no point lies below the skin;
+//! points are evenly spaced; on a parted scalp no guide is rooted in a parting or crosses one on the skin: it runs
+//! along the parting, and ends at a corner with no way out. A parting removes the guides that would root in it and no
+//! others. Not promised: that guides stay clear of each other.
 
 use super::even_roots::{Apart, EvenRoots};
 use crate::data::attributes::{
@@ -111,13 +111,13 @@ choice! {
     }
 }
 
-/// Candidates looked at for each guide asked for, before giving up.
+/// Candidates tried per requested guide before giving up.
 const TRIES: u32 = 200;
-/// How far over the skin guides are kept, cm.
+/// Height of guides above the skin, cm.
 const CLEARANCE: f32 = 0.02;
-/// Steps that a guide is grown in between two of its points.
+/// Growth steps between two points of a guide.
 const SUBSTEPS: usize = 3;
-/// How far from the crown the whorl has faded to a third, head units.
+/// Distance from the crown at which the whorl has faded to a third, head units.
 const WHORL_REACH: f32 = 3.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -162,7 +162,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Roots with their number in the list of even roots.
+/// Roots with their index in the list of even roots.
 fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, NodeError> {
     let scalp = &*inputs.scalp;
     let even = EvenRoots::new(scalp, cx.dice(inputs.seed, "roots"));
@@ -193,7 +193,7 @@ fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, No
                 break;
             }
             let share = mask.at(slot, slot, 0.0);
-            // What a parting takes keeps its place in the list, so that where that moves all others stay.
+            // A root in a parting keeps its index, so that moving the parting leaves all others in place.
             let chosen = keep.unit(u64::from(i), 0) < share && scalp.free(root.point);
             if apart.take(i, root.point) {
                 match chosen {
@@ -204,7 +204,7 @@ fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, No
         }
         start += BATCH;
     }
-    // (Where the region is empty, the head says so.)
+    // (If the region is empty, the head reports it.)
     if (out.len() as f32 + skipped) < wanted as f32 && even.area() > 0.0 {
         let min = inputs.min_distance;
         cx.warn(format!("only {} of {wanted} guides fit at {min} cm from each other", out.len()));
@@ -230,7 +230,7 @@ struct Grower<'a> {
 }
 
 impl Grower<'_> {
-    /// A guide, step by step: along the flow at the lie's angle to the skin below, less and less as it bends,
+    /// Grows a guide step by step: along the flow at the angle of `lie` to the skin below, decreasing as it bends,
     /// pulled down as it gets free.
     fn grow(&self, root: &Root, length: f32, lie: f32, [turn, tilt]: [f32; 2]) -> Vec<Vec3> {
         let count = self.inputs.points as usize;
@@ -248,29 +248,29 @@ impl Grower<'_> {
         for _ in 0..steps {
             let next = p + direction * step;
             let (lifted, moved) = self.skin.lift(next, CLEARANCE);
-            // A step that was put back on the skin goes on as long along it.
+            // A step that was put back on the skin keeps its length along it.
             let mut to = lifted;
             if moved && let Some(along) = (lifted - p).try_normalize() {
                 to = self.skin.lift(p + along * step, CLEARANCE).0;
             }
-            // What lies on the skin goes along a parting, not over it.
+            // A guide on the skin runs along a parting, not across it.
             if let Some(kept) = home.and_then(|home| home.kept(to, &mut below)).filter(|q| *q != to)
             {
                 to = self.skin.lift(kept, CLEARANCE).0;
             }
-            // At a corner that leaves no way, it ends.
+            // At a corner with no way out, it ends.
             if grown.len() > 1 && home.is_some_and(|home| home.passes(&[p, to])) {
                 break;
             }
             direction = (to - p).try_normalize().unwrap_or(direction);
             p = to;
             grown.push(p);
-            // The skin below is near that of the step before: far off it, that saves most of the search.
+            // The skin below is near that of the previous step: far from the skin, this saves most of the search.
             let surface = self.scalp.surface();
             let Some(hit) = surface.closest_from(p, below) else { continue };
             below = hit.triangle;
             let skin_normal = surface.smooth_normal(hit.triangle, hit.bary);
-            // Hair near the skin turns with it, and with the flow; a few cm off it is free.
+            // Near the skin, hair turns with it and with the flow; a few cm away it is free.
             let near = exp(-hit.distance / (2.0 * self.unit));
             let carried = smallest_rotation(normal, skin_normal) * direction;
             direction = direction.lerp(carried, near).normalize_or(direction);
@@ -289,7 +289,7 @@ impl Grower<'_> {
             direction = (direction + down * pull).normalize_or(direction);
         }
         let mut out = self.even(&grown, count);
-        // Round a corner of its section the curve may lead wider than the steps did: it ends before.
+        // Around a corner of its section the curve may swing wider than the steps did: it ends before.
         while grown.len() > SUBSTEPS && home.is_some_and(|home| home.passes(&out)) {
             grown.truncate(grown.len() * 3 / 4);
             out = self.even(&grown, count);
@@ -297,14 +297,14 @@ impl Grower<'_> {
         out
     }
 
-    /// The steps of a guide as so many points at even lengths, out of the skin.
+    /// The steps of a guide as `count` evenly spaced points, out of the skin.
     fn even(&self, grown: &[Vec3], count: usize) -> Vec<Vec3> {
         let mut out = Vec::with_capacity(count);
         match Spline::new(grown) {
             Ok(spline) => spline.resample(count, |p| out.push(p)),
             Err(_) => out = grown.to_vec(),
         }
-        // The spline may cut a corner of the skin that the steps kept out of.
+        // The spline may cut a corner of the skin that the steps avoided.
         for p in &mut out[1..] {
             *p = self.skin.lift(*p, 0.5 * CLEARANCE).0;
         }
@@ -312,7 +312,7 @@ impl Grower<'_> {
         out
     }
 
-    /// The flow on the scalp at `p`. Unit, at right angles to `normal`.
+    /// The flow on the scalp at `p`. Unit, perpendicular to `normal`.
     fn flow(&self, p: Vec3, normal: Vec3) -> Vec3 {
         let frame = self.scalp.frame();
         let wanted = match self.inputs.flow {

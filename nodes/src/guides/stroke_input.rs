@@ -1,11 +1,11 @@
 //! Stroke input: pen strokes of the document as curves on a head.
 //!
-//! Strokes are stored in the head frame and in head units, so the same strokes fall into place on another
-//! head. Each stroke makes one tuft, told by the stroke's own key: drawing one more makes one more.
+//! Strokes are stored in the head frame and in head units, so they transfer to another head. Each stroke makes one
+//! tuft, keyed by the stroke: drawing one more makes one more.
 //!
-//! Guarantees: every curve is bound to the scalp where it starts; projected curves keep their offset from the
-//! scalp at every CV, or lie higher where they would run through folds between CVs; free ones never run under the skin. A stroke without length is left out and
-//! named.
+//! Guarantees: every curve is bound to the scalp where it starts; projected curves keep their offset from the scalp at
+//! every CV, or lie higher where they would cut through folds between CVs; free ones never run below the skin. A stroke
+//! without length is dropped and named in a message.
 
 use crate::data::attributes::{DRIFT, Domain, ID, RADIUS, SCALP_NORMAL};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -81,7 +81,7 @@ choice! {
     }
 }
 
-/// A stroke that stays within this of the midline (head units) is its own mirror image.
+/// A stroke within this distance of the midline (head units) is its own mirror image.
 const MIDLINE: f32 = 0.1;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -107,7 +107,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// The tuft of one stroke: one curve, or none when it has no length.
+/// The tuft of one stroke: one curve, or none if it has no length.
 fn drawn_curve(
     inputs: &Inputs,
     stroke: &Stroke,
@@ -210,19 +210,19 @@ fn drawn_curve(
     Ok(tuft.build())
 }
 
-/// Whether points that went side by side have come to lie apart: the closest points of a rough skin leap from ridge to ridge.
+/// Whether adjacent points are now far apart: on rough skin, closest points jump from ridge to ridge.
 fn torn(before: &[Vec3], after: &[Vec3]) -> bool {
     let step = |line: &[Vec3], k: usize| line[k].distance(line[k + 1]);
     (0..before.len() - 1).any(|k| step(after, k) > 2.0 * step(before, k) + FOLD)
 }
 
-/// How often a line is projected until it comes out whole.
+/// The most projections before a line is accepted.
 const ROUNDS: usize = 4;
-/// How far a torn line is averaged along itself in between, cm on a head of average size.
+/// Smoothing length of a torn line between projections, cm on a head of average size.
 const MENDED: f32 = 0.5;
 
-/// Lifts CVs between which a curve runs through folds of the skin, until it lies over them; the root stays. A smooth head bends
-/// by a few thousandths of a centimetre between CVs, and nothing is lifted.
+/// Lifts CVs between which a curve cuts through folds of the skin, until it lies over them; the root stays. A smooth
+/// head bends by a few thousandths of a centimeter between CVs, and nothing is lifted.
 fn over_folds(points: &mut [Vec3], normals: &[Vec3], skin: &Skin, radius: f32) {
     let last = points.len() - 1;
     let chord: Vec<f32> =
@@ -255,15 +255,15 @@ fn over_folds(points: &mut [Vec3], normals: &[Vec3], skin: &Skin, radius: f32) {
     }
 }
 
-/// Points closer than this (cm) are one.
+/// Points closer than this (cm) coincide.
 const NEAR: f32 = 1e-4;
-/// Projected curves run no deeper than this (cm) through the skin between their CVs.
+/// Projected curves cut through the skin between their CVs by at most this, cm.
 const FOLD: f32 = 0.02;
-/// Nor by more than the end span of a spline sags into a ball: this times its chord squared over the ball's radius.
+/// Plus the sag of a spline's end span into a ball: this times its squared chord over the ball's radius.
 const SAGS: f32 = 0.1;
-/// How often CVs are lifted to that end.
+/// Rounds of lifting CVs.
 const LIFTS: usize = 6;
-/// How high they are lifted at most, cm: what is higher is no fold.
+/// The most that CVs are lifted, cm: anything higher is not a fold.
 const HIGHEST: f32 = 0.5;
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
-//! Baby hair: the short fine hair along the hairline, as it grows or laid.
+//! Baby hair: short, fine hair along the hairline, natural or laid.
 //!
-//! Each hair is walked over the skin from its root in a direction that turns on the way: freely, down along the hairline, or in
-//! waves. Guarantees: roots lie on the scalp, within the band and off every parting; no hair crosses a parting (it ends before);
-//! points keep off the skin; more hairs only add. Not promised: that the scalp's own hair leaves room for it; thin that at the
-//! edge with a mask.
+//! Each hair is traced over the skin from its root in a direction that turns along the way: freely, along the hairline,
+//! or in waves. Guarantees: roots lie on the scalp, within the band and off every parting; no hair crosses a parting
+//! (it ends before one); points stay off the skin; a higher density only adds hairs. Not promised: that the scalp's
+//! other hair leaves room; thin that out at the edge with a mask.
 
 use super::hairline::{Hairline, hairlines};
 use crate::data::attributes::{
@@ -107,11 +107,11 @@ choice! {
     }
 }
 
-/// Hairs in one piece of work.
+/// Hairs per work item.
 const BATCH: usize = 1024;
-/// The least height over the skin, cm on a head of average size: a hair's own thickness.
+/// Smallest height above the skin, cm on a head of average size: a hair's own thickness.
 const CLEAR: f32 = 0.006;
-/// Steps in which a hair is walked.
+/// Steps in which a hair is traced.
 const STEPS: usize = 28;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -155,7 +155,8 @@ struct Maker<'a> {
     keep: Dice,
 }
 
-/// Where a hair begins: its root, the way out over the face and the way along the hairline from the middle of the head.
+/// Start of a hair: its root, the direction out over the face, and the direction along the hairline away from the
+/// middle of the head.
 struct Start {
     root: Root,
     out: Vec3,
@@ -165,7 +166,7 @@ struct Start {
 }
 
 impl Maker<'_> {
-    /// The start at a part of the hairline and a depth (cm) behind it.
+    /// The start at a fraction of the hairline and a depth (cm) behind it.
     fn start(&self, part: f32, depth: f32) -> Option<Start> {
         let frame = self.scalp.frame();
         let (edge, tangent) = self.hairline.at(part);
@@ -194,7 +195,7 @@ impl Maker<'_> {
             let Some(start) = self.start(part, b * (band + ahead) - ahead) else { continue };
             let (root, id) = (&start.root, curve_id(0, inputs.seed as u64, i as u64));
             let grows = self.scalp.grows(root.triangle, root.bary);
-            // Where the region fades, so do they.
+            // Baby hair fades with the region.
             let chance = (2.0 * grows).min(1.0);
             if self.dice.unit(id, 9) < chance && self.scalp.free(root.point) {
                 starts.push((id, part, start));
@@ -219,7 +220,7 @@ impl Maker<'_> {
             if self.keep.unit(*id, 0) >= mask.at(slot, slot, 0.0) {
                 continue;
             }
-            // Locks differ in width, so that their borders are no fence.
+            // Locks differ in width, so that their borders do not look like a fence.
             let lock = {
                 let at = part * locks;
                 let border = 0.35 * self.locks.signed(at.floor() as u64, 7);
@@ -270,8 +271,8 @@ impl Maker<'_> {
         Ok(tuft.build())
     }
 
-    /// A way over the skin: [`STEPS`] even steps, fewer where a parting is in the way. `id` is that of a hair, none for the middle of
-    /// a lock.
+    /// A path over the skin: [`STEPS`] equal steps, fewer if a parting is in the way. `id` is that of the hair, `None`
+    /// for the center of a lock.
     fn walked(&self, start: &Start, lock: u64, id: Option<u64>, length: f32) -> Option<Vec<Vec3>> {
         let inputs = self.inputs;
         let stray =
@@ -281,7 +282,7 @@ impl Maker<'_> {
         let (wave, wave_length) = (inputs.wave.to_radians(), inputs.wave_length * self.unit);
         let flat = std::f32::consts::FRAC_PI_2 * if asked < 0.0 { -1.0 } else { 1.0 };
         let (phase, bend) = (0.12 * of_lock(0), stray(2));
-        // The angle from straight out, at a part of the way.
+        // The angle from straight out, at a fraction of the path.
         let angle = |s: f32| match inputs.style {
             Style::Natural => asked + 0.9 * stray(1) + 1.2 * bend * s,
             Style::Laid => {
@@ -301,7 +302,7 @@ impl Maker<'_> {
         };
         let (sin, cos) = sin_cos(angle(0.0));
         let mut way = (start.out * cos + start.along * sin).try_normalize()?;
-        // Turning from out to along is left- or right-hand about the normal.
+        // Turning from out to along may be left- or right-handed about the normal.
         let hand = start.out.cross(start.along).dot(start.root.normal).signum();
         let (mut p, mut normal, mut near) =
             (start.root.point, start.root.normal, start.root.triangle);
@@ -320,11 +321,11 @@ impl Maker<'_> {
             (p, normal, near) = (hit.point, below, hit.triangle);
             line.push(p);
         }
-        // What is left of a hair that grows into a parting at once is no hair.
+        // A hair that runs into a parting at once is dropped.
         (line.len() > STEPS / 4).then_some(line)
     }
 
-    /// Puts a hair over its way, drawn to the middle of its lock; false when it has no length.
+    /// Lays a hair along its path, drawn toward the center of its lock; false if it has no length.
     fn laid_out(
         &self,
         start: &Start,
@@ -345,7 +346,7 @@ impl Maker<'_> {
             let s = k as f32 / (walk.len() - 1) as f32;
             let mut p = *p;
             if let Some(middle) = middle {
-                // The lock's middle keeps its length: a shorter hair ends beside its earlier part.
+                // The lock's center keeps its length: a shorter hair ends beside an earlier part of it.
                 let part = s * (walk.len() - 1) as f32 / STEPS as f32;
                 let at = (part * (middle.len() - 1) as f32) as usize;
                 let beside = walk[0] - middle[0];
@@ -361,7 +362,7 @@ impl Maker<'_> {
         }
         line[0] = start.root.point;
         if let Some(cut) = self.scalp.sections() {
-            // What was drawn over a parting is cut before it.
+            // A hair that was drawn across a parting is cut before it.
             let over = line.windows(2).position(|w| is_parted(cut, w[0], w[1]));
             if let Some(k) = over {
                 line.truncate(k + 1);
@@ -374,7 +375,7 @@ impl Maker<'_> {
         let from = points.len();
         spline.resample(n, |p| points.push(p));
         points[from] = start.root.point;
-        // Asked of the surface itself: a distance field costs more than a hairline's worth of hair.
+        // Queries the surface directly: a distance field costs more than a whole hairline of hair.
         near = start.root.triangle;
         for p in &mut points[from + 1..] {
             let Some(hit) = surface.closest_from(*p, near) else { return false };
@@ -383,13 +384,13 @@ impl Maker<'_> {
                 continue;
             }
             *p = hit.point + surface.smooth_normal(hit.triangle, hit.bary) * (0.5 * clear);
-            // In a fold the way out of one side leads into the other.
+            // In a fold, the way out of one side leads into the other.
             let again = surface.closest_from(*p, near);
             if again.is_some_and(|hit| surface.signed_distance(*p, &hit) < 0.0) {
                 *p = self.scalp.skin().lift(*p, 0.5 * clear).0;
             }
         }
-        // In folds a way over the scalp that keeps to its section may yet lead through the air over a parting.
+        // In folds, a path that stays in its section on the scalp may still cross a parting in the air.
         let cut = self.scalp.sections();
         if cut.is_some_and(|cut| cut.is_over_line(&points[from..])) {
             points.truncate(from);
@@ -399,7 +400,7 @@ impl Maker<'_> {
     }
 }
 
-/// Whether a step over the scalp crosses a parting or ends in its bare skin.
+/// Whether a step over the scalp crosses a parting or ends on its bare skin.
 fn is_parted(cut: &Sections, from: Vec3, to: Vec3) -> bool {
     cut.at(to).is_some_and(|place| !place.free) || cut.crosses(from, to)
 }

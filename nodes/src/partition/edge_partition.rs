@@ -1,14 +1,14 @@
 //! Edge partition: the hairs between rows of braids, pulled from the parting into the braid.
 //!
-//! methods.md 3, after section 2.2 of the braids-and-curls talk ("Lightyear"). Rows and their ground are in `territory.rs`,
-//! the single hair in `pulled.rs`.
+//! methods.md 3, after section 2.2 of the braids-and-curls talk ("Lightyear"). Rows and their territories are in
+//! `territory.rs`, the single hair in `pulled.rs`.
 //!
-//! Guarantees: roots lie on the scalp and are bound to it; ends lie within the braid's radius about its row;
-//! hairs stay out of the skin; ends of a group lie within the group's radius; without `cross_partings` every
-//! root keeps half a parting's width from the parting and no hair crosses it, be it half-way between two rows or a line
-//! that the scalp is parted along. A row's hairs depend on that row and the rows it meets (on a parted scalp, those of its
-//! own section), so that editing one row makes anew its own hairs and its neighbours'. Not promised:
-//! that hairs of one row never lie over each other, for combed hair does.
+//! Guarantees: roots lie on the scalp and are bound to it; ends lie within the braid's radius around its row; hairs
+//! stay out of the skin; ends of a group lie within the group's radius. Without `cross_partings`, every root stays half
+//! a parting's width away from the parting and no hair crosses it, whether it is halfway between two rows or a parting
+//! of the scalp. A row's hairs depend on that row and its neighbors only (on a parted scalp, those of its own section),
+//! so that editing one row recomputes its own hairs and those of its neighbors. Not promised: that hairs of one row
+//! never overlap, since combed hair does.
 
 use super::pulled::{self, Ground, Home, Middle, Reach, Rules, Wish};
 use super::territory::{Overs, Row, Station, neighbour};
@@ -150,7 +150,7 @@ choice! {
     }
 }
 
-/// What a curve is to a row, as an attribute of the tufts that rows are handed.
+/// Role of a curve for a row, as an attribute of the tufts passed to work items.
 const ROLE: &str = "role";
 const BESIDE: i32 = 0;
 const LEFT: i32 = 1;
@@ -158,8 +158,8 @@ const RIGHT: i32 = 2;
 const STITCHES: i32 = 3;
 const PICKED: i32 = 4;
 
-/// Distance between the places along a row at which its neighbours are looked for, cm: a braid is thicker, so
-/// none slips between two places.
+/// Spacing of the positions along a row at which neighbors are searched, cm: less than the thickness of a braid, so
+/// that none is missed.
 const LOOK: f32 = 0.4;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -205,7 +205,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
     }
     let all = Curves::new(all);
-    // Half-way to the farthest neighbour, and as much again for a way that is longer than straight.
+    // Halfway to the farthest neighbor, and as much again for paths longer than the straight one.
     let reach = rules.reach.max(2.0 * rules.open_side).max(2.0 * inputs.lead * unit);
     let rows = if rules.crossing { 0 } else { inputs.source.curve_count() + all.curve_count() };
     let overs = Overs::new(scalp, rows, reach);
@@ -221,27 +221,27 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// The least height of hairs over the skin, cm on a head of average size: more than a hair's radius, and enough
-/// that the flat triangles of a head do not cut through.
+/// Smallest height of hairs above the skin, cm on a head of average size: more than a hair's radius, and enough that a
+/// head's flat triangles do not cut through.
 const CLEAR: f32 = 0.012;
 
-/// A row of the list of all.
+/// A row in the list of all rows.
 struct Known {
-    /// Number of its tuft.
+    /// Index of its tuft.
     tuft: usize,
     role: i32,
     row: Row,
     section: Option<u32>,
 }
 
-/// Who is where, for finding what each row must read.
+/// Positions of everything, for finding what each row must read.
 struct Map {
     rows: Vec<Known>,
-    /// Number of the tuft, and the braids' sources that its stitches belong to.
+    /// Index of the tuft, and the source curves of the braids that its stitches belong to.
     stitches: Vec<(usize, Vec<u64>)>,
-    /// Number of the tuft, and the source tufts whose rows its points are nearest to.
+    /// Index of the tuft, and the source tufts whose rows are nearest to its points.
     picked: Vec<(usize, Vec<usize>)>,
-    /// Whether the first tufts of the list are the source itself.
+    /// Whether the list begins with the source's own tufts.
     among_themselves: bool,
 }
 
@@ -286,7 +286,7 @@ impl Map {
         Ok(Self { rows, stitches, picked, among_themselves: inputs.adjacent.is_none() })
     }
 
-    /// Numbers of the tufts that a row's hairs depend on, rising.
+    /// Indices of the tufts that a row's hairs depend on, ascending.
     fn needs(&self, rules: &Rules, overs: &Overs, lead: f32, own: usize, tuft: &Tuft) -> Vec<u32> {
         let is_self = |n: usize| self.among_themselves && n == own;
         let given = |role: i32| self.rows.iter().any(|known| known.role == role);
@@ -308,13 +308,13 @@ impl Map {
                     let rows = rows.map(|(i, other)| (i, &other.row));
                     let met = neighbour(&station, side, rows, rules.reach);
                     needed.extend(met.map(|(i, _)| self.rows[i].tuft));
-                    // Rows that are not beside this place but take some of the ground there, such as one that
-                    // begins where this one ends.
+                    // Rows that are not beside this position but take part of its territory, such as one that begins
+                    // where this one ends.
                     let to = met.map_or(station.side(side) * (2.0 * rules.open_side), |(_, q)| {
                         q - station.point
                     });
                     let middle = station.point + to * 0.5;
-                    // No way is shorter than the straight one of the others.
+                    // No path to the others is shorter than the straight one.
                     let way = row.far(rules.scalp, middle, row.nearest(middle).1);
                     let home = 1.1 * way.max(middle.distance(station.point)) + rules.parting;
                     for (_, other) in others() {
@@ -342,7 +342,7 @@ fn role(tuft: &Tuft) -> i32 {
     tuft.view_named::<i32>(ROLE).map_or(BESIDE, |view| view.at(0, 0))
 }
 
-/// The id of the curve that the braid of a stitch curve is laid along.
+/// Id of the curve that the braid of a stitch curve follows.
 fn braided(tuft: &Tuft, curve: usize) -> u64 {
     let root = tuft.range(curve).start;
     match tuft.view(PARENT).at(curve, root) {
@@ -353,12 +353,12 @@ fn braided(tuft: &Tuft, curve: usize) -> u64 {
 
 /// Where hairs of a row gather.
 struct Gather {
-    /// Fraction along the row, side (0: both), number.
+    /// Fraction along the row, side (0: both), index.
     places: Vec<(f32, i32, i32)>,
 }
 
 impl Gather {
-    /// The place nearest to `u` on a side.
+    /// The gathering point nearest to `u` on a side.
     fn nearest(&self, u: f32, side: i32) -> Option<(f32, i32)> {
         let on_side = self.places.iter().filter(|(_, s, _)| *s == side || *s == 0);
         on_side
@@ -393,7 +393,7 @@ fn hairs(
                 continue;
             }
         };
-        // Rows of one tuft are each other's neighbours too.
+        // Rows of one tuft are neighbors too.
         let siblings: Vec<&Row> = match inputs.adjacent {
             None => rows.iter().filter(|row| row.id != own.id).collect(),
             Some(_) => vec![],
@@ -418,7 +418,7 @@ fn hairs(
     made.tuft(inputs)
 }
 
-/// The section that most of a row lies in; none where hairs may cross, or nothing is parted.
+/// The section that most of a row lies in; `None` if hairs may cross, or if nothing is parted.
 fn home<'a>(rules: &Rules<'a>, row: &Row) -> Option<Home<'a>> {
     let sections = rules.scalp.sections().filter(|_| !rules.crossing)?;
     let mut votes: BTreeMap<u32, u32> = BTreeMap::new();
@@ -430,7 +430,7 @@ fn home<'a>(rules: &Rules<'a>, row: &Row) -> Option<Home<'a>> {
     Some(Home { sections, number })
 }
 
-/// Hairs while they are made.
+/// Hairs under construction.
 #[derive(Default)]
 struct Made {
     hair: TuftBuilder,
@@ -478,7 +478,7 @@ impl Made {
     }
 }
 
-/// How many hairs are asked for beside a row.
+/// Requested number of hairs of a row.
 fn asked(inputs: &Inputs, row: &Row, unit: f32) -> usize {
     let lead = inputs.lead * unit / row.length();
     let a_side = match inputs.by {
@@ -505,7 +505,7 @@ fn row_hairs(
     let lift = inputs.lift.on(tuft, scalp)?;
     let pull = inputs.pull_angle.on(tuft, scalp)?;
     let radius = inputs.row_radius.on(tuft, scalp)?;
-    // An attribute holds true centimetres; a number that somebody typed is in head units.
+    // An attribute holds true centimeters; a typed number is in head units.
     let radius_unit = match *inputs.row_radius.field {
         Field::Attribute(_) => 1.0,
         _ => unit,
@@ -581,7 +581,7 @@ fn row_hairs(
             (end_u, group) = (at, Some(2 * number + i32::from(side > 0)));
         }
         if !combed(end_u, group, &mut points) {
-            // Where a parting is near, the hair goes straight into the braid beside it.
+            // Near a parting, the hair runs straight into the braid beside it.
             (end_u, group) = (along, None);
             if section.is_none() || !combed(end_u, group, &mut points) {
                 continue;
@@ -605,10 +605,10 @@ fn row_hairs(
     Ok(())
 }
 
-/// Where round the braid hairs end, degrees over its side.
+/// Spread of hair ends around the braid, degrees above its side.
 const ROUND: f32 = 25.0;
 
-/// Even numbers in the unit square for the `i`-th hair on a side of a row: the first along the row.
+/// Evenly distributed numbers in the unit square for the `i`-th hair on a side of a row; the first runs along the row.
 fn spot(dice: Dice, row: u64, side: i32, i: usize) -> [f32; 2] {
     let s = u64::from(side > 0);
     r2(i as u32, [dice.unit(row, s), dice.unit(row, 2 + s)])

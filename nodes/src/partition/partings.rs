@@ -1,12 +1,12 @@
 //! Partings: lines that cut the scalp into sections, drawn or from a pattern.
 //!
-//! methods.md 3, "partings first". Lines are brought to the flat map of the scalp, made uneven as asked, ended where they meet one
-//! another or the hairline, and handed to [`crate::data::sections`], which does the cutting. The scalp that comes out is the one
-//! that went in with its sections on it, so every node with a scalp input knows them.
+//! methods.md 3, "partings first". Lines are projected to the flat map of the scalp, made uneven as requested, ended
+//! where they meet each other or the hairline, and passed to [`crate::data::sections`], which does the cutting. The
+//! output is the input scalp with its sections, so every node with a scalp input knows them.
 //!
-//! Guarantees: everything is measured on the head, so that a pattern fits another; on a symmetric head patterns are symmetric
-//! but for wobble; a section's curves change only when it does. A drawn line that ends in the middle of hair parts what is beside
-//! it and cuts no section, which is said.
+//! Guarantees: everything is measured on the head, so that a pattern fits another head; on a symmetric head patterns
+//! are symmetric except for wobble; a section's curves change only if the section does. A drawn line that ends in the
+//! middle of hair parts the hair beside it and cuts no section, which is reported.
 
 use super::between::between;
 use super::given::Maker;
@@ -177,7 +177,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let maker = Maker { scalp: &parted, chart, unit, seed, part: &part, drift };
     let lines = sections.partings()[before..].iter().map(|p| maker.parting(p));
     let partings = Curves::new(lines.flatten().map(Arc::new).collect());
-    // What rows are gathered to is no row.
+    // The section that rows gather to is not a row.
     let tied = (inputs.pattern == Pattern::Gathered)
         .then(|| {
             sections.at(scalp.frame().point_from_head(gathered_to(&inputs, scalp) * HEAD_RADIUS))
@@ -193,7 +193,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { scalp: parted, partings, rows, middles })
 }
 
-/// Lays drawn lines and those of a pattern on the map of a head, and gives the middles of the pattern's rows.
+/// Puts drawn lines and pattern lines on the map of a head, and returns the center lines of the pattern's rows.
 fn on_the_map(
     cx: &EvalCx,
     inputs: &Inputs,
@@ -217,7 +217,7 @@ fn on_the_map(
     Ok(middles)
 }
 
-/// Lays drawn lines on a mesh that no map shows, such as an animal's.
+/// Puts drawn lines on a mesh without a map, such as an animal's.
 fn on_the_mesh(
     cx: &EvalCx,
     inputs: &Inputs,
@@ -254,7 +254,7 @@ fn on_the_mesh(
     Ok(())
 }
 
-/// The lines that were drawn, by their ids; what is no line is told.
+/// The drawn lines by id; invalid ones are reported.
 fn by_hand(cx: &EvalCx, inputs: &Inputs) -> Vec<(u64, Spline)> {
     let lines = inputs.lines.iter().flat_map(|curves| curves.each());
     let one = |(tuft, i): (&Tuft, usize)| {
@@ -264,7 +264,7 @@ fn by_hand(cx: &EvalCx, inputs: &Inputs) -> Vec<(u64, Spline)> {
     lines.filter_map(one).collect()
 }
 
-/// Whether a line ends where it began, to within `join` and a quarter of its length.
+/// Whether a line ends where it began, within `join` and a quarter of its length.
 fn is_closed(line: &Spline, join: f32) -> bool {
     line.at(0.0).distance(line.at(1.0)) < join.min(0.25 * line.length())
 }
@@ -298,7 +298,7 @@ fn part(inputs: &Inputs, chart: &Chart) -> Result<Vec<bool>, NodeError> {
     Ok(out)
 }
 
-/// Drawn lines and those of the pattern, on the map.
+/// Drawn lines and pattern lines, on the map.
 fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Result<Drawn, NodeError> {
     let scalp = &*inputs.scalp;
     let chart = scalp.chart();
@@ -366,16 +366,16 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Result<Drawn
     Ok(drawn)
 }
 
-/// Where rows gather, as a direction of the head frame.
+/// Where rows gather, as a direction in the head frame.
 fn gathered_to(inputs: &Inputs, scalp: &Scalp) -> Vec3 {
     scalp.space().direction(inputs.centre).unwrap_or(Vec3::Y)
 }
 
-/// How far a line of a pattern is led on, cm.
+/// How far a pattern line is extended, cm.
 const FARTHEST: f32 = 4.0;
 
-/// Ends lines where they meet: rows first, then what cuts rows. Rows twice, for what one was ended at may itself have been
-/// ended nearer since.
+/// Ends lines where they meet: rows first, then the lines that cut rows. Rows twice, since the line that one was ended
+/// at may have been shortened since.
 fn bring_together(
     cx: &EvalCx,
     space: &HeadSpace,
@@ -397,9 +397,9 @@ fn bring_together(
                 .map(Vec::as_slice)
                 .chain(mine.map(|(_, line)| line.points.as_slice()))
                 .collect();
-            // What cuts a row reaches over by a share of the row, which may be more.
+            // Lines that cut a row extend past it by a fraction of the row, which may be more.
             let join = if rows { join } else { join.max(2.0) };
-            // Lines of a pattern go on until they meet something.
+            // Pattern lines are extended until they meet something.
             let reach = if lines[i].by_hand { join } else { join.max(FARTHEST) };
             let mut loose = 0;
             let [first, last_tied] = lines[i].tied;
@@ -416,7 +416,7 @@ fn bring_together(
                 }
                 points.reverse();
             }
-            // What of a pattern parts nothing is left out when the scalp is cut.
+            // Pattern lines that divide nothing are dropped when the scalp is cut.
             if loose > 0 && last && lines[i].by_hand {
                 loose_ends += 1;
             }

@@ -1,7 +1,7 @@
-//! Tests: whatever grows on a parted scalp keeps off its partings.
+//! Tests: everything that grows on a parted scalp keeps off its partings.
 //!
-//! Laid guides, what is filled about them and between them, and puffs: none is rooted in a parting, and none leads over one
-//! near its root; nor is any moved into the head for it. Nodes of partition and braid have tests of their own.
+//! Laid guides, the hair filled around and between them, and puffs: no hair is rooted in a parting or crosses one near
+//! its root, and none is moved into the head to achieve that. Nodes of partition and braid have their own tests.
 
 use crate::data::curves::Curves;
 use crate::data::scalp::Scalp;

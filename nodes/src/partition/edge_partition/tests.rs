@@ -1,4 +1,4 @@
-//! Laws of `edge_partition`: where its hairs begin, end and lie, and what an edit makes anew.
+//! Laws of `edge_partition`: where its hairs begin, end and lie, and what an edit recomputes.
 
 use super::*;
 use crate::data::attributes::{ROOT_BARY, ROOT_TRIANGLE};

@@ -1,4 +1,4 @@
-//! What `partings` promises: patterns, drawn lines, names, and that moving one line leaves the rest as it was.
+//! What `partings` promises: patterns, drawn lines, names, and that moving one line leaves the rest unchanged.
 
 use super::*;
 use crate::data::attributes::{ID, PARENT, PARTING, RADIUS, SECTION};
