@@ -1,13 +1,13 @@
-//! Braid hair: single hairs from the scalp through a braid to its tip.
+//! Hair through braids: single hairs from the scalp through a braid to its tip.
 //!
-//! methods.md 2, "Beyond". Braid territory says where a hair is rooted, the way it is combed and where along the row it
-//! joins; here it is led on: into the strand that is outermost at that stitch, through the braid within the strand's tube,
-//! to the tie and the brush behind it. The tables of a braid are in `tube.rs`.
+//! methods.md 2, "Beyond". Braid territory determines where a hair is rooted, how it is combed and where along the row
+//! it joins. From there this node continues it: into the outermost strand at that stitch, through the braid inside the
+//! strand's tube, to the tie and the end tuft. The tables of a braid are in `tube.rs`.
 //!
-//! The way of one hair is in `through.rs`, what hairs do of their own in `wander.rs`.
+//! The path of a hair is in `through.rs`, its random deviation in `wander.rs`.
 //!
-//! Guarantees: every hair is led by itself, so more of them change none; each tells its braid, strand and stitch, where it
-//! joins and which way the braid's front is there. Not promised: hairs clear of each other.
+//! Guarantees: every hair is independent, so that more hairs change none; each stores its braid, strand and stitch,
+//! where it joins, and the direction of the braid's front there. Not promised: hairs clear of each other.
 
 use super::band::Band;
 use super::braid_territory::ORDER;
@@ -129,7 +129,7 @@ choice! {
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
     let unit = cx.head_unit(scalp, inputs.scale_with_head);
-    // Strands and stitches by row; a piece reads those of the rows that its hairs belong to.
+    // Strands and stitches by row; a work item reads those of the rows that its hairs belong to.
     let empty = Curves::default();
     let stitch_curves = inputs.stitches.as_ref().unwrap_or(&empty);
     let mut all = inputs.strands.tufts().to_vec();
@@ -224,7 +224,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let [bands] =
         placed.each_item(tied, &Size::of(&[("bands", tied as f64)]), of_band, |n, piece| {
             let (tuft, mut out) = (&all.tufts()[n], TuftBuilder::new());
-            // A braid in several tufts is tied once.
+            // A braid stored in several tufts is tied once.
             let row = if tuft.is_empty() { None } else { Some(row_of(tuft, 0)) };
             let row = row.filter(|row| strands_of(*row) == Some(n));
             let (Some(band), Some(braid)) = (band, row.and_then(&of_row)) else {
@@ -252,14 +252,14 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves, extension, bands })
 }
 
-/// The points of all hairs between where they are in their braids and its tie, at least. Those that leave it before, and those
-/// that are as long as somebody said, may have fewer.
+/// Lower bound for the points of all hairs between entry and tie. Hairs that leave the braid before, and hairs with a
+/// given length, may have fewer.
 fn foreseen(inputs: &Inputs, stitches: &Curves) -> Size {
-    /// Stitches over which a hair may slide before it joins, and the one that it ends in.
+    /// Stitches over which a hair may slide before it joins, plus the one that it ends in.
     const SHORTER: f32 = 4.0;
-    /// Points may be so much farther apart than asked: on the inside of bends, and to end with a whole step.
+    /// Points may be this much farther apart than requested: on the inside of bends, and to end with a whole step.
     const FARTHER: f32 = 1.5;
-    // Number of stitches of a row, and how far along it the last one is.
+    // Number of stitches of a row, and the position of the last one along it.
     let mut rows: BTreeMap<u64, (usize, f32)> = BTreeMap::new();
     for (tuft, i) in stitches.each() {
         let row = rows.entry(row_of(tuft, i)).or_default();
@@ -284,7 +284,7 @@ fn foreseen(inputs: &Inputs, stitches: &Curves) -> Size {
     Size::of(&[("points of all hairs in their braids, at least", points * stay)])
 }
 
-/// Index under which a band's id is made from its braid.
+/// Index from which a band's id is made from its braid.
 const BANDS: u64 = 1 << 41;
 
 fn row_of(tuft: &Tuft, i: usize) -> u64 {
@@ -310,7 +310,7 @@ struct Filler<'a> {
     leader: Leader<'a>,
 }
 
-/// Hairs while they are made.
+/// Hairs under construction.
 #[derive(Default)]
 struct Made {
     hair: TuftBuilder,
@@ -334,7 +334,7 @@ impl Filler<'_> {
     ) -> Result<[Tuft; 2], NodeError> {
         let fed = tuft.view(FED);
         let along = tuft.view(ALONG);
-        // Hair that nobody counted, such as that of boxes, fills its strand evenly.
+        // Hair without a count, such as that of boxes, fills its strand evenly.
         let order: Option<View<f32>> = tuft.view_named(ORDER);
         let fibre = tuft.view(FIBRE);
         let side = tuft.view(SIDE);
@@ -388,7 +388,7 @@ impl Filler<'_> {
         Ok(made.map(|made| self.described(made, tuft)))
     }
 
-    /// Where a hair enters, from the place along the row where it is combed to.
+    /// Entry point of a hair, from the position along the row that it is combed to.
     fn entry(
         &self,
         braid: &Braid,

@@ -1,4 +1,4 @@
-//! Laws of braid territory and braid hair, read from what the nodes give, on a ball and on the built-in head.
+//! Laws of braid territory and braid hair, measured on the nodes' output, on a ball and on the built-in head.
 
 use super::ground::{Ground, Lane};
 use super::laws::heads;

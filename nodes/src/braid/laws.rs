@@ -1,5 +1,5 @@
-//! The laws of methods.md 2, read from the evaluated strands alone: splines through their CVs, radii between
-//! CVs straight.
+//! The laws of methods.md 2, measured on the evaluated strands only: splines through their CVs, radii linear between
+//! CVs.
 
 use super::lissajous_braid::NODE;
 use super::reading::{Strand, braid_signs, carried, on_ball, overlap, path_signs, unevenness};

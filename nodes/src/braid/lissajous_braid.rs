@@ -1,15 +1,15 @@
 //! Lissajous braid: strands woven along a source curve, free or lying on the scalp as a cornrow.
 //!
-//! methods.md 2, after section 2.1 of the braids-and-curls talk ("Lightyear"). The path of the strands across the braid is in
-//! `weave.rs`, laying it along a source and on the skin in `lay.rs`, the thickness of the tubes in
-//! `touch.rs`, loose hairs in `stray.rs`.
+//! methods.md 2, after section 2.1 of the braids-and-curls talk ("Lightyear"). The path of the strands across the braid
+//! is in `weave.rs`, its layout along a source and on the skin in `lay.rs`, the thickness of the tubes in `touch.rs`,
+//! flyaways in `stray.rs`.
 //!
-//! Guarantees: the strands' crossings, read from the evaluated curves, are those of the weave on any
-//! source (one that turns back on itself folds the braid over; between the points beside a fold nothing can be read); tubes touch and never pass through each other wherever the source's radius of
-//! curvature is at least twice the amplitude and it stays clear of itself; even stitches are even to 1 % of arc
-//! length; flyaways and the tuft beyond the source stay out of the skin; a source without length or with a number that is
-//! not finite is left out and named.
-//! Not promised: that tubes keep clear where the source turns more sharply than that, or comes near itself.
+//! Guarantees: the strands' crossings, read from the evaluated curves, are those of the weave on any source (a source
+//! that turns back on itself folds the braid over; between the points beside a fold nothing can be read); tubes touch
+//! and never intersect wherever the source's radius of curvature is at least twice the amplitude and the source stays
+//! clear of itself; even stitches are even to 1 % of arc length; flyaways and the end tuft past the source stay out of
+//! the skin; a source without length or with a non-finite number is dropped and named in a message. Not promised: that
+//! tubes stay clear where the source turns more sharply than that, or comes near itself.
 
 use super::lay::{self, Advance, Below, Contact, Facing, Shape};
 use super::stray::{self, Strand};
@@ -224,7 +224,7 @@ fn taper(from: f32, to: f32) -> Ramp {
     Ramp::new(Blend::Smooth, vec![(from, 0.0), (to, 1.0)]).unwrap_or_else(|_| Ramp::constant(1.0))
 }
 
-/// Why the crossing makes no difference: in an odd weave, over and under are one braid.
+/// Why the crossing has no effect: in an odd weave, over and under are the same braid.
 fn one_braid(of: &dyn Fn(&str) -> Option<Value>) -> Option<&'static str> {
     let (Some(Value::Int(strands)), Some(Value::Int(asked))) = (of("strands"), of("weave")) else {
         return None;
@@ -238,7 +238,7 @@ fn one_braid(of: &dyn Fn(&str) -> Option<Value>) -> Option<&'static str> {
     )
 }
 
-/// Index under which a braid's own id is made from its source, and that of its stitch curve: beyond any strand.
+/// Index from which a braid's own id, and that of its stitch curve, are made from its source: beyond any strand.
 const BRAID_ITSELF: u64 = 1 << 32;
 const STITCHES: u64 = BRAID_ITSELF + 1;
 
@@ -256,7 +256,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves, stitches, flyaways })
 }
 
-/// The points of all strands up to their ties, at least: stitches are taken as long as they may come.
+/// Lower bound for the points of all strands up to their ties: stitches are assumed as long as they can be.
 fn foreseen(plan: &Plan) -> Result<Size, NodeError> {
     let inputs = plan.inputs;
     let scalp = inputs.scalp.as_deref();
@@ -275,7 +275,7 @@ fn foreseen(plan: &Plan) -> Result<Size, NodeError> {
                 StitchesBy::Spacing => {
                     let pitch = match most(&spacing) {
                         asked if asked > 0.0 => asked,
-                        // Strands swing no farther than half the width.
+                        // Strands swing at most half the width.
                         _ => firm_pitch(plan.weave.strands) * 0.5 * most(&width),
                     };
                     let chords = tuft.curve(curve).windows(2).map(|w| w[0].distance(w[1]));
@@ -292,12 +292,12 @@ fn foreseen(plan: &Plan) -> Result<Size, NodeError> {
     ]))
 }
 
-/// What all braids of one evaluation share.
+/// Settings shared by all braids of one evaluation.
 struct Plan<'a> {
     inputs: &'a Inputs,
     weave: Weave,
     paths: Paths,
-    /// Centimetres in the unit that lengths are given in.
+    /// Centimeters per unit of the lengths.
     unit: f32,
     facing: Facing,
     below: Option<Below<'a>>,
@@ -371,14 +371,14 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// The most stitches that a spacing may ask for on one source.
+/// The most stitches that a spacing may produce on one source.
 const MOST_STITCHES: f32 = 400.0;
-/// Stitches are not shorter than this share of the longest: hair is given points for a few on a stitch, and goes through more.
+/// Stitches are at least this fraction of the longest: hair gets points for a few per stitch, and passes through more.
 const SHORTEST: f32 = 0.4;
-/// Stitches of fewer amplitudes than this somewhere on a braid are told.
+/// Stitches shorter than this many amplitudes anywhere on a braid are reported.
 const CROWDED: f32 = 0.7;
 
-/// The strands, stitches and flyaways of one source; none where the source is no curve.
+/// The strands, stitches and flyaways of one source; `None` if the source is not a curve.
 fn braid(
     plan: &Plan,
     tuft: &Tuft,
@@ -410,7 +410,7 @@ fn braid(
 
     // A rope is as high as it is wide.
     let flat = if plan.weave.waves() == 1 { 1.0 } else { 0.5 };
-    // The full size is that of the widest place; elsewhere it is scaled.
+    // The full size is that of the widest position; elsewhere it is scaled.
     let outer = |u: f32| {
         let w = width.along(tuft, curve, u) * unit;
         let h = height.along(tuft, curve, u) * unit;
@@ -425,11 +425,11 @@ fn braid(
         let (w, h) = outer(u);
         let root = lerp(inputs.root_amplitude, 1.0, inputs.root_taper.at(u));
         let tip = lerp(1.0, inputs.tip_amplitude, inputs.tip_taper.at(u));
-        // Amplitude 0 would put all strands at one place, where no tube has any thickness.
+        // Amplitude 0 would put all strands at one point, where no tube has any thickness.
         let taper = (root * tip).max(0.02);
         (taper * w / full_w, taper * h / full_h)
     };
-    // A braid that sinks into skin it is pressed on to is a flatter braid.
+    // A braid that sinks into skin it is pressed onto is a flatter braid.
     let offset = inputs.scalp_offset * unit;
     let pressing = plan.facing == Facing::Skin
         && plan.below.as_ref().is_some_and(|below| below.contact == Contact::Flatten);
@@ -449,7 +449,7 @@ fn braid(
     let spacing = spacing?;
     let spacing_at = |u: f32| spacing.along(tuft, curve, u) * unit;
     let varies = inputs.stitches_by == StitchesBy::Spacing && !spacing.is_of_curves();
-    // Inner sizes are those of the widest place, where stitches are longest.
+    // Inner sizes are those of the widest position, where stitches are longest.
     let spacing = match varies {
         true => (0..=64).map(|k| spacing_at(k as f32 / 64.0)).fold(0.0, f32::max),
         false => spacing_at(0.0),
@@ -470,7 +470,7 @@ fn braid(
     }
     let least = SHORTEST * size.pitch;
     let along = |s: f32| spacing_at(s / length).clamp(least, size.pitch);
-    // Width and stitches that do not vary alike may fit at the widest place alone.
+    // Width and stitches that do not vary together may fit only at the widest position.
     let closest = |k: usize| {
         let s = tied_at * k as f32 / 16.0;
         let pitch = if varies { along(s) } else { size.pitch };
@@ -518,8 +518,8 @@ fn braid(
             return Ok(None);
         }
     };
-    // Looking this far along the source finds the nearest place of another strand also where a bend
-    // of radius 2A halves distances on its inner side.
+    // A search this far along the source finds the nearest point of another strand even where a bend of radius 2A
+    // halves distances on its inner side.
     let window = 1.5 * size.pitch.max(1.2 * size.a);
     let fill = |u: f32| fullness.along(tuft, curve, u);
     let stitch = laid.cvs_per_stitch(stitches);
@@ -615,9 +615,9 @@ fn braid(
     Ok(Some([out.build(), stitch_curve.build(), strays]))
 }
 
-/// Distance of stitches of a firmly braided braid, in amplitudes. Strands cross at about 45 degrees and close the windows
-/// between them; at twice the amplitude, three strands half as high as wide leave the scalp showing through. Below one
-/// amplitude tubes get thin.
+/// Stitch length of a firm braid, in amplitudes. Strands cross at about 45 degrees and close the gaps between them; at
+/// twice the amplitude, three strands half as high as wide leave the scalp visible. Below one amplitude, tubes get
+/// thin.
 fn firm_pitch(strands: u32) -> f32 {
     (6.0 / strands as f32).clamp(1.0, 1.5)
 }
@@ -626,8 +626,8 @@ fn lerp(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
-/// How stitches follow one another up to the tie, and how many there are.
-/// `along` tells the length of a stitch at a place (cm) where it is not the same everywhere.
+/// Positions of the stitches up to the tie, and their number. `along` gives the length of a stitch at a position (cm)
+/// if it varies.
 fn advance(
     plan: &Plan,
     braid_id: u64,
@@ -645,13 +645,13 @@ fn advance(
     let uneven = |k: u64| 1.0 + 0.7 * plan.inputs.uneven_stitches * plan.uneven.signed(braid_id, k);
     let draw = |k: u64| pitch * uneven(k);
     match plan.inputs.stitches_by {
-        // As many as asked for share the length.
+        // The requested number shares the length.
         StitchesBy::Count => {
             let n = even as u64;
             let fit = tied_at / (0..n).map(draw).sum::<f32>();
             (Advance::uneven(pitch, (0..n).map(|k| draw(k) * fit)), n as f64)
         }
-        // As many as go in: a longer source changes none of them.
+        // As many as fit: a longer source changes none of them.
         StitchesBy::Spacing => {
             let mut reached = 0.0;
             let lengths = (0..).map_while(|k| {
@@ -667,19 +667,19 @@ fn advance(
     }
 }
 
-/// Lets a tube rest on the skin: limits its radius to its centre's height where the skin counts, and tells
-/// how deep under the skin it still reaches.
+/// Lets a tube rest on the skin: limits its radius to the height of its center where the skin counts, and returns how
+/// deep below the skin it still reaches.
 fn rest(below: &Below, p: Vec3, grip: f32, radius: &mut f32) -> f32 {
     let Some(d) = lay::distance(below, p, 1.5 * *radius) else { return 0.0 };
     if below.contact != Contact::Allow {
         let free = (1.0 - grip) * *radius;
         *radius = radius.min(d.max(0.02 * *radius) + free);
     }
-    // A thousandth over, for what lies between CVs.
+    // A thousandth extra, for the parts between CVs.
     if *radius > d + 1e-4 { (*radius - d) + 1e-3 } else { 0.0 }
 }
 
-/// Gives strands the numbers that their source has at its points, such as how much hair has joined there.
+/// Copies the point attributes of the source to the strands, such as the fraction of joined hair.
 fn carry_along(
     out: &mut TuftBuilder,
     tuft: &Tuft,
@@ -705,7 +705,7 @@ fn carry_along(
     }
 }
 
-/// Binds curves to the scalp where their source is bound, or else where it is closest.
+/// Binds curves to the scalp where their source is bound, or else at the closest point.
 fn bind(out: &mut TuftBuilder, tuft: &Tuft, curve: usize, root: Vec3, scalp: Option<&Scalp>) {
     let at = tuft.range(curve).start;
     let triangle = tuft.view(ROOT_TRIANGLE).at(curve, at);

@@ -1,7 +1,8 @@
-//! What tests read of evaluated strands: their word and its signs, how near they come to one another, how even their CVs are.
+//! What tests measure on evaluated strands: their word and its signs, their distances, and how evenly spaced their CVs
+//! are.
 //!
-//! Guarantees: everything is read from the strands alone, splines through their CVs, radii between CVs straight; a word that is
-//! none fails the test that asked. Not promised: signs beside a fold of the source, where no point tells them.
+//! Guarantees: everything is measured on the strands only, as splines through their CVs with radii linear between CVs;
+//! an invalid word fails the calling test. Not promised: signs beside a fold of the source, where no point shows them.
 
 use super::weave::Weave;
 use crate::data::attributes as attr;
@@ -10,7 +11,7 @@ use crate::maths::frame::{Frame, across, frames};
 use crate::maths::spline::{Place, Spline};
 use glam::{Vec2, Vec3};
 
-/// A strand as its CVs say.
+/// A strand, from its CVs.
 pub(super) struct Strand {
     spline: Spline,
     pub(super) along: Vec<f32>,
@@ -35,14 +36,14 @@ impl Strand {
     fn between(column: &[f32], place: Place) -> f32 {
         column[place.span] * (1.0 - place.t) + column[place.span + 1] * place.t
     }
-    /// The point beside the fraction `u` of the source.
+    /// The point at the fraction `u` of the source.
     pub(super) fn beside(&self, u: f32) -> Vec3 {
         let last = self.spline.span_count() - 1;
         let span = self.along.partition_point(|a| *a <= u).saturating_sub(1).min(last);
         let (a, b) = (self.along[span], self.along[span + 1]);
         self.spline.point(Place { span, t: ((u - a) / (b - a)).clamp(0.0, 1.0) })
     }
-    /// Point, radius and fraction along the source, `per_span` times a span.
+    /// Point, radius and fraction along the source, `per_span` samples per span.
     pub(super) fn samples(&self, per_span: usize) -> Vec<(Vec3, f32, f32)> {
         let n = self.spline.span_count();
         (0..=n * per_span)
