@@ -1,5 +1,5 @@
-//! The laws of curls (methods.md 4), asserted on what the node gives: form, length, points, sizes. Tests only; those of turns
-//! are in `turn_laws.rs`.
+//! The laws of curls (methods.md 4), measured on the node's output: form, length, points, sizes. Tests only; the laws
+//! of turns are in `turn_laws.rs`.
 
 use super::pattern::{Detail, Even, Pattern};
 use super::section::entries;

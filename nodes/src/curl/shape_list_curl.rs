@@ -1,11 +1,12 @@
-//! Shape-list curl: curls whose turns draw their cross-sections from a list (Lightyear 3.1).
+//! Shape-list curl: curls whose turns draw their profiles from a list (Lightyear 3.1).
 //!
-//! Guarantees: roots stay where they are; equal ids give equal curls whatever else is there; the path is C1 while
-//! `blend` is above 0; a size of 0 changes nothing; in `fibre` mode the arc length is the source's within
-//! 0.5 %, or that of a `fibre_length` that the source has room for. On a parted scalp hair whose curl would lead over a
-//! parting that its source does not is straight from its root until past there, or all along where that is not enough. A curl of more turns than its points can show
-//! is drawn larger, of the same form, and warned of. Not promised: that hairs keep clear of each other, that a curl is as large as asked where points are few, or that one much
-//! wider than its source's bends does not loop through itself.
+//! Guarantees: roots stay in place; equal ids give equal curls, whatever else is there; the path is C1 while `blend` is
+//! above 0; a size of 0 changes nothing; in `fibre` mode the arc length equals the source's within 0.5 %, or a
+//! `fibre_length` that the source has room for. On a parted scalp, a hair whose curl would cross a parting that its
+//! source does not cross is straight from its root to past that point, or entirely if that is not enough. A curl with
+//! more turns than its points can show is drawn larger, with the same form, and a warning. Not promised: that hairs
+//! stay clear of each other, that a curl has the requested size if points are few, or that a curl much wider than its
+//! source's bends does not loop through itself.
 
 mod foreseen;
 
@@ -278,7 +279,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 }
 
 impl Inputs {
-    /// The preset with what is set in its place, and what that is in words.
+    /// The preset with the set values in place, and a description of them.
     fn numbers(&self) -> (Numbers, String) {
         let mut numbers = self.preset.numbers();
         let mut edited = vec![];
@@ -293,7 +294,7 @@ impl Inputs {
                 edited.push(name);
             }
         };
-        // What varies over the hair is told by its preset's number or as varying, and sampled later.
+        // A value that varies over the hair is described as its preset's number or as varying, and sampled later.
         let constant = |field: &Option<FieldInput>| field.as_ref().and_then(FieldInput::constant);
         take("diameter", constant(&self.diameter), &mut numbers.diameter);
         take("pitch", constant(&self.pitch), &mut numbers.pitch);
@@ -373,14 +374,14 @@ impl Preset {
     }
 }
 
-/// How often a curl is wound that leads over a parting, each time later from its root.
+/// How often a curl that crosses a parting is wound again, each time starting farther from its root.
 const HELD: usize = 4;
 
-/// By how much the curl of a hair that has too few points is larger than asked.
+/// How much larger than requested the curl of a hair with too few points is.
 const LARGER: &str = "larger";
 
-/// Every curve of `tuft` as a curl, and those that have fewer points than asked, by their roots and [`LARGER`]. Curves that
-/// cannot be wound are left out and noted.
+/// Every curve of `tuft` as a curl, and those with fewer points than requested, by their roots and [`LARGER`]. Curves
+/// that cannot be wound are dropped and reported.
 fn curl(
     tuft: &Tuft,
     inputs: &Inputs,
@@ -406,7 +407,7 @@ fn curl(
         (Rail::default(), Winder::default(), Spline::default());
     let (mut kept, mut places, mut fibres, mut shrinkages) = (vec![], vec![], vec![], vec![]);
     let (mut diameters, mut pitches) = (vec![], vec![]);
-    // The root of each hair that has too few points.
+    // The root of each hair with too few points.
     let (mut coarse, mut coarse_ids, mut larger) = (TuftBuilder::new(), vec![], vec![]);
     let (mut longer, mut near): (Vec<Vec3>, Vec<bool>) = (vec![], vec![]);
     let sections = scalp.and_then(Scalp::sections);
@@ -449,7 +450,7 @@ fn curl(
             (_, parent) => parent,
         };
         let roll = (!level).then_some(|(cv, t): (u32, f32)| {
-            // Past the source's end, as at its end.
+            // Past the source's end, the attributes of its end apply.
             let last = points.len() as u32 - 2;
             let (cv, t) = if cv > last { (last, 1.0) } else { (cv, t) };
             let at = root + cv as usize;
@@ -458,7 +459,7 @@ fn curl(
             a + (b - a) * t + turned.along(tuft, i, u)
         });
         let roll = roll.as_ref();
-        // Where the source ends too early, it goes straight on.
+        // Where the source ends too early, it is extended straight.
         let mut extend = |rail: &mut Rail, more: f32| {
             longer.clear();
             longer.extend_from_slice(points);
@@ -466,15 +467,15 @@ fn curl(
             rail.rebuild(&longer, start).is_ok()
         };
         let long = asked_length.at(i, root, 0.0);
-        // What is kept, whether the source goes on for it, and the fewest points: of a whole source, as many as it
-        // has, for so many its shape needs.
+        // What is preserved, whether the source is extended for it, and the fewest points: for a whole source, as many
+        // as it has, since its shape needs them.
         let (mut goal, goes_on, fewest) = match inputs.length {
             Keep::Span => {
                 (Goal { reach: rail.length(), fibre: f32::INFINITY }, false, points.len())
             }
             Keep::Visible => (Goal { reach: long, fibre: f32::INFINITY }, false, points.len()),
             Keep::Stretched => (Goal { reach: rail.length(), fibre: long }, true, 4),
-            // A fibre length that was given asks for no such thing: hair made to end somewhere ends there.
+            // A given fiber length does not require that: hair made to end somewhere ends there.
             Keep::Fibre => match fibre.at(i, root) {
                 given if given > 0.0 => (Goal { reach: rail.length(), fibre: given }, false, 4),
                 _ => (Goal { reach: rail.length(), fibre: rail.length() }, true, 4),
@@ -502,7 +503,8 @@ fn curl(
             }
             winder.points[0] = points[0];
             if let Some(skin) = skin {
-                // Where a curl lies beside its source no one point of that is under it: the least that any of them may.
+                // Where a curl runs beside its source, no single source point is below it: the smallest allowed depth
+                // of all of them.
                 let depth = tuft.range(i).map(|k| depth.at(i, k)).fold(f32::MAX, f32::min);
                 let clear = |middle, radius| skin.is_clear(middle, radius);
                 winder.near(&rail, pattern, clear, &mut near);
@@ -510,11 +512,11 @@ fn curl(
             }
             let passing = sections.and_then(|sections| last_over(sections, &winder.points));
             match passing {
-                // Where its source leads over a parting, so may the curl.
+                // Where its source crosses a parting, so may the curl.
                 Some(k)
                     if tries > 0 && sections.is_some_and(|s| last_over(s, points).is_none()) =>
                 {
-                    // What three tries do not keep off the parting is straight.
+                    // After three attempts, what still crosses the parting becomes straight.
                     winder.held = if tries > 1 { winder.end_of_turn(k) } else { rail.length() };
                 }
                 _ => break,
@@ -557,14 +559,14 @@ fn curl(
     Ok([out.build(), coarse.build()])
 }
 
-/// The point of a curl up to which it lies over a parting last; none where it lies over none.
+/// The last point of a curl that lies over a parting; `None` if there is none.
 fn last_over(sections: &Sections, points: &[Vec3]) -> Option<usize> {
     sections.last_passed(points.len(), |k| points[k])
 }
 
-/// The normal that a curl's section starts from: the curve's own where it has one, else a direction that changes
-/// smoothly with the tangent, so that neighbouring hairs start alike. Somewhere such a field must break:
-/// here for hair that grows straight forward and down, which none does.
+/// The initial normal of a curl's profile: the curve's own if it has one, else a direction that changes smoothly with
+/// the tangent, so that neighboring hairs start alike. Such a field must be discontinuous somewhere: here for hair that
+/// grows straight forward and down, which no hair does.
 fn root_normal(tangent: Vec3, own: Vec3) -> Vec3 {
     const BACK_AND_UP: Vec3 = Vec3::new(0.0, 0.8, -0.6);
     if own != Vec3::ZERO && own.is_finite() {
@@ -573,15 +575,15 @@ fn root_normal(tangent: Vec3, own: Vec3) -> Vec3 {
     carry(Vec3::X, BACK_AND_UP, tangent)
 }
 
-/// A point `more` cm past the end of `points`, straight on.
+/// A point `more` cm straight past the end of `points`.
 fn rail_end(points: &[Vec3], more: f32) -> Vec3 {
     let last = points[points.len() - 1];
     let before = points.iter().rev().find(|p| **p != last).copied().unwrap_or(last - Vec3::Y);
     last + (last - before).normalize_or(Vec3::Y) * more
 }
 
-/// Sets the points that may be near clear of the skin; where any was moved, puts each chord's length right once, from the
-/// root on, clears again, and spreads the points evenly again where the skin drew them apart.
+/// Moves points that may be near the skin clear of it. If any was moved, corrects each chord's length once, starting at
+/// the root, clears again, and restores even spacing where the skin disturbed it.
 fn rest_on(skin: &Skin, points: &mut [Vec3], near: &[bool], depth: f32, spline: &mut Spline) {
     let may_be = |k: usize| near[k].then_some(depth);
     if !(1..points.len()).any(|k| near[k] && skin.push_out(points[k], depth).1) {
@@ -606,7 +608,7 @@ fn rest_on(skin: &Skin, points: &mut [Vec3], near: &[bool], depth: f32, spline: 
     }
 }
 
-/// Whether neighbouring points are spaced within 1.2 : 1 (methods.md 0).
+/// Whether adjacent points are spaced within 1.2 : 1 (methods.md 0).
 fn is_even(points: &[Vec3]) -> bool {
     points.windows(3).all(|w| {
         let (a, b) = (w[0].distance_squared(w[1]), w[1].distance_squared(w[2]));
@@ -614,7 +616,8 @@ fn is_even(points: &[Vec3]) -> bool {
     })
 }
 
-/// Says how many hairs are coarser than asked, and warns of those whose curl is larger for having so few points.
+/// Reports how many hairs are coarser than requested, and warns of those with a larger curl because they have so few
+/// points.
 fn remark_on_limit(cx: &EvalCx, curves: &Curves, coarse: &Curves, most: i64) {
     let larger = |(tuft, i): (&Tuft, usize)| {
         tuft.view_named::<f32>(LARGER).map_or(1.0, |larger| larger.at(i, 0))
@@ -627,7 +630,7 @@ fn remark_on_limit(cx: &EvalCx, curves: &Curves, coarse: &Curves, most: i64) {
         ));
     }
     let by = grown.iter().map(|at| larger(*at)).fold(1.0, f32::max);
-    // Rounded up: no curl is larger than is said.
+    // Rounded up: no curl is larger than reported.
     let by = (by * 100.0).ceil() / 100.0;
     let text = format!(
         "a curl of more turns than {most} points can show is drawn larger than asked, by up to {by} times; shorten the hair, \

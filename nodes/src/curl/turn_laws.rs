@@ -1,5 +1,5 @@
-//! The laws of a curl's turns: their number and sense, which are skipped, turn back or bend in a Z, how they keep step, and where
-//! along a hair they begin. Tests only.
+//! The laws of a curl's turns: number and handedness, which are skipped, reversed or Z-bends, how they stay in phase,
+//! and where along a hair they begin. Tests only.
 
 use super::laws::{curled, hairs, lock, measured, one, pure, pure_but, straight, wound};
 use crate::data::attributes::{CURL_DIAMETER, CURL_PITCH, Domain, ID};
