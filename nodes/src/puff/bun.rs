@@ -1,7 +1,7 @@
-//! Bun: hair held by a tie is wound round it.
+//! Bun: winds hair held by a tie around the tie.
 //!
-//! Guarantees: roots stay, and so does the way to the tie; no point under the skin; a hair keeps its place across the
-//! coil; the end is tucked under it. Not promised: that coils do not press into one another.
+//! Guarantees: roots stay, and so does the path to the tie; no point below the skin; a hair keeps its place across the
+//! coil; the end is tucked under it. Not promised: that turns do not press into each other.
 
 use super::bundle::{Bundle, Course, MOST_LOCKS, STEP};
 use super::tie::Tie;
@@ -87,7 +87,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         ties.into_iter().map(|tie| (tie, wind(&inputs, unit, &tie))).collect();
     let length_of = |points: &[Vec3]| points.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
     let length = wound.iter().map(|(_, points)| length_of(points)).fold(0.0, f32::max);
-    // The profile is in radii of the tie; ties of one node are of one size.
+    // The profile is in radii of the tie; all ties of a node have one size.
     let ratio = wound.first().map_or(1.0, |(tie, _)| inputs.thickness * unit / tie.radius);
     let stops = vec![(0.0, 1.0), (0.18, ratio), (0.85, ratio), (1.0, 0.3 * ratio)];
     let profile = Ramp::new(Blend::Smooth, stops).unwrap_or_else(|_| Ramp::constant(ratio));
@@ -112,7 +112,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves: bundle.go_on(cx, &inputs.curves)? })
 }
 
-/// The middle of the wound hair: out of the tie, over to its side and round it, the end under what was wound before.
+/// Center line of the wound hair: out of the tie, over to its side and around it, with the end under earlier turns.
 fn wind(inputs: &Inputs, unit: f32, tie: &Tie) -> Vec<Vec3> {
     let thick = inputs.thickness * unit;
     let hand = if inputs.hand == Hand::Left { 1.0 } else { -1.0 };

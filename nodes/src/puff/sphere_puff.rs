@@ -1,15 +1,16 @@
 //! Sphere puff: hair gathered at its base that ends on a perfect sphere (Lightyear 3.2).
 //!
-//! Roots on a disc of the scalp are mapped to the sphere with their azimuth kept and areas in proportion: the share of
-//! the disc within a root is the share of the covered cap within its tip. Guides stand on rows and columns of
-//! that map; the fill takes its directions from the guides around it by slerp.
+//! Roots on a disc of the scalp are mapped to the sphere with their azimuth kept and areas in proportion: the fraction
+//! of the disc inside a root equals the fraction of the covered cap inside its tip. Guides stand on rows and columns of
+//! that map; the fill interpolates directions between the surrounding guides by slerp.
 //!
-//! Any other outline takes the sphere's place along the same directions.
+//! Any other outline replaces the sphere along the same directions.
 //!
 //! Guarantees: guides end on the sphere to 1e-4 of its radius, leave the scalp along its normal and stay outside it;
-//! more fill only adds hairs; on a parted scalp all of a puff's hair is rooted in the section of its middle; with
-//! `flatten` at 1 no tip lies over the plane to another puff of the node, and none beyond a clearance of the skin. Not promised: that without it a sphere set so low that it dips into the head keeps its
-//! tips outside (they are counted in a warning).
+//! more fill only adds hairs; on a parted scalp all of a puff's hair is rooted in the section of its center; with
+//! `flatten` at 1 no tip lies over the plane to another puff of the node, and none closer to the skin than the
+//! clearance. Not promised: that without `flatten`, a sphere low enough to dip into the head keeps its tips outside (a
+//! warning counts them).
 
 use super::outline::Outline;
 use super::press::{self, Wall};
@@ -198,13 +199,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         Fill::Density => (puffs.first().map_or(0.0, density) / (unit * unit)) as usize,
     };
     let count = cx.thinned(count.min(MOST_HAIRS));
-    // Each puff is one piece of work for its guides and one for each so many hairs.
+    // Each puff has one work item for its guides, and one for each batch of hairs.
     let pieces = 1 + count.div_ceil(HAIRS_A_PIECE);
     let key = |i: usize| {
         let puff = &puffs[i / pieces];
         let key = KeyBuilder::new("puff").int(puff.id).vec3(puff.middle.point).vec3(puff.axis);
         let key = key.vec3(puff.right).float(puff.root_radius).float(puff.tie_height);
-        // What is drawn, and the puffs beside it, are read too.
+        // Drawn outlines and neighboring puffs are read as well.
         let key =
             [&inputs.front, &inputs.side].into_iter().flatten().fold(key, |k, c| k.key(c.key()));
         let key = puff.walls.iter().map(Wall::told).fold(key, |key, (v, at)| key.vec3(v).float(at));
@@ -227,29 +228,29 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { guides, curves })
 }
 
-/// Hairs that are made in one piece of work.
+/// Hairs per work item.
 const HAIRS_A_PIECE: usize = 1024;
-/// The most hairs of one puff, whatever the density asks.
+/// The most hairs of one puff at any density.
 const MOST_HAIRS: usize = 1_000_000;
-/// Samples of a path before its CVs are spread evenly.
+/// Samples of a path before its CVs are spaced evenly.
 const SAMPLES: usize = 64;
-/// Height over the skin at which hair lies that is pressed on the head, cm on a head of average size.
+/// Height above the skin of hair pressed onto the head, cm on a head of average size.
 const CLEARANCE: f32 = 0.1;
-/// How far off the quick distance from the skin may be, cm.
+/// Largest error of the approximate distance from the skin, cm.
 const ABOUT: f32 = 0.1;
-/// Steps from the middle of a puff to a tip at which the skin is looked for, and halvings of the step in which it is found.
+/// Steps from the center of a puff to a tip at which the skin is sampled, and bisections of the step that contains it.
 const STEPS: usize = 32;
 const HALVINGS: usize = 12;
 
-/// One puff: its place and sizes in cm, and where its guides point.
+/// One puff: its position and sizes in cm, and the directions of its guides.
 struct Puff<'a> {
     inputs: &'a Inputs,
     skin: Skin<'a>,
     id: u64,
-    /// What its hairs have as [`PUFF`].
+    /// Value of [`PUFF`] of its hairs.
     puff: u64,
     middle: Root,
-    /// Which way it stands. Unit.
+    /// Its axis. Unit.
     axis: Vec3,
     /// Axes of the root disc; azimuth 0 is `right`.
     right: Vec3,
@@ -260,12 +261,12 @@ struct Puff<'a> {
     tie_height: f32,
     /// Radius of the hair in the tie, in root radii.
     tie_width: f32,
-    /// A typed centimetre, cm.
+    /// One head unit, cm.
     unit: f32,
     outline: Outline<'a>,
-    /// Planes between it and the puffs beside it.
+    /// Planes between it and its neighbors.
     walls: Vec<Wall>,
-    /// By row and column, from the sphere's centre. Unit.
+    /// By row and column, from the sphere's center. Unit.
     directions: Vec<Vec3>,
 }
 
@@ -332,7 +333,7 @@ impl<'a> Puff<'a> {
         puff
     }
 
-    /// The outline that is asked for; a mesh also says where the middle is.
+    /// The requested outline; a mesh also sets the center.
     fn outlined(&mut self) -> Outline<'a> {
         let inputs = self.inputs;
         match inputs.shape {
@@ -359,14 +360,14 @@ impl<'a> Puff<'a> {
         }
     }
 
-    /// How far the outline is from the middle in a direction, cm.
+    /// Distance of the outline from the center in a direction, cm.
     fn reach(&self, direction: Vec3) -> f32 {
         let d = direction;
         let local = Vec3::new(d.dot(self.right), d.dot(self.axis), d.dot(self.ahead));
         self.outline.reach(local, self.radius)
     }
 
-    /// A tip, pressed back to the planes between this puff and those beside it, and out of the head.
+    /// A tip, pulled back to the planes between this puff and its neighbors, and out of the head.
     fn pressed(&self, tip: Vec3) -> Vec3 {
         let flatten = self.inputs.flatten;
         if flatten <= 0.0 {
@@ -378,14 +379,14 @@ impl<'a> Puff<'a> {
         self.pressed_on_head(tip)
     }
 
-    /// A tip that lies beyond the skin as seen from the puff's middle, brought back along that line to just over it: tips are
-    /// spread there as the outline's directions are, where the nearest skin would gather them.
+    /// A tip below the skin as seen from the puff's center, pulled back along that line to just above it: tips keep the
+    /// spread of the outline's directions, where the nearest skin would bunch them up.
     fn pressed_on_head(&self, tip: Vec3) -> Vec3 {
         let (over, off) = (self.over_skin(), tip - self.centre);
         let at = |t: f32| self.centre + off * t;
         let is_low =
             |t: f32| self.skin.about(at(t)) < over + ABOUT && self.skin.distance(at(t)) < over;
-        // From a middle in the head nothing is seen.
+        // From a center inside the head nothing is visible.
         if is_low(0.0) {
             return self.skin.lift(tip, over).0;
         }
@@ -400,28 +401,28 @@ impl<'a> Puff<'a> {
         self.skin.lift(tip.lerp(at(clear), self.inputs.flatten), over).0
     }
 
-    /// Height over the skin at which hair that is pressed on the head lies, cm; 0 where none is.
+    /// Height above the skin of hair pressed onto the head, cm; 0 if none is.
     fn over_skin(&self) -> f32 {
         CLEARANCE * self.unit * self.inputs.flatten
     }
 
-    /// Where the outline is in a direction from the middle.
+    /// The point of the outline in a direction from the center.
     fn on_outline(&self, direction: Vec3) -> Vec3 {
         self.pressed(self.centre + direction * self.reach(direction))
     }
 
-    /// The angle from the top within which lies the share `area` of the covered cap.
+    /// The angle from the top that encloses the fraction `area` of the covered cap.
     fn polar(&self, area: f32) -> f32 {
         acos(1.0 - area * (1.0 - cos(self.inputs.coverage.to_radians())))
     }
 
-    /// The direction from the sphere's centre at an angle from the top and an azimuth in turns.
+    /// The direction from the sphere's center at an angle from the top and an azimuth in turns.
     fn direction(&self, polar: f32, azimuth: f32) -> Vec3 {
         let ((sin, cos), (y, x)) = (sin_cos(polar), sin_cos_turns(azimuth));
         self.axis * cos + (self.right * x + self.ahead * y) * sin
     }
 
-    /// The root under a place of the unit disc, on a parted scalp in the section of the middle.
+    /// The root at a position of the unit disc; on a parted scalp, in the section of the center.
     fn root(&self, place: Vec2) -> Option<Root> {
         let place = place * self.root_radius;
         let over = self.middle.point + self.right * place.x + self.ahead * place.y;
@@ -478,7 +479,7 @@ impl<'a> Puff<'a> {
             let tip = self.pressed(self.centre + direction * reach);
             // Where the sphere dips into the head, hair ends on the skin.
             let tip = self.skin.push_out(tip, 0.0).0;
-            // What is seen as the outline is where the outermost tips end.
+            // The visible outline is where the outermost tips end.
             let outline = self.on_outline(direction).distance(self.centre);
             let radius = outline * self.outermost();
             self.grow(place, tip, radius, (id, self.guide_id(row, column)), &mut out);
@@ -486,13 +487,13 @@ impl<'a> Puff<'a> {
         Ok(out.build(self))
     }
 
-    /// How far out the outermost tips end, as a share of the outline.
+    /// Depth of the outermost tips, as a fraction of the outline.
     fn outermost(&self) -> f32 {
         1.0 - self.inputs.depth_from.min(self.inputs.depth_to)
     }
 
-    /// The direction at a place of the unit disc, by slerp between the four guides around it (the axis stands for
-    /// the row within the first), and the row and column of the nearest guide.
+    /// The direction at a position of the unit disc, by slerp between the four surrounding guides (the axis replaces
+    /// the row inside the first), and the row and column of the nearest guide.
     fn between(&self, place: Vec2) -> (Vec3, (usize, usize)) {
         let (rows, columns) = (self.inputs.rows as usize, self.inputs.columns as usize);
         let area = place.length_squared().min(1.0);
@@ -504,7 +505,7 @@ impl<'a> Puff<'a> {
             0 => self.axis,
             row => self.directions[(row - 1) * columns + column % columns],
         };
-        // Rows lie evenly in area, not in angle.
+        // Rows are evenly spaced in area, not in angle.
         let angle = |row: usize| self.polar(row as f32 / rows as f32);
         let (inner, outer) = (angle(row), angle(row + 1));
         let out = ((self.polar(area) - inner) / (outer - inner)).clamp(0.0, 1.0);
@@ -514,23 +515,23 @@ impl<'a> Puff<'a> {
         (slerp(along(row), along(row + 1), out), (nearest, nearest_column))
     }
 
-    /// Adds the curve from a place of the unit disc to a tip, where the outline is this far from the middle.
+    /// Adds the curve from a position of the unit disc to a tip, where the outline is at this distance from the center.
     fn grow(&self, place: Vec2, tip: Vec3, radius: f32, ids: (u64, u64), out: &mut Bundle) {
         let Some(root) = self.root(place) else { return };
         let up = self.axis;
         let aside = (self.right * place.x + self.ahead * place.y) * self.root_radius;
         let tie_width = self.tie_width;
         let tie = self.middle.point + up * self.tie_height + aside * tie_width;
-        // Leaving the tie towards the axis by `bulge` of the way's angle from it, a parabola ends as much away from
-        // it: square to a sphere that rests on the tie, when `bulge` is 1. Angles that grow with the distance
-        // from the axis keep their order, so hairs do not cross.
+        // A parabola that leaves the tie at `bulge` times the angle of the tip from the axis ends at the same angle
+        // beyond it: perpendicular to a sphere that rests on the tie, if `bulge` is 1. Angles grow with the distance
+        // from the axis and keep their order, so hairs do not cross.
         let way = tip - tie;
         let straight = way.normalize_or(up);
         let angle = acos(straight.dot(up)) * self.inputs.bulge;
         let bend = tie
             + slerp(straight, up, self.inputs.bulge) * (0.5 * way.length() / cos(angle).max(0.2));
         // From the root straight along the normal for one CV, on to the tie (a cubic), then to the tip (the parabola).
-        // All hairs of a puff do so at one pace: what differs is in proportion to the distance from the axis, which
+        // All hairs of a puff do so at the same pace: differences are proportional to the distance from the axis, which
         // keeps them in order.
         let drawn_in = 0.5 * self.root_radius * (1.0 - tie_width);
         let pace = (self.tie_height * self.tie_height + drawn_in * drawn_in).sqrt();
@@ -555,7 +556,7 @@ impl<'a> Puff<'a> {
             out.path.push(tie * (s * s) + bend * (2.0 * s * t) + tip * (t * t));
         }
         let n = out.path.len();
-        // What is pressed on the head slides along over it, from the tie on.
+        // Hair pressed onto the head slides along above it, from the tie on.
         let over = self.over_skin();
         let height = |u: f32| over * (2.0 * u - 1.0).max(0.0);
         for (k, p) in out.path[..n - 1].iter_mut().enumerate().skip(1) {
@@ -585,7 +586,7 @@ impl<'a> Puff<'a> {
 pub(super) const DIPS: &str =
     "guides end inside the head: raise the offset or lower the coverage or the sphere's radius";
 
-/// Between two unit vectors, at an even pace along the shortest arc.
+/// Interpolates two unit vectors at constant speed along the shortest arc.
 fn slerp(a: Vec3, b: Vec3, t: f32) -> Vec3 {
     let angle = acos(a.dot(b));
     if angle < 1e-3 {
@@ -594,7 +595,7 @@ fn slerp(a: Vec3, b: Vec3, t: f32) -> Vec3 {
     ((a * sin((1.0 - t) * angle) + b * sin(t * angle)) / sin(angle)).normalize_or(a)
 }
 
-/// Puffs that know the planes to those beside them, where they press against each other.
+/// Puffs with the planes to their neighbors, where they press against each other.
 fn beside(mut puffs: Vec<Puff>) -> Vec<Puff> {
     let centres: Vec<Vec3> = puffs.iter().map(|puff| puff.centre).collect();
     for (i, puff) in puffs.iter_mut().enumerate().filter(|(_, puff)| puff.inputs.flatten > 0.0) {
@@ -604,15 +605,15 @@ fn beside(mut puffs: Vec<Puff>) -> Vec<Puff> {
     puffs
 }
 
-/// Curves of one puff while they are made.
+/// Curves of one puff under construction.
 #[derive(Default)]
 struct Bundle {
     tuft: TuftBuilder,
-    /// Own id and parent's.
+    /// Own id and the parent's.
     ids: Vec<(u64, u64)>,
     roots: Vec<Root>,
     fibres: Vec<f32>,
-    /// Distances of the outline from the middle.
+    /// Distances of the outline from the center.
     radii: Vec<f32>,
     path: Vec<Vec3>,
     points: Vec<Vec3>,
@@ -644,7 +645,7 @@ impl Bundle {
             let is_one = |radius: &f32| (radius - all).abs() <= 1e-5 * all;
             (is_ball && self.radii.iter().all(is_one)).then(|| vec![all])
         };
-        // Of guides and of hair.
+        // For guides and for hair.
         let radii = one(puff.radius).or_else(|| one(puff.radius * puff.outermost()));
         let radii = radii.unwrap_or(self.radii);
         tuft.set(PUFF_RADIUS, Domain::Curve, radii);

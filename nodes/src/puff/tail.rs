@@ -1,7 +1,7 @@
-//! Tail: hair held by a tie goes on past it and hangs.
+//! Tail: hair held by a tie continues past it and hangs.
 //!
-//! Guarantees: roots stay, and so does the way to the tie; no point under the skin; a hair keeps its place across the
-//! tail. Not promised: that a tail rests on other hair; give it `clearance` for that.
+//! Guarantees: roots stay, and so does the path to the tie; no point below the skin; a hair keeps its place across the
+//! tail. Not promised: that a tail rests on other hair; use `clearance` for that.
 
 use super::bundle::{Bundle, Course, MOST_LOCKS, STEP};
 use super::tie::Tie;
@@ -105,7 +105,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves: bundle.go_on(cx, &inputs.curves)? })
 }
 
-/// The middle of a tail: out of the tie along its axis, then down in an arch, out of the skin by a share of its own
+/// Center line of a tail: out of the tie along its axis, then down in an arch, out of the skin by a fraction of its own
 /// thickness.
 fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
     let frame = inputs.scalp.frame();
@@ -122,7 +122,7 @@ fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
     for k in 0..steps {
         let u = (k + 1) as f32 / steps as f32;
         let turn = (down - direction * down.dot(direction)) * (step / (inputs.arch * unit));
-        // A tail that stands straight up has no way to fall: it falls back.
+        // A tail that stands straight up has no direction to fall in: it falls back.
         let turn = if turn.length_squared() < 1e-9 && down.dot(direction) < 0.0 {
             -frame.forward * (step / (inputs.arch * unit))
         } else {
@@ -130,7 +130,7 @@ fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
         };
         direction = (direction + turn).normalize_or(down);
         let height = inputs.clearance * tie.radius * inputs.profile.at(u);
-        // Close to the tie the tail is where the tie is, however thick it gets.
+        // Close to the tie, the tail stays at the tie's height, however thick it gets.
         let height = height.min(0.8 * tie.height + 0.5 * step * k as f32);
         let next = p + direction * step;
         let (lifted, moved) = skin.lift(next, height);
