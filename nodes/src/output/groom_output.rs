@@ -1,7 +1,6 @@
-//! Groom output: what leaves the graph, under a name.
+//! Groom output: the curves that leave the graph, under a name.
 //!
-//! Guarantees: the curves are handed on as they are. The exporter reads name and purpose from this
-//! node's inputs.
+//! Guarantees: the curves pass through unchanged. The exporter reads name and purpose from this node's inputs.
 
 use crate::data::curves::Curves;
 use crate::define::{NodeError, node};
@@ -27,7 +26,7 @@ node! {
 }
 
 fn eval(_: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    // Read by whoever exports, from the document.
+    // Read by the exporter, from the document.
     let _ = (inputs.name, inputs.guides);
     Ok(Outputs { curves: inputs.curves })
 }

@@ -1,7 +1,6 @@
-//! Merge: several lots of curves as one, every id once.
+//! Merge: several sets of curves combined, with unique ids.
 //!
-//! Guarantees: nothing is copied but the ids of tufts that hold a repeated one; of curves with one id the first
-//! keeps it.
+//! Guarantees: only the ids of tufts with a duplicate are copied; of several curves with one id, the first keeps it.
 
 use crate::data::attributes::{Domain, ID};
 use crate::data::curves::{Curves, Tuft};

@@ -1,9 +1,9 @@
-//! Hair colour: the natural colour of hair by its pigment, grey hairs among it, and dye on top.
+//! Hair colour: the natural color of hair by its pigment, gray hairs in it, and dye on top.
 //!
-//! Guarantees: only the `colour` attribute changes, and it is stored as few times as it can be. Everything is mixed as
-//! absorption, as pigment and dye do it, and then turned into a colour (`maths::hair_colour`); so a colour goes
-//! from root to tip and from hair to hair without turning muddy or pale. Equal ids give equal hairs whatever
-//! else is there, and raising `grey` only adds grey hairs.
+//! Guarantees: only the `colour` attribute changes, and it is stored as few times as possible. Everything is mixed as
+//! absorption, like real pigment and dye, and then converted to a color (`maths::hair_colour`); colors therefore blend
+//! from root to tip and from hair to hair without turning muddy or pale. Equal ids give equal hairs, whatever else is
+//! there, and raising `grey` only adds gray hairs.
 
 use super::along::{Held, lay};
 use crate::data::attributes::COLOUR;
@@ -92,7 +92,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let laid = inputs.dye_amount.on(tuft, scalp)?;
         let grey = inputs.grey.on(tuft, scalp)?;
         let old = tuft.view(COLOUR);
-        // What one hair's own pigment is multiplied by: it varies, and some hairs have nearly none.
+        // Factor of one hair's own pigment: it varies, and some hairs have nearly none.
         let own = |i: usize| {
             let (id, first) = (tuft.id(i), tuft.offsets()[i] as usize);
             let vary = match inputs.variation {
@@ -128,8 +128,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// How grey a hair is, 0 to 1, that drew `chance` (0 to 1) where the share of grey hairs is `share`. It grows with the
-/// share; a share of 0 greys none and a share of 1 all, however soft.
+/// How gray a hair is, 0 to 1, that drew `chance` (0 to 1) where the fraction of gray hairs is `share`. It grows with
+/// `share`; a share of 0 grays none and a share of 1 all, at any softness.
 fn greyness(share: f32, softness: f32, chance: f32) -> f32 {
     if softness == 0.0 {
         return if chance < share { 1.0 } else { 0.0 };

@@ -1,4 +1,4 @@
-//! Resample: the same curves with other points.
+//! Resample: the same curves with other CVs.
 
 use crate::data::attributes::{Column, Domain};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -40,7 +40,7 @@ choice! {
     }
 }
 
-/// The most points one curve is given by spacing.
+/// The most CVs per curve when resampling by spacing.
 const MOST: f32 = 4096.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -65,7 +65,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Every curve of `tuft` with `count(length)` points at even arc length. Curves without length are left out and noted.
+/// Every curve of `tuft` with `count(length)` points, evenly spaced by arc length. Curves without length are dropped
+/// and reported.
 pub(crate) fn resample(
     tuft: &Tuft,
     count: impl Fn(f32) -> usize,
@@ -74,7 +75,7 @@ pub(crate) fn resample(
     let mut out = TuftBuilder::new();
     let mut spline = Spline::default();
     let mut kept = vec![];
-    // For each new point: the old point before it and the fraction of the way to the next.
+    // For each new point: the old point before it and the fraction toward the next.
     let mut places: Vec<(u32, f32)> = vec![];
     let mut points = vec![];
     for i in 0..tuft.len() {
@@ -105,7 +106,7 @@ pub(crate) fn resample(
     Ok(out.build())
 }
 
-/// Values between old points: numbers and vectors are interpolated, ids and counts taken from before.
+/// Values between old points: numbers and vectors are interpolated, ids and counts taken from the previous point.
 pub(crate) fn between(column: &Column, places: &[(u32, f32)]) -> Column {
     macro_rules! lerp {
         ($variant:ident, $values:expr) => {

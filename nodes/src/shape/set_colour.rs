@@ -1,7 +1,7 @@
-//! Set colour: the colour of hair from root to tip.
+//! Set colour: the color of hair from root to tip.
 //!
-//! Guarantees: nothing else changes and nothing else is copied; a colour that is the same everywhere is stored
-//! once. Colours are linear Rec.709.
+//! Guarantees: nothing else changes and nothing else is copied; a constant color is stored once. Colors are linear
+//! Rec.709.
 
 use super::along::{Held, lay};
 use crate::data::attributes::COLOUR;

@@ -1,6 +1,6 @@
-//! Set width: the thickness of hair from root to tip.
+//! Set width: the width of hair from root to tip.
 //!
-//! Guarantees: nothing else changes and nothing else is copied; a width that is the same everywhere is stored once.
+//! Guarantees: nothing else changes and nothing else is copied; a constant width is stored once.
 
 use super::along::{Held, lay};
 use crate::data::attributes::WIDTH;

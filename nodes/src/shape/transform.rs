@@ -1,8 +1,7 @@
-//! Transform: curves moved, turned and scaled.
+//! Transform: moves, rotates and scales curves.
 //!
-//! Guarantees: ids stay; attributes that are directions turn, those that are lengths scale; at the identity the
-//! input is handed on as it is. Not promised: that roots still lie on the scalp; the binding keeps telling where
-//! the curve grew unless it is made anew.
+//! Guarantees: ids stay; direction attributes rotate, length attributes scale; the identity returns the input itself.
+//! Not promised: that roots still lie on the scalp; the binding refers to where the curve grew unless it is renewed.
 
 use crate::data::attributes::{
     ALLOW_DEPTH, Domain, FIBRE, Item, NORMAL, PUFF_CENTRE, PUFF_RADIUS, RADIUS, ROOT_BARY,
@@ -101,11 +100,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         _ => frame.point_from_head(inputs.pivot),
     };
     let shift = frame.vector_from_head(inputs.translate) * frame.unit();
-    // Lengths across a curve grow with the cube root of the volume.
+    // Lengths across a curve scale with the cube root of the volume.
     let volume = (inputs.scale.x * inputs.scale.y * inputs.scale.z).abs();
     let grown = if volume > 0.0 { exp(ln(volume) / 3.0) } else { 1.0 };
     let grown = if (grown - 1.0).abs() < 1e-6 { 1.0 } else { grown };
-    // Normals go by the inverse transpose, of which the cofactors are a multiple.
+    // Normals transform by the inverse transpose, which is proportional to the cofactors.
     let [a, b, c] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
     let flip = if a.dot(b.cross(c)) < 0.0 { -1.0 } else { 1.0 };
     let cofactors = Mat3::from_cols(b.cross(c), c.cross(a), a.cross(b)) * flip;
@@ -154,7 +153,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Puts every value of an attribute, where the tuft has it, through `f`.
+/// Applies `f` to every value of an attribute, if the tuft has it.
 fn each_value<T: Item>(
     out: &mut TuftBuilder,
     tuft: &crate::data::curves::Tuft,
@@ -169,7 +168,7 @@ fn each_value<T: Item>(
     }
 }
 
-/// Turns about x, then y, then z, degrees.
+/// Rotation about x, then y, then z, degrees.
 fn rotation(degrees: Vec3) -> Mat3 {
     let [x, y, z] = degrees.to_array().map(|d| sin_cos((d % 360.0).to_radians()));
     let about_x = Mat3::from_cols(Vec3::X, Vec3::new(0.0, x.1, x.0), Vec3::new(0.0, -x.0, x.1));

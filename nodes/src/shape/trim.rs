@@ -1,12 +1,12 @@
-//! Trim: hair cut to a shape, as shears cut it.
+//! Trim: hair cut to a shape, as with shears.
 //!
-//! Every hair keeps the part from its root to where it first leaves the shape. Hair that stays inside is not touched; of hair
-//! rooted outside the shape a stub is left.
+//! Every hair keeps the part from its root to where it first leaves the shape. Hair that stays inside is unchanged;
+//! hair rooted outside the shape keeps a stub.
 //!
-//! Guarantees: roots, ids and what lies inside stay; a hair that was cut ends on the outline, or as far from it as `softness`
-//! says, to 1e-3 of its length, or on the skin over it; it keeps the distance of its points, and a `fibre_length` in proportion; no
-//! point is made deeper under the skin than the hair allows. Not promised: a shape that is hollow or has arms: outlines are seen
-//! from their middle, and the outermost wall in each direction counts.
+//! Guarantees: roots, ids and everything inside stay; a cut hair ends on the outline, or as far from it as `softness`
+//! says, to 1e-3 of its length, or on the skin above it; it keeps the spacing of its points, and a `fibre_length` in
+//! proportion; no point becomes deeper below the skin than the hair allows. Not promised: shapes that are hollow or
+//! have arms: outlines are seen from their center, and the outermost wall in each direction counts.
 
 use crate::data::attributes::{ALLOW_DEPTH, Attribute, Domain, FIBRE};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -75,9 +75,9 @@ choice! {
     }
 }
 
-/// Halvings of the piece of a hair in which the outline lies.
+/// Bisections of the segment of a hair that crosses the outline.
 const HALVINGS: usize = 12;
-/// Samples of a hair at which it is asked whether it is still inside: so many for each of its points.
+/// Samples per point of a hair at which it is tested against the shape.
 const SAMPLES: usize = 3;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -117,7 +117,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let dice = cx.dice(inputs.seed, "trim");
     let skin = inputs.scalp.skin();
     let (soft, least) = (inputs.softness * unit, inputs.least * unit);
-    // Cm by which a point lies outside the outline.
+    // Distance of a point outside the outline, cm.
     let over = |p: Vec3| {
         let off = p - centre;
         let far = off.length();
@@ -140,11 +140,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Points on what is left of a hair, at least.
+/// Fewest points on the rest of a hair.
 const FEWEST: usize = 4;
 
-/// Every curve of `tuft` up to where `over` of it and its id first is more than 0, but at least `least` cm. Curves without length
-/// are left out and noted.
+/// Every curve of `tuft` up to where `over` of it and its id first exceeds 0, but at least `least` cm. Curves without
+/// length are dropped and reported.
 fn cut(
     tuft: &Tuft,
     over: impl Fn(Vec3, u64) -> f32,
@@ -155,7 +155,7 @@ fn cut(
     let mut spline = Spline::default();
     let depth = tuft.view(ALLOW_DEPTH);
     let (mut kept, mut shares, mut points) = (vec![], vec![], vec![]);
-    // For each new point: the old point before it and the fraction of the way to the next.
+    // For each new point: the old point before it and the fraction toward the next.
     let mut places: Vec<(u32, f32)> = vec![];
     for i in 0..tuft.len() {
         piece.tick()?;
@@ -182,14 +182,14 @@ fn cut(
             places.extend((0..old.len()).map(place));
             continue;
         }
-        // Between its points a hair may dip into the skin.
+        // Between its points, a hair may dip into the skin.
         let made =
             |p: Vec3, span: usize| skin.lift_exactly(p, -depth.at(i, first as usize + span)).0;
         let share = end / long;
         shares.push(share);
         points.clear();
-        // Where a point of the hair is kept the hair lies as it did: out of the skin. The last of them is no nearer to the cut than
-        // half the way to the next.
+        // Where a point of the hair is kept, the hair stays in place: out of the skin. The last of them is no nearer to
+        // the cut than half the distance to the next.
         let cut = spline.locate_length(end);
         let whole = if cut.t < 0.5 { cut.span } else { cut.span + 1 };
         if whole >= FEWEST - 1 {
@@ -225,7 +225,7 @@ fn cut(
     Ok(out.build())
 }
 
-/// Arc length from the root at which a curve of `n` points first is outside; none where it never is.
+/// Arc length from the root at which a curve of `n` points is first outside; `None` if it never is.
 fn end(spline: &Spline, n: usize, over: impl Fn(Vec3) -> f32) -> Option<f32> {
     let samples = n * SAMPLES;
     let at = |k: usize| spline.length() * k as f32 / samples as f32;
