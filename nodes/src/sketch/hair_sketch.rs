@@ -1,11 +1,11 @@
 //! Hair sketch: pen gestures replayed on curves, or on a bare head.
 //!
-//! Each gesture is a step on the curves that those before left (`EvalCx::fold`), and the states are kept: one more gesture costs
-//! that gesture, and taking it back costs nothing.
+//! Each gesture is a step on the curves left by earlier gestures (`EvalCx::fold`), and all states are cached: one more
+//! gesture costs only that gesture, and undoing it costs nothing.
 //!
-//! Guarantees: a gesture changes only curves that it names or, where it names none, takes by its layer; roots stay; no CV that is
-//! moved ends in the head; a curve that nothing touches is the tuft that came in. A gesture that does nothing, or whose curves
-//! are gone, says so. Live and replayed gestures are the same call.
+//! Guarantees: a gesture changes only curves that it names or, if it names none, selects by its layer; roots stay; no
+//! moved CV ends inside the head; an untouched curve is the input tuft itself. A gesture without effect, or whose
+//! curves no longer exist, is reported. Live and replayed gestures are the same call.
 
 use super::hand::{Hand, Settings, Sketch};
 use super::lock::Lock;
@@ -68,7 +68,7 @@ node! {
     }
 }
 
-/// The most lines that gestures say.
+/// The most message lines from gestures.
 const SAID: usize = 12;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -96,7 +96,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let seen = Seen::new(&gesture.view, scalp.frame());
         Ok(after(&Hand { gesture, seen, scalp, skin, set }, sketch))
     };
-    // (What else the node was set to is in its own key.)
+    // (The node's other settings are in its own key.)
     let sketch = cx.fold((curves.key(), first), &items, step, |sketch| sketch.bytes)?;
     say(cx, &sketch.replayed);
     cx.replayed(sketch.replayed.clone());
@@ -129,8 +129,9 @@ fn after(hand: &Hand, before: &Sketch) -> Sketch {
     sketch.ended(before)
 }
 
-/// A gesture with what it resolved to: the curves that it changed, replaced or copied, where an implant or copies are rooted, and what
-/// was drawn. Known from the node's curves `before` it and `after` it; what a document keeps once the pen is lifted.
+/// A gesture with its result: the curves that it changed, replaced or copied, the roots of an implant or of copies, and
+/// what was drawn. Derived from the node's curves `before` and `after` it; a document stores this when the pen is
+/// lifted.
 pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scalp) -> Gesture {
     let mut out = gesture.clone();
     let was: BTreeMap<u64, (Key, Vec<Vec3>)> = by_id(before);
@@ -172,13 +173,13 @@ pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scal
     out
 }
 
-/// Curves by their ids, each with its key as a tuft of its own.
+/// Curves by id, each with the key of its own tuft.
 fn by_id(curves: &Curves) -> BTreeMap<u64, (Key, Vec<Vec3>)> {
     let locks = Lock::all(curves).into_iter();
     locks.map(|lock| (lock.id, (lock.tuft().key(), lock.points.clone()))).collect()
 }
 
-/// Tells what gestures could not do, and how far those with a root and a path are from how they were drawn.
+/// Reports what gestures could not do, and how far gestures with a root and a path deviate from how they were drawn.
 fn say(cx: &EvalCx, replayed: &[Arc<Replayed>]) {
     let undone = || (0..).zip(replayed).filter(|(_, one)| !one.said.is_empty());
     for (number, one) in undone().take(SAID) {
@@ -194,7 +195,7 @@ fn say(cx: &EvalCx, replayed: &[Arc<Replayed>]) {
         let named: usize = replayed.iter().map(|one| one.named).sum();
         cx.warn(format!("of {named} curves that gestures name {lost} are not there any more"));
     }
-    // A hundredth of a millimetre, and of a degree, is rounding.
+    // A hundredth of a millimeter, or of a degree, is rounding.
     if let Some((median, most, at)) = spread(replayed, |one| one.drift).filter(|all| all.1 > 1e-3) {
         cx.remark(format!(
             "implants stand on this head {median:.2} cm from where they were drawn in the median, {most:.2} cm at most (gesture {at})"
@@ -208,7 +209,7 @@ fn say(cx: &EvalCx, replayed: &[Arc<Replayed>]) {
     }
 }
 
-/// The median of a number that some gestures have, the largest, and which has that; none where none has one.
+/// The median of a number that some gestures have, the largest, and the gesture that has it; `None` if none has one.
 fn spread(
     replayed: &[Arc<Replayed>],
     of: impl Fn(&Replayed) -> Option<f32>,

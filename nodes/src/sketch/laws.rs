@@ -1,4 +1,4 @@
-//! Tests: what each gesture of the paper does, by its numbers; what a sketch keeps and what it runs again.
+//! Tests: the effect of each gesture of the paper, in numbers; what a sketch keeps and what it recomputes.
 
 use super::hair_sketch::{self, resolved};
 use super::{density, frizz, twist};

@@ -1,29 +1,29 @@
-//! Which layer a stroke works on, told by how hard its beginning is pressed (the paper's section 4).
+//! The layer of a stroke, from the pressure at its beginning (the paper's section 4).
 //!
-//! Guarantees: what comes after the beginning changes nothing; samples before the pen touches count for nothing, and neither do
-//! pressures that are no numbers. Not known here: a layer that a key or the shelf sets.
+//! Guarantees: nothing after the beginning changes the result; samples before the pen touches do not count, and neither
+//! do non-finite pressures. Not known here: a layer set by a key or the toolbar.
 
 use crate::data::gestures::{Layer, PenSample};
 
-/// How the beginning of a stroke tells its layer.
+/// How the beginning of a stroke determines its layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rule {
-    /// The deepest level reached within the first 80 ms or the first 12 pixels, whichever takes longer: real pens start light, a
-    /// quick hand is 12 pixels on before it has pressed, and a slow one is not after 80 ms.
+    /// The deepest level within the first 80 ms or the first 12 pixels, whichever takes longer: real pens start light,
+    /// a quick hand has moved 12 pixels before it presses, and a slow one has not within 80 ms.
     #[default]
     Highest,
-    /// The paper's: the level of the mean pressure within 2 pixels of the start.
+    /// The rule of the paper: the level of the mean pressure within 2 pixels of the start.
     Mean,
 }
 
-/// The beginning by [`Rule::Highest`], seconds and pixels.
+/// Length of the beginning for [`Rule::Highest`], seconds and pixels.
 const BEGINS: (f32, f32) = (0.08, 12.0);
-/// The beginning by [`Rule::Mean`], pixels.
+/// Length of the beginning for [`Rule::Mean`], pixels.
 const NEAR: f32 = 2.0;
 
-/// The layer of a stroke, or of as much of it as there is so far. A stroke that never touches works on the nearest.
+/// The layer of a stroke, or of its part so far. A stroke that never touches works on the nearest.
 pub fn level(samples: &[PenSample], rule: Rule) -> Layer {
-    // (No number is no touch.)
+    // (NaN is not a touch.)
     let touches = |sample: &PenSample| sample.pressure > 0.0;
     let first = samples.iter().position(touches).unwrap_or(samples.len());
     let Some(start) = samples.get(first) else { return Layer::Nearest };

@@ -1,4 +1,4 @@
-//! Tests: laws that all gestures keep, on random gestures, on every head and animal at hand.
+//! Tests: laws of all gestures, on random gestures, on every available head and animal.
 
 use super::hair_sketch::{self, resolved};
 use super::hand::off_line;

@@ -1,4 +1,5 @@
-//! Tests: gestures replayed where they were not drawn: more guides, another parting, another head; and what the report says.
+//! Tests: gestures replayed where they were not drawn (more guides, another parting, another head), and the contents of
+//! the report.
 
 use super::hair_sketch::{self, resolved};
 use super::laws::{drawn, line, points};

@@ -1,4 +1,4 @@
-//! Strokes from parameters by the hundred, laws, and random walks.
+//! Parameterized strokes by the hundred, laws, and random walks.
 
 use super::*;
 use crate::maths::hash::Dice;

@@ -1,4 +1,4 @@
-//! Shapes of strokes, worked out by hand, and as a shaky hand draws them.
+//! Shapes of strokes, computed by hand, and as drawn by a shaky hand.
 
 use super::*;
 use crate::maths::hash::Dice;
