@@ -57,8 +57,8 @@ impl Strand {
     }
 }
 
-/// Crossings in order: which neighbours (0 is the leftmost pair), and whether the strand going right is above: None where
-/// `blind`, and there two that undo each other are left out.
+/// Crossings in order: which neighbors (0 is the leftmost pair), and whether the strand going right is above. `None`
+/// where `blind`; there, two crossings that undo each other are dropped.
 fn crossings(
     at: impl Fn(usize) -> Vec<Vec2>,
     blind: impl Fn(usize) -> bool,
@@ -91,8 +91,8 @@ fn crossings(
     word
 }
 
-/// Signs of the generators of a word in which all crossings of a pair are alike and neighbouring pairs take turns: up to
-/// exchange of commuting generators and rotation such a word is (one stitch's factor)^stitches.
+/// Signs of the generators of a word in which all crossings of a pair have the same sign and neighboring pairs
+/// alternate: up to exchange of commuting generators and rotation, such a word is (one stitch's factor)^stitches.
 #[track_caller]
 fn signs(
     word: &[(usize, Option<bool>)],
@@ -133,9 +133,9 @@ pub(super) fn path_signs(weave: &Weave) -> Vec<Option<bool>> {
     signs(&crossings(at, |_| false, 97 * 4 + 1), n, 4.0, "path")
 }
 
-/// Crossing signs of a braid over the fractions `over` of its source. Where the source turns back on itself the braid is
-/// folded over: of crossings between the two points of a strand beside the fold no point tells which strand is in front,
-/// nor when, and they are counted only.
+/// Crossing signs of a braid over the fractions `over` of its source. Where the source turns back on itself, the braid
+/// is folded over: between the two points of a strand beside the fold, no point shows which strand is in front, or
+/// when, so those crossings are only counted.
 #[track_caller]
 pub(super) fn braid_signs(
     strands: &[Strand],
@@ -165,13 +165,13 @@ pub(super) fn braid_signs(
             frames[k - 1].tangent.dot(frames[*k].tangent) < -std::f32::consts::FRAC_1_SQRT_2
         })
         .collect();
-    // At least eight points to a stitch of 64 samples, of which strands that go across take more than the source.
+    // At least eight points per stitch of 64 samples, of which strands that run across take more than the source.
     let blind = |k: usize| folds.iter().any(|fold| k.abs_diff(*fold) <= 12);
     signs(&crossings(at, blind, samples), strands.len(), stitches, what)
 }
 
-/// The largest (r_i(u) + r_j(v)) / |p_i(u) - p_j(v)| of different strands, and how large a part of the strands'
-/// samples has a neighbour that it touches to 8 %.
+/// The largest (r_i(u) + r_j(v)) / |p_i(u) - p_j(v)| of different strands, and the fraction of the strands' samples
+/// with a neighbor that touches them to 8 %.
 pub(super) fn overlap(strands: &[Strand]) -> (f32, f32) {
     let all: Vec<Vec<(Vec3, f32, f32)>> = strands.iter().map(|s| s.samples(4)).collect();
     let (mut worst, mut touching, mut count) = (0.0f32, 0, 0);
@@ -194,7 +194,7 @@ pub(super) fn overlap(strands: &[Strand]) -> (f32, f32) {
     (worst.sqrt(), touching as f32 / count as f32)
 }
 
-/// The largest ratio of neighbouring distances between CVs.
+/// The largest ratio of neighboring distances between CVs.
 pub(super) fn unevenness(strands: &Curves) -> f32 {
     let mut worst = 1.0f32;
     for (tuft, i) in strands.each() {

@@ -82,7 +82,7 @@ impl Fine {
         let (x, y, z) = (self.at[0][k] - p.x, self.at[1][k] - p.y, self.at[2][k] - p.z);
         x * x + y * y + z * z
     }
-    /// The chords from a sample to its neighbours.
+    /// The chords from a sample to its neighbors.
     fn chords(&self, k: usize) -> impl Iterator<Item = [Vec3; 2]> {
         (k.max(1)..(k + 2).min(self.len())).map(|k| [self.point(k - 1), self.point(k)])
     }

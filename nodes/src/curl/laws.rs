@@ -399,7 +399,7 @@ fn the_tangent_turns_half_as_much_in_half_a_step() {
     }
 }
 
-/// The worst ratio of neighbouring spacings.
+/// The worst ratio of neighboring spacings.
 fn unevenness(points: &[Vec3]) -> f32 {
     let ratio = |w: &[Vec3]| {
         let (a, b) = (w[0].distance(w[1]), w[1].distance(w[2]));

@@ -88,7 +88,7 @@ const WANDERS: [f32; 2] = [0.14, 0.05];
 /// Deficit in size of a curl of large and small turns, per fourth power of their range, and excess in pitch, per
 /// square: measured at 0.95, for coils of ten and of twenty turns.
 const SMALL: [f32; 2] = [0.05, 0.045];
-/// Measured excess in turn length where half are skipped, times four: from 0.15 to 0.5.
+/// Measured excess in turn length where half are skipped, times four: fitted at 0.15 to 0.5.
 const HALF_SKIPPED: f32 = 0.2;
 /// Measured deficit in turn length of a curl that reverses at every turn, without blending: it swings back and forth
 /// beside its source, and its axis with it. If it reverses at every other turn, a hundredth.

@@ -30,7 +30,7 @@ pub enum Column {
     U64(Arc<Vec<u64>>),
     /// Texture coordinates.
     Vec2(Arc<Vec<Vec2>>),
-    /// Vectors and linear Rec.709 colours.
+    /// Vectors and linear Rec.709 colors.
     Vec3(Arc<Vec<Vec3>>),
 }
 
@@ -185,7 +185,7 @@ macro_rules! declare {
     };
 }
 
-/// Shares of a hair between which its [`CURL_DIAMETER`] holds: curls grow from the root on and open towards the tip.
+/// Shares of a hair between which its [`CURL_DIAMETER`] holds: curls grow from the root on and open toward the tip.
 pub const CURL_MIDDLE: [f32; 2] = [0.3, 0.9];
 
 declare! {

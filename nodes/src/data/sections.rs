@@ -27,7 +27,7 @@ use std::sync::OnceLock;
 pub struct Parting {
     /// Stable id, never 0.
     pub id: u64,
-    /// Points on the scalp, at most a few millimetres apart.
+    /// Points on the scalp, at most a few millimeters apart.
     pub points: Vec<Vec3>,
     /// Half the width of its bare skin, cm: no hair is rooted closer to it.
     pub half_width: f32,

@@ -288,7 +288,7 @@ mod tests {
         Arc::new(Scalp::new(surface, None, frame, [(REGION.to_owned(), region)].into()))
     }
 
-    /// A line from the forehead backwards, `x` off the midline, 1 cm over a head of average size.
+    /// A line from the forehead backward, `x` off the midline, 1 cm over a head of average size.
     fn back(id: u64, x: f32) -> Stroke {
         let samples = (0..=30)
             .map(|k| {

@@ -232,7 +232,7 @@ fn a_puff_that_dips_into_the_head_is_flat_there_and_its_tips_do_not_bunch() {
         for (tuft, i) in guides.each().chain(hair.each()) {
             let points = tuft.curve(i);
             let tip = points[points.len() - 1];
-            // The clearance is a tenth of a centimetre; along the second half hair rises to it.
+            // The clearance is a tenth of a centimeter; along the second half hair rises to it.
             let above = skin.distance(tip);
             assert!(above > 0.095, "{above}");
             low += usize::from(above < 0.105);

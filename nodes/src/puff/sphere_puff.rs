@@ -487,7 +487,7 @@ impl<'a> Puff<'a> {
         Ok(out.build(self))
     }
 
-    /// Depth of the outermost tips, as a fraction of the outline.
+    /// Distance of the outermost tips from the center, as a fraction of the outline's.
     fn outermost(&self) -> f32 {
         1.0 - self.inputs.depth_from.min(self.inputs.depth_to)
     }
@@ -522,9 +522,9 @@ impl<'a> Puff<'a> {
         let aside = (self.right * place.x + self.ahead * place.y) * self.root_radius;
         let tie_width = self.tie_width;
         let tie = self.middle.point + up * self.tie_height + aside * tie_width;
-        // A parabola that leaves the tie at `bulge` times the angle of the tip from the axis ends at the same angle
-        // beyond it: perpendicular to a sphere that rests on the tie, if `bulge` is 1. Angles grow with the distance
-        // from the axis and keep their order, so hairs do not cross.
+        // A parabola that leaves the tie turned toward the axis by `bulge` times its chord's angle from the axis
+        // arrives turned away by the same angle: perpendicular to a sphere that rests on the tie, if `bulge` is 1.
+        // Angles grow with the distance from the axis and keep their order, so hairs do not cross.
         let way = tip - tie;
         let straight = way.normalize_or(up);
         let angle = acos(straight.dot(up)) * self.inputs.bulge;

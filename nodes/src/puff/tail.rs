@@ -30,8 +30,7 @@ node! {
         length: f32 = 35.0, hard(0.5, 200.0), soft(5.0, 80.0), unit(Length), handle(Handle::Length);
         /// Thickness along the tail, from tie to tip, as a multiple of the tie's.
         profile: Arc<Ramp> = profile(), hard(0.0, 100.0), soft(0.0, 2.0), words("taper fullness shape");
-        /// How much sooner hair ends that came from farther away: 1 keeps the length that all hair grew to, 0 cuts it
-        /// level.
+        /// How much earlier hair from farther away ends: 1 gives all hair the same total length, 0 cuts the tail level.
         layers: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("cut taper length");
 
         [Shape]

@@ -317,7 +317,7 @@ mod tests {
         println!("centre {c:?}, r {r}");
         assert!(len(c) < 0.05, "{c:?}");
         assert!((r - R).abs() < 0.02, "{r}");
-        // Area-weighted 95th percentile of the distance above the centre.
+        // Area-weighted 95th percentile of the distance above the center.
         let mut off: Vec<(f64, f64)> = faces(&mesh)
             .into_iter()
             .filter(|(q, _)| q[1] > c[1])

@@ -367,7 +367,7 @@ mod tests {
         assert_eq!(curves.tufts()[0].points(), lines.tufts()[0].points());
         assert_eq!(curves.tufts()[0].offsets(), lines.tufts()[0].offsets());
         assert!(curves.tufts()[0].view(ROOT_TRIANGLE).at(0, 0) >= 0);
-        // Half an amount is half-way between.
+        // Half an amount is halfway between.
         let half = laid_on(
             &scalp,
             &lines,

@@ -175,7 +175,7 @@ mod tests {
         assert!(fault.contains("file"), "{fault}");
         let fault = told(&[scalp(), ("file", file("a/b.png", b"nothing"))]);
         assert!(fault.contains("a/b.png") && fault.contains("no picture"), "{fault}");
-        // (The ball of tests has no uvs.)
+        // (The ball of tests has no UVs.)
         let ball = crate::data::scalp::tests::shared_ball();
         let fault = told(&[("scalp", ball.into()), ("file", ramp())]);
         assert!(fault.contains("no uvs"), "{fault}");

@@ -190,7 +190,7 @@ mod tests {
         let with = |more: (&'static str, Value)| [plain(0.87, 0.87), vec![more]].concat();
         let half = with(("amount", Value::Float(0.5)));
         check(&half, 2, 4, colour_of((brown + absorption_of(COLOUR.default)) * 0.5));
-        // All grey: a fiftieth and a little more of the pigment.
+        // All gray: a fiftieth and a little more of the pigment.
         check(&with(("grey", Value::Float(1.0))), 2, 1, colour_of(brown * 0.04));
         check(&with(("grey", Value::Float(0.0))), 1, 1, colour_of(brown));
         let red = Vec3::new(0.5, 0.05, 0.05);

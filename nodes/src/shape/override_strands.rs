@@ -306,7 +306,7 @@ mod tests {
         let (a, b) = (old.curve(1), new.curve(1));
         let far = |c: &[Vec3]| c[0].distance(c[12]);
         assert!((far(a) - far(b)).abs() < 1e-4);
-        // A quarter turn from x, counter-clockwise seen from above: towards -z.
+        // A quarter turn from x, counterclockwise seen from above: toward -z.
         let way = b[12] - b[0];
         assert!(way.z < -2.9 && way.x.abs() < 1.0, "{way}");
     }

@@ -164,7 +164,7 @@ fn an_implant_replaces_the_cluster_whose_disc_holds_its_root_and_takes_its_neigh
 
 #[test]
 fn a_stroke_beside_a_cluster_of_known_depth_leads_as_deep_and_elsewhere_keeps_its_depth() {
-    // A cluster that hangs towards the eye: 0.7 cm nearer for each cm down.
+    // A cluster that hangs toward the eye: 0.7 cm nearer for each cm down.
     let scalp = shared_ball();
     let known: Vec<Vec3> =
         (0..8).map(|k| Vec3::new(0.0, 6.0 - 1.6 * k as f32, 6.6 + 1.12 * k as f32)).collect();
@@ -192,7 +192,7 @@ fn a_stroke_beside_a_cluster_of_known_depth_leads_as_deep_and_elsewhere_keeps_it
 
 #[test]
 fn curves_that_run_more_than_thirty_degrees_elsewhere_tell_no_depth() {
-    // From the top of the ball up and towards the eye: 0.7 cm for each on the picture.
+    // From the top of the ball up and toward the eye: 0.7 cm for each on the picture.
     let known: Vec<Vec3> =
         (0..8).map(|k| Vec3::new(0.0, 8.9 + 1.6 * k as f32, 1.12 * k as f32)).collect();
     let mut b = crate::data::curves::TuftBuilder::new();
@@ -613,7 +613,7 @@ fn a_cut_on_a_bias_ends_each_strand_on_the_stroke() {
             .map(|(tuft, i)| off(tuft.curve(i).last().unwrap()))
             .collect();
         assert!(ends.len() > 200);
-        // Half a pixel is a fifth of a millimetre; what was pushed out of the head may be off.
+        // Half a pixel is a fifth of a millimeter; what was pushed out of the head may be off.
         let near = ends.iter().filter(|off| **off < 0.5).count();
         assert!(100 * near >= 95 * ends.len(), "{near} of {}", ends.len());
     }

@@ -55,7 +55,7 @@ fn full_circles_count_clockwise_less_counter_clockwise_ones_once_each_is_closed(
     check(&coil(60.0, 1.0, 0.0, 0.8, 0.0, Vec2::ZERO), 0);
     check(&bow(300.0, 0.2, 0.0, 0.0, 0.0), 0);
     check(&zigzag(60.0, 9, 0.2, 20.0, 0.0, false), 0);
-    // Two clockwise from the top, then one counter-clockwise that leaves the first's side: 1.
+    // Two clockwise from the top, then one counterclockwise that leaves the first's side: 1.
     let mut both = coil(50.0, 1.0, 0.0, 2.0, 0.75, Vec2::ZERO);
     both.extend(coil(50.0, 1.0, 0.0, -1.1, 0.25, Vec2::ZERO).iter().map(|p| *p - Vec2::Y * 100.0));
     check(&both, 1);
