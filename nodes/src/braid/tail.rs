@@ -149,7 +149,7 @@ mod tests {
         let row: Vec<Vec3> =
             (0..24).map(|k| Vec3::new(0.0, 15.0 - 0.5 * k as f32, -0.01)).collect();
         let height = 0.8;
-        // Left to itself it falls into the nook and climbs out.
+        // Without help, it falls into the nook and climbs out.
         let fall = Fall { step: 0.5, height, end: 23, last: 73 };
         let mut plain = row.clone();
         fall.on(&mut plain, Vec3::NEG_Y, &skin);
@@ -159,7 +159,7 @@ mod tests {
         assert!(tail.iter().all(|p| skin.distance(*p) > -1e-3), "{tail:?}");
         let chords = tail.windows(2).map(|w| w[0].distance(w[1]));
         assert!(chords.clone().all(|c| (0.1..1.5).contains(&c)), "{tail:?}");
-        // The row itself leaves the scalp at its end only.
+        // The row itself leaves the scalp only at its end.
         assert_eq!(tail[..10], row[..10]);
         assert!(tail[tail.len() - 1].z < -4.0, "outside the collar");
     }

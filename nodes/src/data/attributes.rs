@@ -13,9 +13,9 @@ pub type Name = Cow<'static, str>;
 /// What a column has one value for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Domain {
-    /// One value a curve.
+    /// One value per curve.
     Curve,
-    /// One value a point (CV).
+    /// One value per point (CV).
     Point,
 }
 

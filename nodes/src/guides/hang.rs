@@ -280,7 +280,7 @@ mod tests {
     use crate::maths::spline::Spline;
     use crate::testing::{Memory, curves_of, run, run_on};
 
-    /// Roots spread over the upper half of the ball, as curves of two points.
+    /// Roots distributed over the upper half of the ball, as curves of two points.
     fn roots(n: u64) -> Curves {
         let (ball, dice) = (shared_ball(), Dice::new(9, 0, "roots"));
         let tufts = (0..n).map(|id| {
@@ -321,7 +321,8 @@ mod tests {
             let steps: Vec<f32> = points.windows(2).map(|w| w[0].distance(w[1])).collect();
             for pair in steps.windows(2) {
                 let ratio = (pair[0] / pair[1]).max(pair[1] / pair[0]);
-                // Even along the arc; where one thread slips off another a chord is up to a fifth shorter than its arc.
+                // Even along the arc; where one thread slips off another, a chord is up to a fifth shorter than its
+                // arc.
                 assert!(ratio < 1.3, "{ratio} {steps:?}");
             }
         }
@@ -372,7 +373,7 @@ mod tests {
         let (mut near, mut through) = (0, 0);
         for (i, a) in all.iter().enumerate() {
             for b in &all[i + 1..] {
-                // The first cm is where they are rooted, which they did not choose.
+                // The first cm is at their roots, which they did not choose.
                 let beyond = |c: &[Vec3]| c[6..].to_vec();
                 for p in beyond(a) {
                     let d = beyond(b).iter().map(|q| q.distance(p)).fold(f32::MAX, f32::min);
@@ -442,7 +443,7 @@ mod tests {
     fn hair_falls_to_both_sides_of_the_parting_that_the_scalp_has() {
         use crate::data::sections::{Parting, Sections};
         let ball = shared_ball();
-        // From the front over the top, 4 cm beside the middle: nobody says the line again.
+        // From the front over the top, 4 cm beside the midline, without a requested parting.
         let points = (-60..=60).map(|k: i32| {
             let (s, c) = sin_cos(k as f32 / 120.0 * std::f32::consts::PI);
             ball.closest_root(Vec3::new(4.0, c * 8.0, s * 8.0)).unwrap().point
@@ -474,7 +475,7 @@ mod tests {
             between += usize::from(root.x > 0.0 && root.x < 4.0);
         }
         assert!(between > 3, "{between}: nothing is tested");
-        // Who says the line is heard.
+        // A requested parting is respected.
         for (root, way) in sides(-3.0).iter().filter(|(root, _)| on_top(root)) {
             let near = (root.x + 3.0).abs() < 2.0;
             assert!(near || (*way > 0.0) == (root.x > -3.0), "{root}");
@@ -485,7 +486,7 @@ mod tests {
     fn a_parting_beside_the_place_where_hair_parts_decides_to_which_side_it_falls() {
         use crate::data::sections::{Parting, Sections};
         let ball = shared_ball();
-        // From the front over the top, 0.8 cm beside the middle where hair is said to part.
+        // From the front over the top, 0.8 cm beside the midline, where the requested parting is.
         let points = (-60..=60).map(|k: i32| {
             let (s, c) = sin_cos(k as f32 / 120.0 * std::f32::consts::PI);
             ball.closest_root(Vec3::new(0.8, c * 8.9, s * 8.9)).unwrap().point

@@ -351,7 +351,7 @@ mod tests {
             }
             let step = tuft.curve(0)[0].distance(tuft.curve(0)[1]);
             assert!((step - 0.5 * unit).abs() < 0.05 * unit, "{step}");
-            // It was drawn 1 cm over a head of average size, and from 2 cm beside the middle.
+            // It was drawn 1 cm over a head of average size, starting 2 cm beside the midline.
             let drift = tuft.view(DRIFT).at(0, 0) / unit;
             assert!((drift - (1.0 + 0.2)).abs() < 0.05, "{drift}");
             // The binding is the scalp point under the first CV.

@@ -269,7 +269,7 @@ mod tests {
             let v = Vec3::from([0, 1, 2].map(|k| dice.signed(id, k)));
             let up = Vec3::new(v.x, v.y.abs() + 0.2, v.z).normalize();
             let p = scalp.closest_root(up * 8.9).unwrap().point;
-            // The nearest of many points of the line, by their angle.
+            // The nearest of many points of the line, by angle.
             let arc = |k: i32| {
                 let (s, c) = sin_cos(0.1 + 1.3 * k as f32 / 600.0);
                 8.9 * acos(up.dot(Vec3::new(0.0, c, s)).clamp(-1.0, 1.0))
@@ -286,7 +286,7 @@ mod tests {
 
     #[test]
     fn borders_lie_half_way_to_a_millimetre() {
-        // Half-way between two meridians is the one between them.
+        // Halfway between two meridians is the one between them.
         let scalp = shared_ball();
         let rows = [-0.5, 0.5].map(|turn| {
             let row = Row::new(1, &meridian(turn)).unwrap();
@@ -302,7 +302,7 @@ mod tests {
 
     #[test]
     fn skin_that_is_cut_off_belongs_to_the_nearest_row_too() {
-        // The ball's cap with a bare ring round it, and skin again below the ring.
+        // The ball's cap with a bare ring around it, and skin again below the ring.
         let ball = shared_ball();
         let bare = |p: &Vec3| (4.0..6.0).contains(&p.y);
         let region = ball.surface().points.iter().map(|p| f32::from(p.y > 0.0 && !bare(p)));
@@ -324,7 +324,7 @@ mod tests {
 
     #[test]
     fn behind_an_ear_the_way_is_longer_than_straight() {
-        // A row before the ear, and skin behind the ear.
+        // A row in front of the ear, and skin behind the ear.
         let mesh = crate::scalp::bust::adult();
         let (surface, frame) = (Surface::new(mesh.points, mesh.triangles), HeadFrame::IDENTITY);
         let ears = ears(&surface, &frame, &|| Ok(())).unwrap();

@@ -168,7 +168,7 @@ mod tests {
         (curves_of(&out[0]).clone(), curves_of(&out[1]).clone())
     }
 
-    /// Base, what it became, and what was said.
+    /// Base, result, and messages.
     fn went_on(node: &str, set: &[(&str, Value)]) -> (Curves, Curves, Vec<String>) {
         let (hair, ties) = gathered();
         let given = [
@@ -243,7 +243,7 @@ mod tests {
                 ("profile", Ramp::constant(1.0).into()),
             ],
         );
-        // As far from each other at the tip as in the tie.
+        // As far apart at the tip as in the tie.
         let ends =
             |c: &Curves| c.each().map(|(t, i)| *t.curve(i).last().unwrap()).collect::<Vec<_>>();
         let (tie, tip) = (ends(&hair), ends(&out));

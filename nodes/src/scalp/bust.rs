@@ -155,7 +155,7 @@ mod tests {
         assert!((is / wanted - 1.0).abs() < 0.03, "{what}: {is}, wanted {wanted}");
     }
 
-    /// Least squares of |p|^2 = 2 c.p + k, weighed by area.
+    /// Least squares of |p|^2 = 2 c.p + k, weighted by area.
     fn sphere(parts: &[(P, f64)]) -> (P, f64) {
         let mut m = [[0.0f64; 5]; 4];
         for (q, w) in parts {
@@ -237,7 +237,7 @@ mod tests {
         }
         let (v, e, f) = (mesh.points.len(), edges.len() / 2, mesh.triangles.len());
         assert_eq!(v + f, e + 2, "not like a ball, or in several parts");
-        // Around each point one fan.
+        // One fan around each point.
         let mut spokes: BTreeMap<u32, BTreeMap<u32, u32>> = BTreeMap::new();
         for t in &mesh.triangles {
             for k in 0..3 {
@@ -288,7 +288,7 @@ mod tests {
         for (t, (_, area)) in mesh.triangles.iter().zip(faces(&mesh)) {
             let [a, b, c] = t.map(|i| p(&mesh, i));
             let long = len(sub(a, b)).max(len(sub(b, c))).max(len(sub(c, a)));
-            // Height over the longest edge, as a share of it.
+            // Height over the longest edge, as a fraction of it.
             assert!(2.0 * area / (long * long) > 0.02, "{a:?} {b:?} {c:?}");
         }
     }
@@ -401,7 +401,7 @@ mod tests {
 
     #[test]
     fn a_tape_above_the_brow_reads_56_to_58_cm() {
-        // Over the brow ridge and the back of the head, above the ears; the tape leans little.
+        // Over the brow ridge and the back of the head, above the ears; the tape tilts slightly.
         let tape = tape(&adult(), &|q| q[1] + 0.2 - 0.03 * q[2]);
         println!("circumference {tape:.2}");
         assert!((56.0..=58.0).contains(&tape), "{tape}");
@@ -484,7 +484,7 @@ mod tests {
     fn the_hairline_crosses_the_midline_at_0_43_r_in_front_and_0_77_r_below_behind() {
         let mesh = adult();
         let mask = &mesh.masks["hairline"];
-        // Where the mask is one half along the middle line.
+        // Where the mask is one half along the midline.
         let crossing = |front: bool| {
             let mut line: Vec<(f32, f32)> = (0..mask.len())
                 .filter(|i| mesh.points[*i].x == 0.0 && (mesh.points[*i].z > 0.0) == front)

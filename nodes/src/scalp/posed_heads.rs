@@ -50,7 +50,7 @@ fn rows(scalp: &Arc<Scalp>) -> Curves {
     curves_of(&run(&scalp_projection::NODE, &[&set[..], &exact].concat()).0[0]).clone()
 }
 
-/// Guides scattered and the hair between them, each by its id.
+/// Scattered guides and the hair between them, each by id.
 fn scattered(scalp: &Arc<Scalp>) -> [BTreeMap<u64, Vec<Vec3>>; 2] {
     let by_id = |curves: &Curves| {
         curves.each().map(|(tuft, i)| (tuft.id(i), tuft.curve(i).to_vec())).collect()
@@ -63,7 +63,7 @@ fn scattered(scalp: &Arc<Scalp>) -> [BTreeMap<u64, Vec<Vec3>>; 2] {
     [by_id(&guides), by_id(curves_of(&hair[0]))]
 }
 
-/// The farthest that a point of one list is from its fellow of the other, cm.
+/// Largest distance of a point of one list from its counterpart in the other, cm.
 fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).fold(0.0, |most, (a, b)| most.max(a.distance(*b)))
@@ -81,8 +81,8 @@ fn a_head_in_a_skin_grows_the_hair_of_the_plain_head() {
     };
     let hair = hair_of(&plain);
     let grown = scattered(&plain);
-    // The quantized head is 31.5 cm high in steps of 15.75 / 32767 cm: half of one is 0.00024 cm an axis, 0.00042 across.
-    // Of the guides and of the hair, the share that is there and moves no farther than the rows may.
+    // The quantized head is 31.5 cm high in steps of 15.75 / 32767 cm: half of one is 0.00024 cm per axis, 0.00042
+    // diagonally. For guides and hair: the fraction that exists and moves no farther than the rows may.
     for (name, skin, on_it, stays) in [
         ("head_skinned_cm_zup", 3e-5, 1e-3, [0.998, 0.995]),
         ("head_skinned_quantized", 4.3e-4, 4e-3, [0.75, 0.5]),

@@ -190,7 +190,7 @@ mod tests {
         let with = |more: (&'static str, Value)| [plain(0.87, 0.87), vec![more]].concat();
         let half = with(("amount", Value::Float(0.5)));
         check(&half, 2, 4, colour_of((brown + absorption_of(COLOUR.default)) * 0.5));
-        // All gray: a fiftieth and a little more of the pigment.
+        // All gray: slightly more than a fiftieth of the pigment.
         check(&with(("grey", Value::Float(1.0))), 2, 1, colour_of(brown * 0.04));
         check(&with(("grey", Value::Float(0.0))), 1, 1, colour_of(brown));
         let red = Vec3::new(0.5, 0.05, 0.05);
@@ -198,12 +198,12 @@ mod tests {
         check(&dye, 1, 1, colour_of(blond + absorption_of(red)));
         let weak = ("dye_amount", Field::Attribute("half".into()).into());
         check(&[dye, vec![weak]].concat(), 2, 1, colour_of(blond + absorption_of(red) * 0.5));
-        // What the hair has itself is kept, and varied and dyed all the same.
+        // The hair's own color is kept, and varied and dyed all the same.
         let own = ("from", Value::Text("own".into()));
         check(&with(own.clone()), 2, 4, COLOUR.default);
         let dye = [plain(0.3, 0.3), vec![own, ("dye", Value::Vec3(red))]].concat();
         check(&dye, 2, 1, colour_of(absorption_of(COLOUR.default) + absorption_of(red)));
-        // Nothing laid on changes nothing.
+        // An amount of 0 changes nothing.
         let tuft = coloured(1, &with(("amount", Value::Float(0.0))));
         assert!(tuft.attribute(COLOUR.name).is_none());
     }

@@ -204,7 +204,7 @@ mod tests {
         }
         assert!(tuft.view(NORMAL).at(0, 0).distance(normal) < 1e-5);
         assert!((tuft.view(RADIUS).at(0, 0) - radius).abs() < 1e-5);
-        // What a hair tells of its puff and its tie goes along.
+        // A hair's data about its puff and its tie is transformed as well.
         assert!(tuft.view(PUFF_CENTRE).at(0, 0).distance(points[1]) < 1e-5);
         assert!((tuft.view(TIE_RADIUS).at(0, 0) - radius).abs() < 1e-5);
     }

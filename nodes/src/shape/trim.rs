@@ -297,7 +297,7 @@ mod tests {
             if long < 9.999 {
                 cuts += 1;
                 assert!((inside(tip) - 1.0).abs() < 1e-3 || long < 0.31 * unit, "{}", inside(tip));
-                // What is left lies where it lay: hair that a node led out of the skin stays out of it.
+                // The rest stays in place: hair that a node led out of the skin stays out of it.
                 let kept = b.len() - 1;
                 assert!(long < 3.0 || a[..kept] == b[..kept], "{long}");
             } else {

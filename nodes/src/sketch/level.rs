@@ -48,7 +48,7 @@ mod tests {
     use super::*;
     use glam::Vec2;
 
-    /// Samples as time (ms), pixels from the start and pressure.
+    /// Samples as time (ms), pixels from the start, and pressure.
     #[track_caller]
     fn check(samples: &[(f32, f32, f32)], highest: Layer, mean: Layer) {
         let sample = |&(ms, x, pressure): &(f32, f32, f32)| PenSample {
@@ -76,7 +76,7 @@ mod tests {
         ] {
             check(&[(0.0, 0.0, pressure), (10.0, 1.0, pressure)], layer, layer);
         }
-        // (0.2 + 0.9) / 2 = 0.55; what lies 3 pixels off does not count: with it the mean were 0.7.
+        // (0.2 + 0.9) / 2 = 0.55; samples 3 pixels away do not count: with them the mean would be 0.7.
         check(&[(0.0, 0.0, 0.2), (5.0, 2.0, 0.9), (9.0, 3.0, 1.0)], Scalp, Through);
         // Back at the start, the beginning is over.
         check(&[(0.0, 0.0, 0.2), (90.0, 40.0, 0.2), (200.0, 0.0, 1.0)], Nearest, Nearest);
@@ -85,21 +85,21 @@ mod tests {
     #[test]
     fn the_highest_level_of_the_first_80_ms_or_12_pixels_counts() {
         use Layer::{Nearest, Scalp, Through};
-        // A quick hand is 60 pixels on when it has pressed, after 40 ms.
+        // A quick hand has moved 60 pixels when it presses, after 40 ms.
         check(&[(0.0, 0.0, 0.1), (10.0, 15.0, 0.2), (40.0, 60.0, 0.8)], Scalp, Nearest);
-        // A slow one has gone 11 pixels in 300 ms.
+        // A slow one has moved 11 pixels in 300 ms.
         check(&[(0.0, 0.0, 0.1), (150.0, 5.0, 0.2), (300.0, 11.0, 0.5)], Through, Nearest);
-        // Beyond both nothing counts.
+        // Beyond both, nothing counts.
         check(&[(0.0, 0.0, 0.1), (79.0, 60.0, 0.5), (82.0, 70.0, 1.0)], Through, Nearest);
         check(&[(0.0, 0.0, 0.5), (300.0, 13.0, 1.0)], Through, Through);
-        // A pen that lets up works on as deep as it was pressed.
+        // A pen that lets up keeps working at its pressed depth.
         check(&[(0.0, 0.0, 0.9), (20.0, 20.0, 0.1)], Scalp, Scalp);
     }
 
     #[test]
     fn before_it_touches_a_pen_says_nothing() {
         use Layer::{Nearest, Scalp, Through};
-        // It hovers for half a second, 40 pixels off. (0.2 + 0.6) / 2 = 0.4.
+        // It hovers for half a second, 40 pixels away. (0.2 + 0.6) / 2 = 0.4.
         let hovers = [(0.0, 0.0, 0.0), (500.0, 40.0, 0.0)];
         let touches = [(510.0, 41.0, 0.2), (540.0, 42.0, 0.6), (585.0, 60.0, 0.9)];
         check(&[&hovers[..], &touches].concat(), Scalp, Through);

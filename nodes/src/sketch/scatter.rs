@@ -220,13 +220,13 @@ mod tests {
     use crate::data::scalp::tests::shared_ball;
     use crate::testing::head;
 
-    /// Where a root is on the ball, from the front: so many cm to the right of the middle.
+    /// Position of a root on the ball, from the front, this many cm to the right of the center.
     fn on_ball(scalp: &Scalp, x: f32) -> Vec3 {
         let p = Vec3::new(x, 0.0, (8.9f32 * 8.9 - x * x).sqrt());
         scalp.closest_root(p).unwrap().point
     }
 
-    /// A curve of five CVs that leads out, and as far down or aside as asked.
+    /// A curve of five CVs that leads out, and down or aside by the given amounts.
     fn lock(scalp: &Scalp, id: u64, root: Vec3, down: f32, aside: f32) -> TuftBuilder {
         let own = RootFrame::at(scalp, &scalp.closest_root(root).unwrap());
         let mut b = TuftBuilder::new();
@@ -254,7 +254,7 @@ mod tests {
             let (curves, said) = sketch_on(&scalp, Some(&upstream), &[stroke]);
             assert!(said.is_empty(), "{said:?}");
             let roots = roots(&curves);
-            // One less at most: steps of a tenth of that, coarser where the skin leads away.
+            // One less at most: steps are a tenth of that, coarser where the skin leads away.
             let wanted = 1 + (arc / 1.8) as usize;
             assert!((wanted - 1..=wanted).contains(&roots.len()), "{x}: {} {wanted}", roots.len());
             assert!(roots.len() > last);
@@ -269,7 +269,7 @@ mod tests {
             let (curves, _) = sketch_on(&scalp, Some(&upstream), &[wide]);
             assert!(curves.curve_count() > roots.len() + 1, "{}", curves.curve_count());
         }
-        // Where all is taken nothing is made, and that is said.
+        // Where there is no room, nothing is made, and that is reported.
         let tap = drawn(Tool::Scatter, Layer::Scalp, &[seen.pixel(first).unwrap()]);
         let (same, said) = sketch_on(&scalp, Some(&upstream), &[tap]);
         assert!(same.curve_count() == 1 && said[0].contains("no room for a copy"), "{said:?}");
@@ -312,7 +312,7 @@ mod tests {
             assert_eq!((tuft.view(ROLL).at(0, 1), tuft.view(ROLL).at(0, 4)), (15.0, 30.0));
             assert_eq!(tuft.view(PINNED).at(0, 2), 0);
         }
-        // One at the far end leads aside: copies turn there, those beyond tau (4 cm) of it do not.
+        // One at the far end leads aside: copies turn there, except for those more than tau (4 cm) away.
         let far = on_ball(&scalp, 6.0);
         let other = Arc::new(lock(&scalp, 6, far, 0.0, 1.0).build());
         let both = Curves::new(vec![first, other]);
@@ -323,7 +323,7 @@ mod tests {
             if root.distance(far) > 4.0 {
                 assert!(p.distance(Vec3::new(4.0, 2.0, 0.0)) < 0.01, "{p}");
             } else if root.distance(roots(&curves)[0]) > 4.0 {
-                // That one alone is near: its way, 45 degrees aside, at the length of the copy.
+                // Only that one is near: its direction, 45 degrees aside, with the length of the copy.
                 let wanted = Vec3::new(1.0, 0.0, 1.0).normalize() * 20f32.sqrt();
                 assert!(p.distance(wanted) < 0.02, "{p}, not {wanted}");
                 turned += 1;
@@ -352,7 +352,7 @@ mod tests {
         way.extend(line([-at.x, at.y], [0.0, at.y + 300.0]));
         let stroke = Gesture { size: 60.0, ..drawn(Tool::Scatter, Layer::Scalp, &way) };
         let (curves, said) = sketch_on(&scalp, Some(&upstream), std::slice::from_ref(&stroke));
-        // (That lengths fit the head's size is always said.)
+        // (A message that lengths follow the head's size is always there.)
         let undone = |said: &[String]| said.iter().any(|text| text.contains("gesture"));
         assert!(!undone(&said) && curves.curve_count() > 10, "{said:?} {}", curves.curve_count());
         for (tuft, i) in curves.each().skip(1) {
@@ -369,7 +369,7 @@ mod tests {
             let off = cvs.iter().zip(&b[id]).map(|(p, q)| p.distance(*q)).fold(0.0, f32::max);
             assert!(off < 1e-4, "{off}");
         }
-        // On another head, all of them, out of it; without the one they copy, none.
+        // On another head, all of them, out of the skin; without the one they copy, none.
         let (other, _) = sketch_on(&shared_ball(), Some(&upstream), std::slice::from_ref(&kept));
         assert_eq!(other.curve_count(), curves.curve_count());
         let (none, said) = sketch_on(&scalp, None, &[kept]);

@@ -179,7 +179,8 @@ mod tests {
     use crate::maths::transcendental::sin_cos;
     use crate::testing::{curves_of, run};
 
-    /// From a root on the ball down to 8 cm under it and back, as wide to each side as asked at a part of the way, pixels.
+    /// From a root on the ball down to 8 cm below it and back, with the half-width given as a function of the fraction
+    /// of the way, pixels.
     fn outline(wide: impl Fn(f32) -> f32) -> Vec<Vec2> {
         let side = |k: i32, sign: f32| {
             let t = k as f32 / 60.0;
@@ -189,7 +190,7 @@ mod tests {
         there.chain((0..=60).rev().map(|k| side(k, 1.0))).collect()
     }
 
-    /// Half as wide as 2 cm in the depth of the ball's front: 51 cm off a pixel is 0.0255 cm.
+    /// Half as wide as 2 cm at the depth of the ball's front: a pixel 51 cm away is 0.0255 cm.
     fn leaf(t: f32) -> f32 {
         78.0 * sin_cos(std::f32::consts::PI * t).0
     }
@@ -217,7 +218,7 @@ mod tests {
         let radii = radii(tuft);
         let widest = radii.iter().copied().fold(0.0, f32::max);
         assert!((1.85..2.05).contains(&widest), "{radii:?}");
-        // In a point at its tip; at its root as wide as half a segment on.
+        // A point at its tip; at its root as wide as half a segment further.
         let last = radii.len() - 1;
         assert!(radii[last] < 0.05 && radii[0] > 0.15 && radii[0] < radii[1], "{radii:?}");
         let set = [("curves", curves.into()), ("scalp", shared_ball().into())];
@@ -225,14 +226,14 @@ mod tests {
         let (mut count, mut beside) = (0, 0.0f32);
         for (tuft, i) in curves_of(&hair[0]).each() {
             let cvs = tuft.curve(i);
-            // (Behind the root, whose disc is no point.)
+            // (Past the root, whose disc is not a point.)
             for p in &cvs[cvs.len() / 8 + 1..] {
                 let at = seen().pixel(*p).unwrap();
                 beside = beside.max(at.x.abs() - leaf(((at.y + 150.0) / 400.0).clamp(0.0, 1.0)));
             }
             count += 1;
         }
-        // Between CVs 2 cm apart a radius runs straight, and the leaf does not.
+        // Between CVs 2 cm apart the radius is linear, and the leaf is not.
         assert!(count > 20 && beside < 8.0, "{count} {beside}");
     }
 
@@ -248,7 +249,8 @@ mod tests {
             }
         }
         check(&outline(|_| 30.0), 30.0);
-        // A band of a circle, 40 wide: a quarter turn about a place beside the root, out along one side and back along the other.
+        // A band of a circle, 40 wide: a quarter turn around a point beside the root, out along one side and back along
+        // the other.
         let band = |k: i32, radius: f32| {
             let (sin, cos) = sin_cos(std::f32::consts::FRAC_PI_2 * k as f32 / 60.0);
             Vec2::new(-200.0 + radius * cos, -150.0 + radius * sin)
@@ -301,7 +303,7 @@ mod tests {
         let cut = drawn(Tool::Cut, Layer::Through, &line([-250.0, 50.0], [250.0, 50.0]));
         let (combed, said) = sketch_on(&scalp, None, &[kept.clone(), comb]);
         assert!(said.is_empty() && points(&combed) != b && radii(&combed.tufts()[0]) == is);
-        // The pen takes it by its flank, 1.5 cm off its middle where it is 2 wide and at its root a half.
+        // The pen grabs it by its flank, 1.5 cm off its center where it is 2 wide, and a half at its root.
         let flank = drawn(Tool::Comb, Layer::Nearest, &line([60.0, 50.0], [-90.0, 50.0]));
         let (taken, said) = sketch_on(&scalp, None, &[kept.clone(), flank]);
         assert!(said.is_empty() && points(&taken) != b, "{said:?}");

@@ -26,7 +26,7 @@ impl Shape {
         self.points.iter_mut().for_each(|p| *p = place(*p));
         self
     }
-    /// A sheet of `across` by `along` squares over (0, 0) to (1, 1), without those that have a corner nowhere.
+    /// A sheet of `across` by `along` squares over (0, 0) to (1, 1), without squares that have a missing corner.
     fn sheet(across: u32, along: u32, at: impl Fn(f32, f32) -> Option<Vec3>) -> Self {
         let (n, m) = (across as f32, along as f32);
         let grid =
@@ -84,7 +84,7 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
             let half = Vec3::new(any(3, 0.7, 1.2), any(4, 0.7, 1.2), any(5, 0.7, 1.2)) * size;
             Shape::ball(way(any(2, 100.0, 260.0), above) * (1.0 + 0.6 * size), half)
         }
-        // A pony tail, and two.
+        // A ponytail, and two.
         2 => {
             let (aside, wide, long) = (any(0, 110.0, 250.0), any(1, 0.12, 0.4), any(2, 0.8, 3.0));
             let (from, out) = (way(aside, any(3, 0.0, 60.0)) * 1.05, any(4, 0.1, 0.5));
@@ -100,7 +100,7 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
             let half = Vec3::new(wide, 0.6 * long, wide);
             both(&|side| Shape::ball(Vec3::new(side * 1.15, 0.4 - 0.5 * long, -0.3), half))
         }
-        // A fringe.
+        // Bangs.
         4 => {
             let (wide, low) = (any(0, 30.0, 80.0), any(1, -10.0, 25.0));
             let (far, bend) = (any(2, 1.02, 1.25), any(3, 0.0, 0.2));
@@ -109,7 +109,7 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
                 Some(at * Vec3::new(0.9, 1.0, 1.08) * (far + bend * (1.0 - v)))
             })
         }
-        // Caps of hair: open in front; all round; with an inside of their own.
+        // Caps of hair: open in front; all around; with an inside of their own.
         5 => shell(any(0, 1.05, 1.35), any(1, -60.0, 0.0), any(2, 20.0, 75.0), any(3, 20.0, 60.0)),
         6 => shell(any(0, 1.05, 1.4), any(1, -10.0, 20.0), 0.0, 0.0),
         7 => {
@@ -117,7 +117,7 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
             let one = |far| shell(far, any(1, -60.0, 0.0), any(2, 20.0, 75.0), any(3, 20.0, 60.0));
             one(far).and(&one(far - any(4, 0.03, 0.1)))
         }
-        // A helmet, one that hides all of the head, and a hat with a brim.
+        // A helmet, one that hides the whole head, and a hat with a brim.
         8 => shell(any(0, 1.2, 1.6), any(1, -50.0, -5.0), any(2, 30.0, 70.0), any(3, 5.0, 30.0)),
         9 => {
             let far = any(0, 1.3, 1.6);
