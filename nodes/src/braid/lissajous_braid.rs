@@ -33,6 +33,9 @@ node! {
     /// The strands are clusters whose radius makes neighbors just touch; fill them with hair downstream. With a scalp
     /// wired, the braid lies on it as a cornrow, raised by half its height, with its stitches facing outward. Wire the
     /// stitches to Edge partition to pull the surrounding hair into the braid.
+    ///
+    /// With stitches by spacing, a longer source adds stitches and keeps the existing ones. A varying spacing shortens
+    /// stitches where the braid is thinner, down to two fifths of the longest.
     "lissajous_braid", version 1, label "Lissajous braid",
     words "braid plait cornrow canerow knots dutch french english fishtail rope twist two strand box braids fulani ghana goddess pigtail dookie hair curves";
     inputs {
@@ -43,7 +46,7 @@ node! {
         /// Strands in each braid.
         strands: i64 = 3, hard(2.0, 12.0), soft(2.0, 7.0), unit(Count), words("hanks sections");
         /// How often a strand goes up and down on its way across the braid and back: 1 is a rope, 2 the classic braid,
-        /// one less than the strands a plain weave. It must share no divisor with the number of strands. 0 takes the
+        /// one less than the strands a plain weave. Must share no divisor with the number of strands. 0 takes the
         /// smallest valid value from 2 up (a rope for two strands).
         weave: i64 = 0, hard(0.0, 11.0), soft(0.0, 5.0), unit(Count), words("pattern fishtail"),
             idle(|of| unless(of, "formula", "weave", "the formula of the talk has a path of its own"));
@@ -55,8 +58,7 @@ node! {
             idle(|of| unless(of, "stitches_by", "count", "stitches are spaced, not counted"));
         /// Length of a stitch, when by spacing. 0 takes what suits a firm braid: one and a half times the amplitude
         /// (about half the braid's width) for up to four strands, less for more. Below one amplitude, strands get thin.
-        /// A longer source adds stitches and keeps the existing ones. A ramp or an attribute such as girth shortens
-        /// stitches where the braid is thinner, down to two fifths of the longest.
+        /// A ramp or an attribute such as girth may vary it.
         stitch_spacing: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 4.0), unit(Length), words("knots frequency"),
             idle(|of| unless(of, "stitches_by", "spacing", "stitches are counted, not spaced"));
         /// Width of the whole braid, including its tubes. A ramp or mask may vary it.

@@ -28,9 +28,14 @@ use std::sync::Arc;
 node! {
     /// The head that hair grows on: the built-in bust or a mesh file.
     ///
-    /// A sphere fitted to the cranium and the direction of the face define the head frame. Strokes and partings are
-    /// stored in that frame, so a groom transfers to another head. Units, axes, size and the region where hair grows
-    /// are detected; every one can be overridden.
+    /// A sphere fitted to the cranium and the direction of the face define the head frame: x to the head's left, y up,
+    /// z forward, in head units (cm on a head of average size). Strokes and partings are stored in that frame, so a
+    /// groom transfers to another head. Units, axes, size and the region where hair grows are detected; every one can
+    /// be overridden.
+    ///
+    /// Parts that are left out grow no hair, and the cranium is not fitted to them. Landmarks fit a groom to another
+    /// head: front and nape are where the hairline crosses the midline, the temples where it runs between forehead and
+    /// ear, the ears the skin just above them, and crown and chin.
     "head", version 1, label "Head", words "skull bust mesh scalp model import obj gltf glb surface emitter character skin";
     inputs {
         /// Built-in head, used while no mesh file is set.
@@ -38,10 +43,9 @@ node! {
         /// Mesh file (.obj, .gltf or .glb) to use instead of the built-in head. UVs are kept; materials and vertex
         /// colors become masks.
         mesh: Option<Arc<FileData>>, holds(Holds::Mesh), words("file import model");
-        /// Parts of the mesh to ignore, such as hair, hats and glasses: no hair grows on them and the cranium is not
-        /// fitted to them. Comma-separated names of meshes, nodes, groups or materials, or "piece 2" for the second
-        /// largest piece of a mesh without names; `*` matches any text, as in `hair*, *glasses`. Case is ignored. The
-        /// messages suggest candidates.
+        /// Parts of the mesh to ignore, such as hair, hats and glasses: comma-separated names of meshes, nodes, groups
+        /// or materials, or "piece 2" for the second largest piece of a mesh without names. `*` matches any text, as in
+        /// `hair*, *glasses`; case is ignored. The messages suggest candidates.
         leave_out: Arc<str> = "", words("hide ignore exclude remove hair hat helmet glasses lashes brows part material");
         /// Where hair grows.
         region: Region = Region::Default, words("scalp area growth hairline density map");
@@ -50,20 +54,18 @@ node! {
         /// Edge of the region, as a closed stroke on the skin. Hair grows inside, on the smaller of its two sides. More
         /// strokes add regions; a stroke inside another cuts a hole.
         hairline: Arc<Strokes> = Strokes::default(), words("edge outline");
-        /// Names for drawn regions, each with a point inside it in the head frame (x to the head's left, y up, z
-        /// forward, in head units), such as `beard 0 -7 7; left brow 3 1 9`. Each becomes a mask of that name. A point
-        /// outside every stroke selects the outer side of the nearest one.
+        /// Names for drawn regions, each with a point inside it in the head frame, such as `beard 0 -7 7; left brow 3 1
+        /// 9`. Each becomes a mask. A point outside every stroke selects the outer side of the nearest one.
         names: Arc<str> = "", words("name label several regions mask side");
         /// Fade width at the edge of a default or drawn region. 0 is a sharp edge.
         edge: f32 = 0.5, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("soft fade falloff");
         /// Landmarks of this head that replace the detected ones: name and position in the head frame, such as `crown 0
-        /// 8.3 -3.9; chin 0 -10 7.3`. Names: front and nape (hairline at the midline), left and right temple (hairline
-        /// between forehead and ear), left and right ear (skin just above it), crown, chin. The messages list all
-        /// positions.
+        /// 8.3 -3.9; chin 0 -10 7.3`. Names: front, nape, left temple, right temple, left ear, right ear, crown, chin.
+        /// The messages list all positions.
         landmarks: Arc<str> = "", words("points fit markers correspondence hairline nape temple ear crown chin");
-        /// Landmarks of the head that the groom was made on, in that head's units, as its messages list them. Strokes,
-        /// names, hairline, masks and positions are then warped so that these landmarks meet the ones of this head.
-        /// Leave empty on the original head. `coif fit` sets it.
+        /// Landmarks of the head that the groom was made on, as its messages list them. Strokes, names, hairline, masks
+        /// and positions are warped so that they meet the landmarks of this head. Leave empty on the original head.
+        /// `coif fit` sets it.
         home: Arc<str> = "", words("fit transfer carry map other head source original landmarks warp retarget");
 
         [Placement]

@@ -24,6 +24,10 @@ node! {
     ///
     /// The spreadsheet and the viewport show a hair's id. An override affects that hair only, and stays with it at any
     /// density.
+    ///
+    /// Changes: `remove`; `length` in cm (cut, or stretched in proportion); `turn` in degrees about the scalp normal,
+    /// counterclockwise seen from outside; `lift` in degrees off the skin; `width` as a factor; `colour` as linear red,
+    /// green, blue. Angles run from -180 to 180.
     "override_strands", version 1, label "Override strands",
         words "override edit single hair strand stray pluck remove delete tweak manual hand paint fix flyaway select id", thins;
     inputs {
@@ -31,10 +35,8 @@ node! {
         curves: Curves;
         /// The head.
         scalp: Arc<Scalp>;
-        /// Overrides, each an id and its changes, such as `57d468d8e00ddc87 turn 20, lift 10; 4d36 remove`. `remove`;
-        /// `length` in cm (cut, or stretched in proportion); `turn` in degrees about the scalp normal, counterclockwise
-        /// seen from outside; `lift` in degrees off the skin; `width` as a factor; `colour` as linear red, green, blue.
-        /// Angles run from -180 to 180.
+        /// Overrides, each an id and its changes (remove, length, turn, lift, width, colour), such as `57d468d8e00ddc87
+        /// turn 20, lift 10; 4d36 remove`.
         overrides: Arc<str> = "", words("ids list edits");
     }
     outputs {
