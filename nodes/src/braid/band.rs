@@ -21,11 +21,11 @@ pub(super) struct Band {
 
 /// CVs per turn.
 const OF_TURN: f32 = 16.0;
-/// Height of the band's center above the hair, in its radii: soft things pressed together.
+/// Height of the band's centre above the hair, in its radii: soft things pressed together.
 const PRESSED: f32 = 0.6;
-/// Distance from its center over which a band draws hair together, in its heights.
+/// Distance from its centre over which a band draws hair together, in its heights.
 const DRAWN: f32 = 1.5;
-/// Distance of its center behind the tie, in its heights: behind the last crossing, which it leaves unchanged.
+/// Distance of its centre behind the tie, in its heights: behind the last crossing, which it leaves unchanged.
 const BEHIND: f32 = 1.0;
 
 impl Band {
@@ -34,13 +34,13 @@ impl Band {
         (turns > 0.0).then_some(Self { turns: turns.max(1.0), height, narrower })
     }
 
-    /// Fraction of its width that the braid keeps at this distance (cm) from the center of its band.
+    /// Fraction of its width that the braid keeps at this distance (cm) from the centre of its band.
     pub(super) fn keeps(&self, waist: &Waist, along: f32) -> f32 {
         let left = (DRAWN - along.abs() / waist.height.max(1e-6)).clamp(0.0, 1.0);
         1.0 - self.narrower * (left * left * (3.0 - 2.0 * left))
     }
 
-    /// Center line of a braid of these strands, as far as the band extends.
+    /// Centre line of a braid of these strands, as far as the band extends.
     pub(super) fn waist(&self, tubes: &[Tube], step: f32) -> Waist {
         let room = |most: f32, of: f32| most.min(of.floor().max(0.0));
         let before = tubes.iter().fold(f32::MAX, |most, t| room(most, t.tie));
@@ -72,7 +72,7 @@ impl Band {
         Waist { at, first, height, limited: height < self.height }
     }
 
-    /// The center line of the band around a braid, its radius, and the front of the braid there; `None` if it has
+    /// The centre line of the band around a braid, its radius, and the front of the braid there; `None` if it has
     /// nothing to hold.
     pub(super) fn round(
         &self,
@@ -104,9 +104,9 @@ impl Band {
     }
 }
 
-/// Center line of a braid near the band that ties it.
+/// Centre line of a braid near the band that ties it.
 pub(super) struct Waist {
-    /// At integer steps of the strands: the center, and its distance (cm) behind the center of the band.
+    /// At integer steps of the strands: the centre, and its distance (cm) behind the centre of the band.
     at: Vec<(Vec3, f32)>,
     /// The first of these steps, from the tie.
     first: f32,
@@ -116,7 +116,7 @@ pub(super) struct Waist {
 }
 
 impl Waist {
-    /// The center this many steps behind the tie, and its distance (cm) behind the center of the band; `None` outside
+    /// The centre this many steps behind the tie, and its distance (cm) behind the centre of the band; `None` outside
     /// the band's influence.
     pub(super) fn at_step(&self, beyond: f32) -> Option<(Vec3, f32)> {
         let x = beyond - self.first;
@@ -128,7 +128,7 @@ impl Waist {
         })
     }
 
-    /// The center at this distance (cm) behind that of the band, and its number of steps behind the tie.
+    /// The centre at this distance (cm) behind that of the band, and its number of steps behind the tie.
     fn at(&self, along: f32) -> (Vec3, f32) {
         let after = self.at.partition_point(|(_, s)| *s <= along);
         let k = after.clamp(1, self.at.len().max(2) - 1) - 1;

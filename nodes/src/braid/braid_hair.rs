@@ -32,7 +32,7 @@ node! {
     /// there, through the braid to the tie, and out into the end tuft.
     ///
     /// Wire the hairs of Territory of braids, and the strands and stitches of the Lissajous braid that runs along the
-    /// same rows. Set color and width downstream. Extension hair has its own output, so it can have its own color.
+    /// same rows. Set colour and width downstream. Extension hair has its own output, so it can have its own colour.
     "braid_hair", version 1, label "Hair through braids",
         words "strands plait french dutch cornrow canerow knotless knotted extension tuft tail pick up";
     inputs {
@@ -44,7 +44,7 @@ node! {
         stitches: Option<Curves>, words("knots");
         /// The head. Hair stays out of it.
         scalp: Option<Arc<Scalp>>;
-        /// How much of its strand the hair fills: 1 is the tube that just touches its neighbors; more presses strands
+        /// How much of its strand the hair fills: 1 is the tube that just touches its neighbours; more presses strands
         /// together and closes the gaps between them. Varies along the strand.
         fill: FieldInput = 1.3, hard(0.1, 3.0), soft(0.7, 1.5), unit(Ratio), words("fullness volume radius thickness");
         /// Extra width of a strand over its height: soft hair flattens, which closes the braid and turns its stitches

@@ -44,7 +44,7 @@ node! {
         source: Curves, words("rows braids guides");
         /// The head.
         scalp: Arc<Scalp>;
-        /// Hairs per square centimeter. People have 130 to 250.
+        /// Hairs per square centimetre. People have 130 to 250.
         density: f32 = 130.0, hard(0.0, 5000.0), soft(1.0, 300.0), unit(PerCm2), words("amount number count");
         /// Width of the bare skin of a parting between two rows. Roots stay half of it away from the middle.
         parting_width: f32 = 0.15, hard(0.0, 5.0), soft(0.0, 0.6), unit(Length), words("gap line skin clean");
@@ -386,8 +386,8 @@ impl Maker<'_> {
             shift if shift > 0.0 => last,
             shift => (here + shift).clamp(0.0, last),
         };
-        // The first section is combed to the first stitch. If that is nearer, later hair catches up, so that neighbors
-        // stay neighbors.
+        // The first section is combed to the first stitch. If that is nearer, later hair catches up, so that neighbours
+        // stay neighbours.
         let start = self.start(lane);
         let behind = 2.0 * (x - self.inputs.start * self.unit);
         let x = behind.min(x - start).min(last - start).max(0.0);

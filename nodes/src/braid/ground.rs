@@ -5,7 +5,7 @@
 //! over the skin and fan out around its two ends. With the row unrolled straight, a hair combed along and into the
 //! braid is a parabola, however the head bends beneath it.
 //!
-//! Guarantees: a path's points are within a few tenths of a millimeter of the skin; in a territory that ends at a
+//! Guarantees: a path's points are within a few tenths of a millimetre of the skin; in a territory that ends at a
 //! parting, a path never comes nearer to the parting than its root's side allows. Not promised: anything where the
 //! columns of a row converge (far from a row that bends around its territory); paths there are merely smooth.
 
@@ -27,7 +27,7 @@ pub(crate) struct Lane {
     pub(crate) row: Row,
     /// Length of the whole source, cm.
     pub(crate) length: f32,
-    /// The section that it is the center of; `None`: whatever is nearest to it.
+    /// The section that it is the centre of; `None`: whatever is nearest to it.
     pub(crate) section: Option<u64>,
     /// Length over the scalp from its root, cm: 0 for a row that stands up from the head.
     pub(crate) leads: f32,
@@ -105,7 +105,7 @@ impl Lane {
     }
     /// The position of the row, as a fraction, that `p` is beside. This is the nearest one (`owner.u`), but positions
     /// `far[0]` cm away and more are beside all of the row that is about equally near: beside an ear, where a row from
-    /// front to back is near everywhere, neighboring hairs then run the same way.
+    /// front to back is near everywhere, neighbouring hairs then run the same way.
     pub(crate) fn foot(&self, p: Vec3, owner: &Owner, far: [f32; 2]) -> f32 {
         let share = far_off(owner.distance, far);
         if share <= 0.0 {

@@ -314,7 +314,7 @@ fn a_root_knot_is_as_much_wider_than_the_braid_as_was_asked() {
         ];
         by_id(&made(&scalp, &row, territory, hair).hair)
     };
-    // How far hair reaches from the braid's center within a height range over the scalp, except for a twentieth: single
+    // How far hair reaches from the braid's centre within a height range over the scalp, except for a twentieth: single
     // hairs are still on their way in.
     let outline = |hair: &BTreeMap<u64, Vec<Vec3>>, low: f32, high: f32| {
         let points = hair.values().flat_map(|points| points.iter().map(|p| *p - foot));
@@ -364,7 +364,7 @@ fn a_band_lies_round_its_braid_and_draws_it_together() {
             let out = |p: Vec3| (p - start).reject_from(axis);
             let turns = &points[1..points.len() - 1];
             assert!(turns.iter().all(|p| scalp.skin().distance(*p) > 0.0));
-            // Three turns of 0.15 cm side by side, from center to center of the outer ones.
+            // Three turns of 0.15 cm side by side, from centre to centre of the outer ones.
             let radius = band.view(attr::RADIUS).at(i, 0);
             assert!((radius - 0.075).abs() < 1e-5);
             assert!((end.distance(start) - 0.45).abs() < 0.02, "{}", end.distance(start));

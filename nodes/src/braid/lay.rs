@@ -124,7 +124,7 @@ pub(crate) struct Shape<'a> {
     pub(crate) facing: Facing,
     /// Preferred normal at the root where nothing else determines it.
     pub(crate) start: Option<Vec3>,
-    /// Height of the braid's center above the source: a fixed part, and one that scales with the depth.
+    /// Height of the braid's centre above the source: a fixed part, and one that scales with the depth.
     pub(crate) raise: (f32, f32),
     pub(crate) looseness: f32,
     pub(crate) loose: Dice,
@@ -152,7 +152,7 @@ struct Station {
     s: f32,
     /// Stitch coordinate.
     q: f64,
-    /// Center of the cross-section.
+    /// Centre of the cross-section.
     centre: Vec3,
     frame: Frame,
     /// Amplitudes, cm.
@@ -171,7 +171,7 @@ const PINCH: f32 = 0.62;
 /// Depth of the bundle in the tie, as a fraction of its width: hair under a band is nearly round.
 const ROUND: f32 = 0.8;
 /// Amplitude of strands gathered at the root: a bundle in which they lie side by side. Less turns them into wires,
-/// since tubes have no thickness where centers meet.
+/// since tubes have no thickness where centres meet.
 const GATHERED: f32 = 0.3;
 /// The weave comes to rest between these numbers of stitches behind the tie: sooner kinks the strands, later continues
 /// the braid past the band.
@@ -446,7 +446,7 @@ impl Shape<'_> {
     }
 }
 
-/// Center line of an end tuft past the end of its source: straight on, or along the skin where that is in the way.
+/// Centre line of an end tuft past the end of its source: straight on, or along the skin where that is in the way.
 struct Tassel {
     /// Distance in cm along source and tuft, and the position there.
     reached: f32,
@@ -456,7 +456,7 @@ struct Tassel {
 }
 
 impl Tassel {
-    /// Center at `s`, and its frame. `last` is the source's frame at its end; the center stays `height` cm off the
+    /// Centre at `s`, and its frame. `last` is the source's frame at its end; the centre stays `height` cm off the
     /// skin.
     fn lead(&mut self, s: f32, last: Frame, below: Option<&Below>, height: f32) -> (Vec3, Frame) {
         let way = *self.way.get_or_insert(last);
@@ -506,7 +506,7 @@ fn pressed(station: &Station, p: Vec3, lacks: f32) -> Vec3 {
 
 /// Signed distance from the skin if it is below `reach`.
 pub(crate) fn distance(below: &Below, p: Vec3, reach: f32) -> Option<f32> {
-    // The field covers distances up to a centimeter.
+    // The field covers distances up to a centimetre.
     if reach < 0.95 {
         return Some(below.skin.distance(p)).filter(|d| *d < 0.99);
     }
@@ -514,7 +514,7 @@ pub(crate) fn distance(below: &Below, p: Vec3, reach: f32) -> Option<f32> {
     surface.closest_within(p, reach).map(|hit| surface.signed_distance(p, &hit))
 }
 
-/// A smooth function nowhere below `values`: the maximum of each neighborhood, averaged over neighborhoods of the same
+/// A smooth function nowhere below `values`: the maximum of each neighbourhood, averaged over neighbourhoods of the same
 /// size.
 fn eased_above(values: &[f32], half: usize) -> Vec<f32> {
     let n = values.len();
@@ -621,7 +621,7 @@ impl Laid {
         let after = self.stations.partition_point(|station| station.s <= s);
         self.stations[after.clamp(1, self.stations.len()) - 1].grip
     }
-    /// Center of the braid at arc length `s`.
+    /// Centre of the braid at arc length `s`.
     pub(crate) fn centre(&self, s: f32) -> Vec3 {
         let after = self.stations.partition_point(|station| station.s <= s);
         self.stations[after.clamp(1, self.stations.len()) - 1].centre

@@ -30,7 +30,7 @@ use std::sync::Arc;
 node! {
     /// Braids two to twelve strands along each source curve.
     ///
-    /// The strands are clusters whose radius makes neighbors just touch; fill them with hair downstream. With a scalp
+    /// The strands are clusters whose radius makes neighbours just touch; fill them with hair downstream. With a scalp
     /// wired, the braid lies on it as a cornrow, raised by half its height, with its stitches facing outward. Wire the
     /// stitches to Edge partition to pull the surrounding hair into the braid.
     ///
@@ -66,7 +66,7 @@ node! {
         /// Height of the whole braid, front to back, including its tubes. 0 takes half the width, or the whole width
         /// for a rope.
         height: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("depth thickness");
-        /// Thickness of the tubes: 1 makes neighbors touch, less leaves gaps, more presses them together, which closes
+        /// Thickness of the tubes: 1 makes neighbours touch, less leaves gaps, more presses them together, which closes
         /// the gaps of braids with many strands.
         fullness: FieldInput = 1.0f32, hard(0.05, 2.0), soft(0.5, 1.1), unit(Ratio), words("volume pancake");
 
@@ -133,7 +133,7 @@ node! {
         looseness: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("messy random");
         /// Random variation in stitch length: 0 makes all the same, 1 makes some several times as long as others.
         uneven_stitches: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("messy random irregular");
-        /// Short hairs that stick out of the braid, per centimeter of braid. They have their own output.
+        /// Short hairs that stick out of the braid, per centimetre of braid. They have their own output.
         flyaways: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 40.0), unit(PerCm), words("stray frizz fuzz");
         /// Length of the longest flyaways; the shortest have a third of it.
         flyaway_length: f32 = 1.0, hard(0.01, 50.0), soft(0.2, 4.0), unit(Length),
@@ -193,9 +193,9 @@ choice! {
     Crossing {
         /// Under for braids on the scalp, over for others.
         Auto = "auto",
-        /// Strands pass under their neighbors and the braid stands out: cornrow, Dutch braid.
+        /// Strands pass under their neighbours and the braid stands out: cornrow, Dutch braid.
         Under = "under",
-        /// Strands pass over their neighbors and the braid lies flat: English and French braid.
+        /// Strands pass over their neighbours and the braid lies flat: English and French braid.
         Over = "over",
     }
 }
@@ -299,7 +299,7 @@ struct Plan<'a> {
     inputs: &'a Inputs,
     weave: Weave,
     paths: Paths,
-    /// Centimeters per unit of the lengths.
+    /// Centimetres per unit of the lengths.
     unit: f32,
     facing: Facing,
     below: Option<Below<'a>>,
@@ -669,7 +669,7 @@ fn advance(
     }
 }
 
-/// Lets a tube rest on the skin: limits its radius to the height of its center where the skin counts, and returns how
+/// Lets a tube rest on the skin: limits its radius to the height of its centre where the skin counts, and returns how
 /// deep below the skin it still reaches.
 fn rest(below: &Below, p: Vec3, grip: f32, radius: &mut f32) -> f32 {
     let Some(d) = lay::distance(below, p, 1.5 * *radius) else { return 0.0 };

@@ -57,7 +57,7 @@ impl Strand {
     }
 }
 
-/// Crossings in order: which neighbors (0 is the leftmost pair), and whether the strand going right is above. `None`
+/// Crossings in order: which neighbours (0 is the leftmost pair), and whether the strand going right is above. `None`
 /// where `blind`; there, two crossings that undo each other are dropped.
 fn crossings(
     at: impl Fn(usize) -> Vec<Vec2>,
@@ -91,7 +91,7 @@ fn crossings(
     word
 }
 
-/// Signs of the generators of a word in which all crossings of a pair have the same sign and neighboring pairs
+/// Signs of the generators of a word in which all crossings of a pair have the same sign and neighbouring pairs
 /// alternate: up to exchange of commuting generators and rotation, such a word is (one stitch's factor)^stitches.
 #[track_caller]
 fn signs(
@@ -171,7 +171,7 @@ pub(super) fn braid_signs(
 }
 
 /// The largest (r_i(u) + r_j(v)) / |p_i(u) - p_j(v)| of different strands, and the fraction of the strands' samples
-/// with a neighbor that touches them to 8 %.
+/// with a neighbour that touches them to 8 %.
 pub(super) fn overlap(strands: &[Strand]) -> (f32, f32) {
     let all: Vec<Vec<(Vec3, f32, f32)>> = strands.iter().map(|s| s.samples(4)).collect();
     let (mut worst, mut touching, mut count) = (0.0f32, 0, 0);
@@ -194,7 +194,7 @@ pub(super) fn overlap(strands: &[Strand]) -> (f32, f32) {
     (worst.sqrt(), touching as f32 / count as f32)
 }
 
-/// The largest ratio of neighboring distances between CVs.
+/// The largest ratio of neighbouring distances between CVs.
 pub(super) fn unevenness(strands: &Curves) -> f32 {
     let mut worst = 1.0f32;
     for (tuft, i) in strands.each() {

@@ -20,7 +20,7 @@ const CVS: usize = 8;
 pub(crate) struct Strand<'a> {
     pub(crate) spline: &'a Spline,
     pub(crate) radii: &'a [f32],
-    /// Center of the braid at each CV.
+    /// Centre of the braid at each CV.
     pub(crate) centres: Vec<Vec3>,
     pub(crate) id: u64,
 }

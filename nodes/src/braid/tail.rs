@@ -94,7 +94,7 @@ impl Fall {
         let Self { step, height, end, last } = *self;
         for k in tail.len()..=last {
             let p = tail[k - 1];
-            // Gravity turns hanging hair within a few centimeters.
+            // Gravity turns hanging hair within a few centimetres.
             way = (way + Vec3::NEG_Y * (0.22 * step)).normalize_or(way);
             let mut next = p + way * step;
             let fallen = k.saturating_sub(end) as f32 * step;

@@ -45,7 +45,7 @@ pub(super) struct Manner {
     pub(super) tip_frizz: f32,
     pub(super) flyaways: f32,
     pub(super) flyaway_length: f32,
-    /// Centimeters per head unit.
+    /// Centimetres per head unit.
     pub(super) unit: f32,
     pub(super) dice: Dice,
 }
@@ -473,7 +473,7 @@ impl Manner {
     }
 }
 
-/// Distance from the center of the strand where this much has `joined`, as a fraction of the radius.
+/// Distance from the centre of the strand where this much has `joined`, as a fraction of the radius.
 #[inline]
 fn share(wish: &Wish, joined: f32) -> f32 {
     (wish.order / joined.max(1e-4)).sqrt().min(1.0)

@@ -7,14 +7,14 @@
 //!
 //! Guarantees: `r_i(u) + r_j(v) <= 1.02 |p_i(u) - p_j(v)|` on the splines, with radii interpolated between CVs (tested
 //! by the node); a radius is at most 0.9 of the strand's own radius of curvature. The raw distance has kinks where the
-//! nearest neighbor changes; the result is a smooth function below it.
+//! nearest neighbour changes; the result is a smooth function below it.
 
 use crate::define::NodeError;
 use crate::eval::Piece;
 use crate::maths::spline::{Place, Spline};
 use glam::Vec3;
 
-/// A strand's center line: its spline and, for each CV, the arc length along the braid's source and the largest radius
+/// A strand's centre line: its spline and, for each CV, the arc length along the braid's source and the largest radius
 /// that the braid's outline allows.
 pub(crate) struct Line {
     pub(crate) spline: Spline,
@@ -82,7 +82,7 @@ impl Fine {
         let (x, y, z) = (self.at[0][k] - p.x, self.at[1][k] - p.y, self.at[2][k] - p.z);
         x * x + y * y + z * z
     }
-    /// The chords from a sample to its neighbors.
+    /// The chords from a sample to its neighbours.
     fn chords(&self, k: usize) -> impl Iterator<Item = [Vec3; 2]> {
         (k.max(1)..(k + 2).min(self.len())).map(|k| [self.point(k - 1), self.point(k)])
     }
@@ -184,7 +184,7 @@ fn least(values: &[f32; BLOCK]) -> f32 {
     lanes.iter().fold(f32::MAX, |least, value| least.min(*value))
 }
 
-/// Squared smallest distance between the neighborhood of sample `k` of a strand and what is nearest to it.
+/// Squared smallest distance between the neighbourhood of sample `k` of a strand and what is nearest to it.
 fn least_about<'f>(
     own: &Fine,
     k: usize,
@@ -202,7 +202,7 @@ fn least_about<'f>(
     })
 }
 
-/// Search range for neighbors.
+/// Search range for neighbours.
 #[derive(Clone, Copy)]
 pub(crate) struct Near {
     /// How far along the source (cm) another strand's nearest point can be.
@@ -283,7 +283,7 @@ pub(crate) fn touching_radii(
     Ok(out)
 }
 
-/// Radius of the circle through a sample and its neighbors; huge on a straight line.
+/// Radius of the circle through a sample and its neighbours; huge on a straight line.
 fn turn_radius(fine: &Fine, k: usize) -> f32 {
     let k = k.clamp(1, fine.len() - 2);
     let (a, b, c) = (fine.point(k - 1), fine.point(k), fine.point(k + 1));
@@ -325,8 +325,8 @@ fn keep_below_between(radii: &mut [f32], raw: &[f32], per_span: usize) {
     radii.iter_mut().zip(factors).for_each(|(radius, factor)| *radius *= factor);
 }
 
-/// The values at CVs of a smooth function that is nowhere above `raw`: the minimum of each neighborhood, averaged over
-/// neighborhoods of the same size (an opening, so valleys keep their depth).
+/// The values at CVs of a smooth function that is nowhere above `raw`: the minimum of each neighbourhood, averaged over
+/// neighbourhoods of the same size (an opening, so valleys keep their depth).
 fn smooth_below(raw: &[f32], round: usize, per_span: usize) -> Vec<f32> {
     let n = raw.len();
     let low: Vec<f32> = (0..n)

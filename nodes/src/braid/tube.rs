@@ -154,7 +154,7 @@ pub(super) struct Braid {
     pub(super) stitches: Vec<Stitch>,
     /// One per step from the tie on; empty if the braid has no end tuft.
     pub(super) brush: Vec<Bristles>,
-    /// Its center line at the band that ties it; `None` without one.
+    /// Its centre line at the band that ties it; `None` without one.
     pub(super) waist: Option<Waist>,
     /// cm.
     pub(super) step: f32,
@@ -312,7 +312,7 @@ impl Braid {
             })
             .collect()
     }
-    /// How far (cm) the hair of the strands reaches from the braid's center this many steps beyond the tie, in a unit
+    /// How far (cm) the hair of the strands reaches from the braid's centre this many steps beyond the tie, in a unit
     /// direction.
     pub(super) fn reach(&self, middle: Vec3, beyond: f32, out: Vec3) -> f32 {
         let reach = |tube: &Tube| {
@@ -396,7 +396,7 @@ fn bend(at: &mut [Section], step: f32) {
     }
 }
 
-/// A place in a cross-section. On the inside of a bend, hair is compressed so that none lies beyond the center of the
+/// A place in a cross-section. On the inside of a bend, hair is compressed so that none lies beyond the centre of the
 /// bend, where it would run backward.
 #[inline]
 pub(super) fn place(section: &Section, q: Vec2) -> Vec3 {
@@ -418,7 +418,7 @@ struct Cut<'a> {
 /// A root knot: where strands are still gathered, the braid is as wide as behind the knot plus the requested extra
 /// width.
 struct Knot {
-    /// The braid's center at each step of the knot, and the growth around it.
+    /// The braid's centre at each step of the knot, and the growth around it.
     at: Vec<(Vec3, f32)>,
 }
 
@@ -431,7 +431,7 @@ impl Knot {
         let length = splines.iter().fold(length, |least, spline| least.min(spline.length()));
         let steps = ((length / step).ceil() as usize).max(1);
         let radius = strands.view(attr::RADIUS);
-        // The center of the strands at this distance along them, and how far the outermost reaches from it.
+        // The centre of the strands at this distance along them, and how far the outermost reaches from it.
         let outline = |k: usize| {
             let place =
                 |spline: &Spline| spline.locate_length((k as f32 * step).min(spline.length()));
@@ -454,7 +454,7 @@ impl Knot {
         Self { at: at.collect() }
     }
 
-    /// Position of a strand's center in the knot, and its extra thickness there.
+    /// Position of a strand's centre in the knot, and its extra thickness there.
     fn moved(&self, k: usize, p: Vec3) -> (Vec3, f32) {
         let (middle, grown) = self.at.get(k).copied().unwrap_or((p, 1.0));
         (middle + (p - middle) * grown, grown)

@@ -42,7 +42,7 @@ pub(crate) struct Weave {
 
 impl Weave {
     /// The weave of `strands` with frequency `m` (coprime to it). `under`: at the outermost crossings, the strand
-    /// moving inward passes below its neighbor; an odd `m` gives the same braid either way. `mirrored` swaps left and
+    /// moving inward passes below its neighbour; an odd `m` gives the same braid either way. `mirrored` swaps left and
     /// right.
     pub(crate) fn new(strands: u32, m: u32, under: bool, mirrored: bool) -> Self {
         // Just past the outermost point, the path's height has the sign of sin(m (90 + e)), that is, of (-1)^(m/2)
@@ -102,9 +102,9 @@ impl Pitch {
 /// The inner dimensions of a straight braid of a given outer size, cm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Size {
-    /// Amplitude of the center lines across.
+    /// Amplitude of the centre lines across.
     pub(crate) a: f32,
-    /// Amplitude of the center lines in depth.
+    /// Amplitude of the centre lines in depth.
     pub(crate) b: f32,
     /// Length of a stitch.
     pub(crate) pitch: f32,
@@ -145,7 +145,7 @@ impl Paths {
         Self { strands: n, at: (0..weave.strands).map(path).collect() }
     }
 
-    /// The center lines of a straight braid that is `width` by `height` over its tubes, whose radii are `fullness`
+    /// The centre lines of a straight braid that is `width` by `height` over its tubes, whose radii are `fullness`
     /// times those that touch.
     pub(crate) fn size(&self, width: f32, height: f32, pitch: Pitch, fullness: f32) -> Size {
         let (half_w, half_h) = (0.5 * width, 0.5 * height);
@@ -180,7 +180,7 @@ impl Paths {
                         nearest = nearest.min(dx * dx + dy * dy + dz * dz);
                     }
                 }
-                // Circle through the neighboring samples.
+                // Circle through the neighbouring samples.
                 let place = |k: usize| Vec3::new(xs[k] * a, ys[k] * b, k as f32 * step);
                 let [p, q, r] = [place(k + REACH - 1), place(k + REACH), place(k + REACH + 1)];
                 let sides = p.distance(q) * q.distance(r) * r.distance(p);
@@ -188,7 +188,7 @@ impl Paths {
                 (0.5 * fullness * nearest.sqrt()).min(OF_CURVATURE * turn)
             })
             .collect();
-        // As `touch.rs` rounds kinks: the minimum of the neighbors, averaged over as many.
+        // As `touch.rs` rounds kinks: the minimum of the neighbours, averaged over as many.
         let low = |k: usize| radii[k % n].min(radii[(k + 1) % n]).min(radii[(k + n - 1) % n]);
         let radius = |k: usize| 0.25 * (low(k + n - 1) + 2.0 * low(k) + low(k + 1));
         let highest = (0..n)
@@ -206,7 +206,7 @@ impl Paths {
 mod tests {
     use super::*;
 
-    /// Smallest distance of two strands' centers in the cross-section, A = 1, B = 0.5.
+    /// Smallest distance of two strands' centres in the cross-section, A = 1, B = 0.5.
     fn section_distance(weave: &Weave) -> f32 {
         let mut least = f32::MAX;
         for k in 0..2000 {

@@ -1,7 +1,7 @@
 //! Drawn profiles: curves in space converted to closed shapes in a plane.
 //!
 //! A curve is projected along the normal of the area that it encloses (Newell's method), so that a shape drawn on any
-//! wall, and not quite flat, keeps its form; a turn begins in the direction from its center to its first point. Curves
+//! wall, and not quite flat, keeps its form; a turn begins in the direction from its centre to its first point. Curves
 //! that enclose no area are dropped and counted.
 
 use crate::data::curves::Curves;

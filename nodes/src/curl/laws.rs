@@ -303,7 +303,7 @@ fn z_bends_come_in_runs_whose_plane_turns_slowly() {
         let angle = 0.5 * crate::maths::transcendental::atan2(2.0 * xy, xx - yy);
         planes.push(Vec2::from_angle(angle));
     }
-    // Neighbors agree to 40 degrees (in either direction), and over the hair the plane rotates all the way.
+    // Neighbours agree to 40 degrees (in either direction), and over the hair the plane rotates all the way.
     let agree = planes.windows(2).filter(|w| w[0].dot(w[1]).abs() > 0.766).count();
     assert!(agree * 10 >= planes.len() * 8, "{agree} of {}", planes.len());
     assert!(planes.iter().any(|p| p.dot(planes[0]).abs() < 0.5));

@@ -14,7 +14,7 @@ use glam::Vec2;
 pub(crate) struct Pattern {
     /// The list's profiles, and the zigzag of Z-bends last.
     pub(crate) shapes: Vec<Shape>,
-    /// The largest distance of any of them from its center.
+    /// The largest distance of any of them from its centre.
     pub(crate) widest: f32,
     /// Index of the profile of each entry of the shape list.
     pub(crate) list: Vec<u16>,

@@ -32,7 +32,7 @@ pub(crate) struct Shape {
     pub(crate) perimeter: f32,
     /// Its bend: the acceleration that nine tenths of a turn do not exceed, relative to a circle.
     pub(crate) bend: f32,
-    /// Its largest distance from the center.
+    /// Its largest distance from the centre.
     pub(crate) widest: f32,
 }
 
@@ -218,7 +218,7 @@ fn even(outline: &[Vec2]) -> Vec<Vec2> {
 /// The outline at even arc length around its centroid, with unit RMS radius.
 fn normalised(outline: &[Vec2]) -> Vec<Vec2> {
     let mut out = even(outline);
-    // Moving the center moves the +x axis: one repetition is enough, since the center then stays.
+    // Moving the centre moves the +x axis: one repetition is enough, since the centre then stays.
     for _ in 0..2 {
         let mean = out.iter().sum::<Vec2>() / FINE as f32;
         out.iter_mut().for_each(|p| *p -= mean);
@@ -229,7 +229,7 @@ fn normalised(outline: &[Vec2]) -> Vec<Vec2> {
     out
 }
 
-/// A star-shaped outline dilated by a disc: for each of this many rays from the center, the farthest point within
+/// A star-shaped outline dilated by a disc: for each of this many rays from the centre, the farthest point within
 /// `radius` of the outline.
 fn widened(outline: &[Vec2], radius: f32, rays: usize) -> Vec<Vec2> {
     if radius <= 0.0 {

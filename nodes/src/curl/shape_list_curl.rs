@@ -565,7 +565,7 @@ fn last_over(sections: &Sections, points: &[Vec3]) -> Option<usize> {
 }
 
 /// The initial normal of a curl's profile: the curve's own if it has one, else a direction that changes smoothly with
-/// the tangent, so that neighboring hairs start alike. Such a field must be discontinuous somewhere: here for hair that
+/// the tangent, so that neighbouring hairs start alike. Such a field must be discontinuous somewhere: here for hair that
 /// grows straight forward and down, which no hair does.
 fn root_normal(tangent: Vec3, own: Vec3) -> Vec3 {
     const BACK_AND_UP: Vec3 = Vec3::new(0.0, 0.8, -0.6);

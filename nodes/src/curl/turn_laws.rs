@@ -262,7 +262,7 @@ fn a_drawn_shape_takes_the_place_of_its_tier() {
         let (sin, cos) = crate::maths::transcendental::sin_cos_turns(turns);
         1.0 / (cos * cos + 9.0 * sin * sin).sqrt()
     };
-    // A drawn circle of any size equals the built-in circle; a flat profile comes closer to its center.
+    // A drawn circle of any size equals the built-in circle; a flat profile comes closer to its centre.
     assert!((least(&with(outline(&circle), "a")) - least(&plain)).abs() < 0.01);
     let drawn = least(&with(outline(&flat), "a"));
     assert!((0.1..0.35).contains(&drawn), "{drawn}");

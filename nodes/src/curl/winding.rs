@@ -10,7 +10,7 @@
 //! ```
 //!
 //! so the path is C1 whatever is drawn, without integration. CVs lie on the path, spaced within 1.2 : 1 of their
-//! neighbors (where no skin is in the way), so that every reader of Catmull-Rom curves reads the same curl: the path is
+//! neighbours (where no skin is in the way), so that every reader of Catmull-Rom curves reads the same curl: the path is
 //! walked with a step predicted from its own speed, and a step that comes out too long or too short is repeated. The
 //! length of steps follows from the requested error and changes slowly along the hair.
 //!
@@ -718,7 +718,7 @@ impl Winder {
             .map(move |mark| rail.at(&mut cursor, self.s_at(mark.turn as usize, mark.x, b)).place)
     }
 
-    /// For each point, whether the curl may come near what `clear` reports for a ball (center and radius, cm): queried
+    /// For each point, whether the curl may come near what `clear` reports for a ball (centre and radius, cm): queried
     /// once per turn.
     pub(crate) fn near(
         &self,

@@ -30,7 +30,7 @@ pub enum Column {
     U64(Arc<Vec<u64>>),
     /// Texture coordinates.
     Vec2(Arc<Vec<Vec2>>),
-    /// Vectors and linear Rec.709 colors.
+    /// Vectors and linear Rec.709 colours.
     Vec3(Arc<Vec<Vec3>>),
 }
 
@@ -217,7 +217,7 @@ declare! {
     /// Normal, pointing out of the hair, of the plane through a cluster's tip that cuts its strands. Unit; zero: not
     /// cut.
     CUT: Vec3 = "cut", Vec3::ZERO;
-    /// Color, linear Rec.709.
+    /// Colour, linear Rec.709.
     COLOUR: Vec3 = "colour", Vec3::new(0.09, 0.05, 0.03);
     /// Depth below the skin that the curve may reach, cm.
     ALLOW_DEPTH: f32 = "allow_depth", 0.0;
@@ -259,16 +259,16 @@ declare! {
     SHRINKAGE: f32 = "shrinkage", 0.0;
     /// Id of the puff, bun or tail that a hair belongs to. 0: none.
     PUFF: u64 = "puff", 0;
-    /// Center of the outline that the tips of a puff lie on, cm.
+    /// Centre of the outline that the tips of a puff lie on, cm.
     PUFF_CENTRE: Vec3 = "puff_centre", Vec3::ZERO;
-    /// Distance from the puff's center to its outline at the end of this hair, cm; 0: none.
+    /// Distance from the puff's centre to its outline at the end of this hair, cm; 0: none.
     PUFF_RADIUS: f32 = "puff_radius", 0.0;
     /// Requested angle from the top of a puff down to which its tips reach, degrees; 0: unknown.
     PUFF_COVERAGE: f32 = "puff_coverage", 0.0;
     /// Requested roughness of a puff's outline: how much deeper the innermost tips end than the outermost, as a
     /// fraction of the radius; how far tips may lie off the outline, cm; and the fraction of hairs that may stick out.
     PUFF_EDGE: Vec3 = "puff_edge", Vec3::ZERO;
-    /// Center of the ring where hair leaves the tie that holds it, cm.
+    /// Centre of the ring where hair leaves the tie that holds it, cm.
     TIE: Vec3 = "tie", Vec3::ZERO;
     /// Radius of that ring, cm; 0: no tie holds the hair.
     TIE_RADIUS: f32 = "tie_radius", 0.0;

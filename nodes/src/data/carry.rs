@@ -31,10 +31,10 @@ pub const LEAST: f64 = 0.2;
 const FARTHEST: f64 = 2.0;
 /// Number of steps from the whole map down to none.
 const STEPS: u32 = 50;
-/// The map is checked in this many directions from the center, at these distances (radii) ...
+/// The map is checked in this many directions from the centre, at these distances (radii) ...
 const LOOKS: u32 = 600;
 const SHELLS: [f64; 3] = [0.75, 1.05, 1.4];
-/// ... but no farther below the center than this, where there are necks and no hair.
+/// ... but no farther below the centre than this, where there are necks and no hair.
 const LOW: f64 = -1.2;
 /// Tolerance of the inverse (radii), within the allowed number of steps.
 const FOUND: f64 = 1e-9;

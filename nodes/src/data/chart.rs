@@ -1,8 +1,8 @@
 //! The scalp as a flat map, for everything planar on it: partings and the sections between them.
 //!
-//! A point of the scalp is represented by its direction from the center of the cranium, and directions are projected by
+//! A point of the scalp is represented by its direction from the centre of the cranium, and directions are projected by
 //! Lambert's azimuthal equal-area projection. Its axis leans back from the crown, so that forehead and nape are equally
-//! far from the map's center. Neither direction of the projection needs a transcendental. A fine grid holds what is
+//! far from the map's centre. Neither direction of the projection needs a transcendental. A fine grid holds what is
 //! known of the region: where hair grows, how far out the skin is, and its area in cm2.
 //!
 //! Guarantees: equal solid angles have equal areas on the map; a point of the region returns to itself within the
@@ -16,24 +16,24 @@ use glam::{Vec2, Vec3};
 
 /// Cells along a side of the grid.
 pub const CELLS: usize = 304;
-/// The map reaches this far from its center (a whole sphere has a radius of 2); 1.9 is 143 degrees.
+/// The map reaches this far from its centre (a whole sphere has a radius of 2); 1.9 is 143 degrees.
 const REACH: f32 = 1.9;
 /// Side of a cell in map units: 1.1 mm on a cranium of 8.9 cm.
 pub const CELL: f32 = 2.0 * REACH / CELLS as f32;
 /// Backward lean of the axis from the crown: sine and cosine of 35 degrees.
 const LEAN: (f32, f32) = (0.573_576_4, 0.819_152);
-/// Smallest cosine between the skin's normal and the direction from the cranium's center that still counts as scalp: 72
+/// Smallest cosine between the skin's normal and the direction from the cranium's centre that still counts as scalp: 72
 /// degrees, steeper than any cranium.
 const ON_EDGE: f32 = 0.3;
-/// How much farther out or in the skin may be next to a cell's center, cm: it is steep beside an ear.
+/// How much farther out or in the skin may be next to a cell's centre, cm: it is steep beside an ear.
 const SLOPE: f32 = 0.8;
-/// Triangles larger than this on the map (those around the antipode of its center) are left out.
+/// Triangles larger than this on the map (those around the antipode of its centre) are left out.
 const TOO_WIDE: f32 = 0.7;
 
 /// The map of one scalp.
 pub struct Chart {
     spread: Spread,
-    /// The skin under the center of each cell, row by row from the nape.
+    /// The skin under the centre of each cell, row by row from the nape.
     spots: Vec<Spot>,
 }
 
@@ -51,12 +51,12 @@ impl Spread {
     pub fn flat(&self, p: Vec3) -> Vec2 {
         self.flat_direction(p - self.origin)
     }
-    /// Distance of a point from the center of the cranium, cm.
+    /// Distance of a point from the centre of the cranium, cm.
     #[inline]
     pub fn out(&self, p: Vec3) -> f32 {
         p.distance(self.origin)
     }
-    /// Position on the map of a direction from the center of the cranium.
+    /// Position on the map of a direction from the centre of the cranium.
     #[inline]
     pub fn flat_direction(&self, d: Vec3) -> Vec2 {
         let [x, y, z] = self.axes.map(|axis| d.dot(axis));
@@ -70,7 +70,7 @@ impl Spread {
         };
         Vec2::new(x, y) * scale.sqrt()
     }
-    /// The direction from the center of the cranium at `q` on the map. Unit.
+    /// The direction from the centre of the cranium at `q` on the map. Unit.
     pub fn direction(&self, q: Vec2) -> Vec3 {
         let q = q.clamp_length_max(1.999);
         let square = q.length_squared();
@@ -80,7 +80,7 @@ impl Spread {
     }
 }
 
-/// The skin under the center of a cell.
+/// The skin under the centre of a cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Spot {
     /// The point of the scalp, cm; outside the region, a point of the cranium's sphere.
@@ -120,7 +120,7 @@ impl Chart {
         let twice = (b - a).perp_dot(c - a);
         let [u, v] = [corners[1] - corners[0], corners[2] - corners[0]];
         let ratio = u.cross(v).length() / twice.abs();
-        // Skin that faces the center or stands on edge belongs to something that sticks out, such as an ear.
+        // Skin that faces the centre or stands on edge belongs to something that sticks out, such as an ear.
         let way = (corners[0] - self.spread.origin).normalize_or_zero();
         if u.cross(v).normalize_or_zero().dot(way) <= ON_EDGE {
             return;
@@ -159,7 +159,7 @@ impl Chart {
     pub fn spots(&self) -> &[Spot] {
         &self.spots
     }
-    /// The center of the cranium, cm.
+    /// The centre of the cranium, cm.
     pub fn origin(&self) -> Vec3 {
         self.spread.origin
     }
@@ -172,7 +172,7 @@ impl Chart {
     pub fn flat(&self, p: Vec3) -> Vec2 {
         self.spread.flat(p)
     }
-    /// The direction from the center of the cranium at `q` on the map. Unit.
+    /// The direction from the centre of the cranium at `q` on the map. Unit.
     pub fn direction(&self, q: Vec2) -> Vec3 {
         self.spread.direction(q)
     }
@@ -180,7 +180,7 @@ impl Chart {
     pub fn grows(&self, q: Vec2) -> f32 {
         cell_of(q).map_or(0.0, |i| self.spots[i].grows)
     }
-    /// The root at `q` on the map: where the ray from the center of the cranium leaves the skin.
+    /// The root at `q` on the map: where the ray from the centre of the cranium leaves the skin.
     pub fn root(&self, scalp: &Scalp, q: Vec2) -> Option<Root> {
         let (way, surface) = (self.direction(q), scalp.surface());
         // At the hairline the skin is as far out as in the adjacent cells inside it.
@@ -210,7 +210,7 @@ impl Chart {
             None => scalp.closest_root(self.spread.origin + way * known.unwrap_or(radius)),
         }
     }
-    /// Distance of the skin in a cell from the center of the cranium, cm.
+    /// Distance of the skin in a cell from the centre of the cranium, cm.
     pub fn out(&self, cell: usize) -> f32 {
         self.spots[cell].point.distance(self.spread.origin)
     }
@@ -234,7 +234,7 @@ pub fn cell_of(q: Vec2) -> Option<usize> {
     inside.then(|| at.y as usize * CELLS + at.x as usize)
 }
 
-/// The center of a cell.
+/// The centre of a cell.
 #[inline]
 pub fn middle(cell: usize) -> Vec2 {
     let (x, y) = (cell % CELLS, cell / CELLS);

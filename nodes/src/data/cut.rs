@@ -1,9 +1,9 @@
 //! How partings cut a scalp: cells of the map are joined to sections, and slivers that nobody would braid go to a
-//! neighbor.
+//! neighbour.
 //!
-//! Two cells are joined if the segment between their centers crosses no parting and stays off the lines; no hair is
+//! Two cells are joined if the segment between their centres crosses no parting and stays off the lines; no hair is
 //! drawn through a neck as narrow as a parting's bare skin. A piece between pattern lines that is much narrower than
-//! the others goes to the neighbor with which it shares most of its border. Pattern lines are then dropped where the
+//! the others goes to the neighbour with which it shares most of its border. Pattern lines are then dropped where the
 //! same section lies on both sides. Drawn lines are never dropped.
 //!
 //! Guarantees: sections are numbered from front to back; cuts do not depend on cuts elsewhere, except for the threshold
@@ -23,7 +23,7 @@ const LEAST: f32 = 0.12;
 /// A speck beside an ear is not a section either: at most this small, and at most this fraction of the median section's
 /// area.
 const SPECK: (f32, f32) = (0.3, 0.06);
-/// A piece narrower than this fraction of the median section goes to its neighbor. Width is twice the area over the
+/// A piece narrower than this fraction of the median section goes to its neighbour. Width is twice the area over the
 /// length of the border: half the side of a square, half the width of a strip.
 const NARROW: f32 = 0.25;
 /// A cell is on a line if it is nearer than half the line's width, clamped to these limits, cm.
@@ -51,7 +51,7 @@ pub(super) struct Lines {
     /// Start of each cell's segments in `listed`: those in the cell and in the cells around it.
     starts: Vec<u32>,
     listed: Vec<u32>,
-    /// The segment nearest to each cell's center, or [`NONE`], and its distance, cm.
+    /// The segment nearest to each cell's centre, or [`NONE`], and its distance, cm.
     pub(super) nearest: Vec<u32>,
     pub(super) clear: Vec<f32>,
     /// Segments indexed by position in space, for points that are near one in space but not on the map, as on an ear.
@@ -193,14 +193,14 @@ impl Lines {
         &self.listed[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 
-    /// The segments that lie between the centers of two neighbors.
+    /// The segments that lie between the centres of two neighbours.
     fn between(&self, a: usize, b: usize) -> impl Iterator<Item = &Piece> {
         let (p, q) = (middle(a), middle(b));
         let pieces = self.near_cell(a).iter().map(|i| &self.pieces[*i as usize]);
         pieces.filter(move |piece| cross(p, q, piece.flat[0], piece.flat[1]))
     }
 
-    /// The label of a cell whose center can be reached from a point of the map without crossing a parting.
+    /// The label of a cell whose centre can be reached from a point of the map without crossing a parting.
     pub(super) fn label_at(&self, labels: &[u32], q: Vec2) -> Option<u32> {
         let own = cell_of(q)?;
         let pieces = self.near_cell(own);
@@ -216,7 +216,7 @@ impl Lines {
         reached(own).or_else(|| around(own).find_map(reached))
     }
 
-    /// Finds the nearest segment to every cell: each cell passes its own on to its neighbors, forward and back.
+    /// Finds the nearest segment to every cell: each cell passes its own on to its neighbours, forward and back.
     fn near(&mut self, scalp: &Scalp) {
         let spots = scalp.chart().spots();
         let mut best = vec![(FAR * FAR, NONE); CELLS * CELLS];
@@ -254,7 +254,7 @@ impl Lines {
     }
 
     /// Digests of these lines and of the sections with these ids, for each part of the map and of space: everything
-    /// that queries of a cell, with its neighbors, and of a place can find.
+    /// that queries of a cell, with its neighbours, and of a place can find.
     pub(super) fn digests(&self, labels: &[u32], ids: impl Fn(u32) -> u64, widest: f32) -> Digests {
         let piece = |piece: &Piece| {
             let Piece { flat, ends, up, half_width, .. } = piece;
@@ -427,7 +427,7 @@ fn side(scalp: &Scalp, cell: usize, other: usize) -> f32 {
     scalp.chart().stretch((p + q) * 0.5, (q - p).perp())
 }
 
-/// Gives tracts that are too small to their neighbors across pattern lines; returns for each the index of the tract
+/// Gives tracts that are too small to their neighbours across pattern lines; returns for each the index of the tract
 /// that it is now part of. Updates the measurements.
 fn join(
     scalp: &Scalp,

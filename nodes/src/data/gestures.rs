@@ -16,7 +16,7 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::NoUninit)]
 #[repr(C)]
 pub struct PenSample {
-    /// Pixels from the center of the picture, to the right and down.
+    /// Pixels from the centre of the picture, to the right and down.
     pub at: Vec2,
     /// 0 to 1.
     pub pressure: f32,
@@ -166,7 +166,7 @@ pub struct Gesture {
     /// its root or of the point where it continues, in head units ([`RootFrame`]). For a scatter, the roots of its
     /// copies, in the head frame and head units. Empty: made from the samples at each replay.
     pub path: Vec<Vec3>,
-    /// Color of an implant, linear Rec.709. `None`: the default color.
+    /// Colour of an implant, linear Rec.709. `None`: the default colour.
     pub colour: Option<Vec3>,
     /// Radius of a brush, pixels; 0: the node's own, or for a scatter, the stroke only.
     pub size: f32,
@@ -210,7 +210,7 @@ impl Replayed {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gestures(pub Vec<Gesture>);
 
-/// Largest distance from the head's center (head units), and largest picture size in pixels.
+/// Largest distance from the head's centre (head units), and largest picture size in pixels.
 const FARTHEST: f32 = 1e5;
 /// The most curves that one gesture may name.
 const MOST_CURVES: usize = 100_000;

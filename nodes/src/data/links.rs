@@ -1,4 +1,4 @@
-//! Connectivity of a surface's triangles: neighbors across sides, connected pieces, and a spanning tree over each
+//! Connectivity of a surface's triangles: neighbours across sides, connected pieces, and a spanning tree over each
 //! piece. The tree classifies vertices by the side of a line in one pass over the vertices.
 //!
 //! Guarantees: the same triangles give the same result. Surfaces need not be closed, and edges may have more than two

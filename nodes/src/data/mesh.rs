@@ -30,9 +30,9 @@ pub struct Mesh {
     pub also: Vec<Vec<String>>,
     /// Index into `also` for each triangle; empty if there are no such names.
     pub also_of: Vec<u32>,
-    /// Painted values, 0 to 1, one per point (vertex colors as `name.r`, `.g`, `.b`).
+    /// Painted values, 0 to 1, one per point (vertex colours as `name.r`, `.g`, `.b`).
     pub masks: BTreeMap<String, Vec<f32>>,
-    /// Centimeters per unit if the format defines it (glTF: 100).
+    /// Centimetres per unit if the format defines it (glTF: 100).
     pub cm_per_unit: Option<f32>,
     /// What the reader repaired or left out, one sentence each, for the node's messages.
     pub notes: Vec<String>,

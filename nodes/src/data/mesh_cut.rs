@@ -77,7 +77,7 @@ impl MeshCut {
         let pieces = pieces.into_iter().map(|(_, piece)| piece).collect();
         let mut cut = Self { scalp: Arc::new(scalp.unparted()), pieces, labels };
 
-        // Area and center of each.
+        // Area and centre of each.
         let mut found: BTreeMap<u32, (f64, DVec3)> = BTreeMap::new();
         for (t, corners) in (0u32..).zip(&surface.triangles) {
             if surface.is_gone(t) {

@@ -453,7 +453,7 @@ fn is_beyond(pieces: &[Piece], bary: Vec2) -> bool {
     passed.count() % 2 == 1
 }
 
-/// The centers of `n` by `n` equal parts of a triangle, as weights of its second and third corner.
+/// The centres of `n` by `n` equal parts of a triangle, as weights of its second and third corner.
 pub(crate) fn for_middles(n: u32, mut each: impl FnMut(Vec2)) {
     let step = 1.0 / n as f32;
     for i in 0..n {
@@ -478,7 +478,7 @@ mod tests {
     use crate::maths::hash::Dice;
     use crate::maths::transcendental::sin_cos_turns;
 
-    /// A circle on a ball around `pole`, `height` from the ball's center.
+    /// A circle on a ball around `pole`, `height` from the ball's centre.
     fn circle(pole: Vec3, height: f32, n: u32) -> Vec<Vec3> {
         let right = pole.any_orthonormal_vector();
         let up = pole.cross(right);

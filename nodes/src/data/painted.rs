@@ -43,7 +43,7 @@ pub struct Painted {
 /// How strokes fade out.
 #[derive(Clone, Copy, Debug)]
 pub struct Edges {
-    /// Fraction of a dab's radius over which it fades: 0 is a hard edge, 1 fades from the center.
+    /// Fraction of a dab's radius over which it fades: 0 is a hard edge, 1 fades from the centre.
     pub softness: f32,
     /// Width over which the inside of a closed stroke fades, cm.
     pub line: f32,

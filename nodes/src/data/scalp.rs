@@ -1,6 +1,6 @@
 //! The head that hair grows on: surface, head frame, region, masks and distance field.
 //!
-//! Coordinates are centimeters in the space of the mesh file (scaled, never moved), so that a groom lies on the head it
+//! Coordinates are centimetres in the space of the mesh file (scaled, never moved), so that a groom lies on the head it
 //! was made for. UVs, materials and masks may be missing; holes, several parts and non-manifold edges are allowed.
 
 use super::carry::Carry;
@@ -21,13 +21,13 @@ use std::sync::{Arc, OnceLock};
 
 pub use super::skin::Skin;
 
-/// Cranium radius that defines head units, cm: one head unit is a centimeter on a head of this radius.
+/// Cranium radius that defines head units, cm: one head unit is a centimetre on a head of this radius.
 pub const HEAD_RADIUS: f32 = 8.9;
 
 /// Position and orientation of the head (methods.md 0.1). Axes are orthonormal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeadFrame {
-    /// Center of the cranium sphere, cm.
+    /// Centre of the cranium sphere, cm.
     pub origin: Vec3,
     /// To the head's own left, which is the right of the picture when it faces us: up x forward.
     pub right: Vec3,
@@ -48,7 +48,7 @@ impl HeadFrame {
         forward: Vec3::Z,
         radius: HEAD_RADIUS,
     };
-    /// Centimeters per head unit.
+    /// Centimetres per head unit.
     pub fn unit(&self) -> f32 {
         self.radius / HEAD_RADIUS
     }
@@ -70,7 +70,7 @@ impl HeadFrame {
     }
 }
 
-/// Converts data in head units, such as strokes and names, to centimeters on a head; the only place that does. It uses
+/// Converts data in head units, such as strokes and names, to centimetres on a head; the only place that does. It uses
 /// the head frame and, if the groom was made on another head, the map from that one.
 #[derive(Clone, Debug)]
 pub struct HeadSpace {
@@ -105,7 +105,7 @@ impl HeadSpace {
         let own = self.frame.head_from_point(p);
         self.carry.as_ref().map_or(own, |carry| carry.back(own))
     }
-    /// Direction from the head's center to a stored position, in the head frame; `None` for the center itself. Unit.
+    /// Direction from the head's centre to a stored position, in the head frame; `None` for the centre itself. Unit.
     pub fn direction(&self, p: Vec3) -> Option<Vec3> {
         self.own(p).try_normalize()
     }
@@ -317,7 +317,7 @@ impl Scalp {
             }
         }
         if back == 1.0 {
-            // The center itself is on a parting: roots on it move off it, to their own side.
+            // The centre itself is on a parting: roots on it move off it, to their own side.
             let mut near = root.triangle;
             let off = self.home(root.point).and_then(|home| home.kept(root.point, &mut near));
             let off = off.and_then(|p| (p - root.point).try_normalize());
@@ -338,12 +338,12 @@ impl Scalp {
         head.chart.get_or_init(|| Chart::new(&head.surface, &head.space.frame, &head.masks[REGION]))
     }
 
-    /// Stores how many centimeters a unit of the mesh file was taken for.
+    /// Stores how many centimetres a unit of the mesh file was taken for.
     pub fn with_cm_per_unit(mut self, cm_per_unit: f32) -> Self {
         self.cm_per_unit = cm_per_unit;
         self
     }
-    /// Centimeters per unit of the mesh file.
+    /// Centimetres per unit of the mesh file.
     pub fn cm_per_unit(&self) -> f32 {
         self.cm_per_unit
     }

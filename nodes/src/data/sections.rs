@@ -1,8 +1,8 @@
 //! Sections: what partings cut the scalp into, and which of them a root lies in.
 //!
 //! methods.md 3, "partings first". On the flat map of the scalp ([`super::chart`]), cells of a fine grid are joined if
-//! the segment between their centers crosses no parting; each connected set is a section. A point belongs to the
-//! section of a cell center that it reaches without crossing a parting, so that borders are as sharp as the lines
+//! the segment between their centres crosses no parting; each connected set is a section. A point belongs to the
+//! section of a cell centre that it reaches without crossing a parting, so that borders are as sharp as the lines
 //! although the grid is not.
 //!
 //! Guarantees: two points on the two sides of a cutting line belong to the sections on their own sides, however close
@@ -27,7 +27,7 @@ use std::sync::OnceLock;
 pub struct Parting {
     /// Stable id, never 0.
     pub id: u64,
-    /// Points on the scalp, at most a few millimeters apart.
+    /// Points on the scalp, at most a few millimetres apart.
     pub points: Vec<Vec3>,
     /// Half the width of its bare skin, cm: no hair is rooted closer to it.
     pub half_width: f32,
@@ -44,7 +44,7 @@ pub struct Section {
     pub name: String,
     /// Area of skin on which hair grows, cm2.
     pub area: f32,
-    /// A point of the scalp at its center.
+    /// A point of the scalp at its centre.
     pub middle: Vec3,
     /// Whether it reaches the hairline.
     pub at_hairline: bool,
@@ -76,7 +76,7 @@ pub struct Sections {
     /// Sections cut along the mesh, if the map does not show the region.
     mesh: Option<MeshCut>,
     lines: Lines,
-    /// Distance of the skin from the center in each cell, cm.
+    /// Distance of the skin from the centre in each cell, cm.
     out: Vec<f32>,
     /// Index of each cell's section, or [`NONE`].
     labels: Vec<u32>,
@@ -280,15 +280,15 @@ impl Sections {
         (best.1 != NONE).then_some((best.2, best.1))
     }
     /// Whether the segment between two points in space crosses a parting, or comes as near to it as the fraction
-    /// `aside` of half its width, at most a quarter of a centimeter off it.
+    /// `aside` of half its width, at most a quarter of a centimetre off it.
     pub(crate) fn passed(&self, from: Vec3, to: Vec3, aside: f32) -> bool {
         self.lines.last_passed(2, |k| [from, to][k], aside).is_some()
     }
-    /// The last point of a hair up to which it crosses a parting, at most a quarter of a centimeter off it.
+    /// The last point of a hair up to which it crosses a parting, at most a quarter of a centimetre off it.
     pub(crate) fn last_passed(&self, n: usize, hair: impl Fn(usize) -> Vec3) -> Option<usize> {
         self.lines.last_passed(n, hair, 0.0)
     }
-    /// Whether a hair crosses a parting, at most a quarter of a centimeter off it.
+    /// Whether a hair crosses a parting, at most a quarter of a centimetre off it.
     pub(crate) fn is_over_line(&self, hair: &[Vec3]) -> bool {
         self.last_passed(hair.len(), |k| hair[k]).is_some()
     }
@@ -302,7 +302,7 @@ impl Sections {
     pub(super) fn distance_to(&self, p: Vec3) -> Option<f32> {
         Some(self.nearest_at(self.spread.flat(p), p)?.0)
     }
-    /// Distance of the center of a cell of the map from the nearest parting, cm.
+    /// Distance of the centre of a cell of the map from the nearest parting, cm.
     pub(super) fn clear(&self, cell: usize) -> f32 {
         read_cell(cell);
         self.lines.clear[cell]
@@ -323,7 +323,7 @@ impl Sections {
         cells.any(|cell| self.lines.near_cell(cell).iter().any(crossed))
     }
 
-    /// Areas, centers and ids.
+    /// Areas, centres and ids.
     fn describe(&mut self, scalp: &Scalp) {
         let spots = scalp.chart().spots();
         let count = self.labels.iter().filter(|l| **l != NONE).max().map_or(0, |l| *l as usize + 1);
@@ -503,7 +503,7 @@ impl Sections {
         format!("the name {name:?} stands on no section, but on bare skin{near}")
     }
 
-    /// A section's center in the head frame, as names are typed.
+    /// A section's centre in the head frame, as names are typed.
     fn place_of(&self, scalp: &Scalp, number: u32) -> [f32; 3] {
         let p = scalp.given(self.list[number as usize].middle);
         p.to_array().map(|x| (x * 10.0).round() / 10.0)
@@ -666,7 +666,7 @@ mod tests {
                 continue;
             }
             let place = sections.at(p).unwrap();
-            // The lines' points lie on flat triangles: in between, they are a few hundredths of a millimeter off the
+            // The lines' points lie on flat triangles: in between, they are a few hundredths of a millimetre off the
             // plane.
             let off = [p.x + 3.0, p.x - 0.2, p.z - 4.0];
             if off.iter().any(|x| x.abs() < 0.01) {

@@ -31,7 +31,7 @@ pub enum Section {
 impl Section {
     /// The fewest and the most points of a drawn profile.
     pub const CORNERS: (usize, usize) = (3, 256);
-    /// Points of a drawn profile are closer to the center than this.
+    /// Points of a drawn profile are closer to the centre than this.
     pub const FARTHEST: f32 = 1e3;
 }
 

@@ -1,14 +1,14 @@
-//! The region unrolled into a line: equal lengths have equal area, and neighbors on the line are neighbors on the
+//! The region unrolled into a line: equal lengths have equal area, and neighbours on the line are neighbours on the
 //! scalp.
 //!
-//! Triangles are halved repeatedly where the gap between their centers is widest, and each half gets a part of the line
+//! Triangles are halved repeatedly where the gap between their centres is widest, and each half gets a part of the line
 //! in proportion to its area. Gaps and parts are chosen robustly against rounding: a head written by another program
 //! with different last digits, or with its triangles in another order, has the same line; where single triangles are
 //! split differently, the line changes only there.
 //!
 //! Guarantees: the line depends only on the mesh and the region; every triangle with a nonzero region and area is on it
 //! once, with a length proportional to its area to a few percent, and for large sets to less than a few per thousand.
-//! Not promised: that neighbors on the scalp are neighbors on the line.
+//! Not promised: that neighbours on the scalp are neighbours on the line.
 
 use crate::maths::closest::Surface;
 use glam::Vec3;
@@ -38,7 +38,7 @@ const NEARLY: f32 = 0.7;
 /// Half of the triangles means half, plus or minus up to one in this many.
 const NEAR: usize = 8;
 
-/// A triangle to be laid out: center, index, area in 2^-50 of the whole.
+/// A triangle to be laid out: centre, index, area in 2^-50 of the whole.
 struct Item {
     at: Vec3,
     triangle: u32,
@@ -127,7 +127,7 @@ fn rounded(x: f64, bits: u32) -> f64 {
 /// Lays triangles out on the line.
 struct Layer {
     rounding: f32,
-    /// The center of the last triangle laid out.
+    /// The centre of the last triangle laid out.
     last: Vec3,
     triangles: Vec<u32>,
     ends: Vec<f64>,
@@ -159,7 +159,7 @@ impl Layer {
         self.lay(second, middle, end);
     }
 
-    /// Splits two or more into halves, at the widest gap between centers along the longest side, near the median.
+    /// Splits two or more into halves, at the widest gap between centres along the longest side, near the median.
     fn halves<'a>(&self, items: &'a mut [Item]) -> (&'a mut [Item], &'a mut [Item]) {
         let (low, high) = bounds(items);
         let size = high - low;
@@ -194,7 +194,7 @@ impl Layer {
     }
 }
 
-/// Bounding box of the centers.
+/// Bounding box of the centres.
 fn bounds(items: &[Item]) -> (Vec3, Vec3) {
     let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     items.iter().fold(none, |(low, high), item| (low.min(item.at), high.max(item.at)))

@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::NoUninit)]
 #[repr(C)]
 pub struct Sample {
-    /// Pen position in the head frame (right, up, forward from the cranium's center), in head units (cm on a head of
+    /// Pen position in the head frame (right, up, forward from the cranium's centre), in head units (cm on a head of
     /// radius 8.9 cm).
     pub position: Vec3,
     /// 0 to 1.

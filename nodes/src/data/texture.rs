@@ -1,6 +1,6 @@
 //! A texture on a head: one channel of a picture, read at each point of the skin through the head's UVs.
 //!
-//! Guarantees: values are 0 to 1 as stored in the file (a mask is data: no color space is applied), interpolated
+//! Guarantees: values are 0 to 1 as stored in the file (a mask is data: no colour space is applied), interpolated
 //! bilinearly, with the same bits everywhere. Outside 0 to 1 the picture repeats. Not known here: files, and how they
 //! are read.
 
@@ -49,7 +49,7 @@ impl Texture {
     pub fn at_uv(&self, uv: Vec2) -> f32 {
         let height = self.pixels.len() / self.width;
         let place = |x: f32, count: usize| {
-            // The center of the first pixel is half a pixel in.
+            // The centre of the first pixel is half a pixel in.
             let x = (x - x.floor()) * count as f32 - 0.5;
             let low = x.floor();
             let wrap = |k: f32| (k as i64).rem_euclid(count as i64) as usize;

@@ -118,7 +118,7 @@ static CORNERS: [[[f32; 2]; 3]; PARTS as usize] = {
 
 /// Entries of the list with a minimum distance: those too close to an earlier one are dropped. The distance shrinks
 /// along the list, so every prefix is even and a higher count only adds. It depends on the entry's index only, so that
-/// taking an entry affects only its neighborhood.
+/// taking an entry affects only its neighbourhood.
 pub(crate) struct Apart {
     taken: Vec<Vec3>,
     area: f32,

@@ -4,7 +4,7 @@
 //! tension. A thread therefore grows step by step: each step is turned toward gravity by that law, pushed out of the
 //! skin and of earlier threads, and continued from there. Lower roots come first, since hair rooted higher lies on top.
 //! Relaxation follows, with all threads updated at once from the previous round: each point is smoothed between its
-//! neighbors along the thread, pulled down, pushed off other threads (half the overlap each) and off the skin, and put
+//! neighbours along the thread, pulled down, pushed off other threads (half the overlap each) and off the skin, and put
 //! back to its distance from the previous point.
 //!
 //! Guarantees: no clock, no order except that of height and id; every sum in a fixed order. Not promised: a simulation
@@ -58,7 +58,7 @@ const STEP: f32 = 0.3;
 const MOST: f32 = 900.0;
 /// Rounds of relaxation.
 const ROUNDS: usize = 24;
-/// Rounds for which a list of neighbors is reused.
+/// Rounds for which a list of neighbours is reused.
 const LISTED: usize = 4;
 /// Extra length of threads while they fall: whatever smoothing straightens is cut off at the end.
 const SPARE: f32 = 1.04;

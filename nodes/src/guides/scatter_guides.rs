@@ -30,12 +30,12 @@ node! {
     inputs {
         /// The head.
         scalp: Arc<Scalp>;
-        /// Set the number of guides for the whole region, or per square centimeter.
+        /// Set the number of guides for the whole region, or per square centimetre.
         by: By = By::Count;
         /// Guides on the whole region, when by count. Guides that would root in a parting are left out.
         count: i64 = 300, hard(0.0, 100000.0), soft(10.0, 2000.0), unit(Count), words("amount number"),
             idle(|of| unless(of, "by", "count", "the number goes by density"));
-        /// Guides per square centimeter, when by density.
+        /// Guides per square centimetre, when by density.
         density: f32 = 0.5, hard(0.0, 1000.0), soft(0.05, 5.0), unit(PerCm2), words("amount number"),
             idle(|of| unless(of, "by", "density", "the number goes by count"));
         /// Fraction of guides to keep; usually a painted mask.
@@ -64,7 +64,7 @@ node! {
         lie: FieldInput = 35.0, hard(0.0, 90.0), unit(Angle), words("lift stand elevation"), handle(Handle::Angle);
         /// Bend from root to tip, toward the scalp.
         bend: f32 = 25.0, hard(-360.0, 360.0), soft(-90.0, 180.0), unit(Angle), words("curve curl under");
-        /// Strength of gravity: 0 is none, 1 makes hair hang after a few centimeters.
+        /// Strength of gravity: 0 is none, 1 makes hair hang after a few centimetres.
         droop: f32 = 0.25, hard(0.0, 10.0), soft(0.0, 2.0), unit(Ratio), words("gravity hang fall sag");
 
         [Detail]
@@ -92,7 +92,7 @@ choice! {
     By {
         /// Per region.
         Count = "count",
-        /// Per square centimeter.
+        /// Per square centimetre.
         Density = "density",
     }
 }

@@ -20,7 +20,7 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Curves drawn with the pen: braid rows, partings, guides or center curves of clusters.
+    /// Curves drawn with the pen: braid rows, partings, guides or centre curves of clusters.
     ///
     /// Draw them on the head in the viewport. Strokes are projected onto the scalp, or kept as drawn in space with the
     /// root on the scalp.
@@ -222,7 +222,7 @@ const ROUNDS: usize = 4;
 const MENDED: f32 = 0.5;
 
 /// Lifts CVs between which a curve cuts through folds of the skin, until it lies over them; the root stays. A smooth
-/// head bends by a few thousandths of a centimeter between CVs, and nothing is lifted.
+/// head bends by a few thousandths of a centimetre between CVs, and nothing is lifted.
 fn over_folds(points: &mut [Vec3], normals: &[Vec3], skin: &Skin, radius: f32) {
     let last = points.len() - 1;
     let chord: Vec<f32> =

@@ -12,7 +12,7 @@ use std::sync::Arc;
 node! {
     /// Combines several sets of curves, in the order of the wires.
     ///
-    /// Curves whose id is already taken, as when two copies of one branch meet, get new ids: colors, picking and export
+    /// Curves whose id is already taken, as when two copies of one branch meet, get new ids: colours, picking and export
     /// need unique ids.
     "merge", version 1, label "Merge", words "join combine add together append union";
     inputs {

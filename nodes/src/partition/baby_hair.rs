@@ -35,7 +35,7 @@ node! {
         scalp: Arc<Scalp>;
         /// How the hair lies.
         style: Style = Style::Natural, words("laid swoop edges");
-        /// Hairs per centimeter of hairline.
+        /// Hairs per centimetre of hairline.
         per_cm: f32 = 30.0, hard(0.0, 2000.0), soft(2.0, 150.0), unit(PerCm), words("density count amount");
         /// Fraction of hairs to keep; usually a painted mask.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area where front nape temples");
@@ -272,7 +272,7 @@ impl Maker<'_> {
     }
 
     /// A path over the skin: [`STEPS`] equal steps, fewer if a parting is in the way. `id` is that of the hair, `None`
-    /// for the center of a lock.
+    /// for the centre of a lock.
     fn walked(&self, start: &Start, lock: u64, id: Option<u64>, length: f32) -> Option<Vec<Vec3>> {
         let inputs = self.inputs;
         let stray =
@@ -325,7 +325,7 @@ impl Maker<'_> {
         (line.len() > STEPS / 4).then_some(line)
     }
 
-    /// Lays a hair along its path, drawn toward the center of its lock; false if it has no length.
+    /// Lays a hair along its path, drawn toward the centre of its lock; false if it has no length.
     fn laid_out(
         &self,
         start: &Start,
@@ -346,7 +346,7 @@ impl Maker<'_> {
             let s = k as f32 / (walk.len() - 1) as f32;
             let mut p = *p;
             if let Some(middle) = middle {
-                // The lock's center keeps its length: a shorter hair ends beside an earlier part of it.
+                // The lock's centre keeps its length: a shorter hair ends beside an earlier part of it.
                 let part = s * (walk.len() - 1) as f32 / STEPS as f32;
                 let at = (part * (middle.len() - 1) as f32) as usize;
                 let beside = walk[0] - middle[0];

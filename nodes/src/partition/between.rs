@@ -4,7 +4,7 @@
 //! line wherever the territories of two rows meet. The line is traced on the scalp's map through cells whose corners
 //! are nearest to different rows; three territories meet in a point shared by their three lines.
 //!
-//! Guarantees: points of a line are equally far from its two rows to the resolution of the map, half a millimeter on
+//! Guarantees: points of a line are equally far from its two rows to the resolution of the map, half a millimetre on
 //! smooth skin; rows of one section share only that section. Ids derive from the two rows. Not promised: lines beside
 //! rows that come closer to each other than two cells of the map (2 mm).
 
@@ -31,7 +31,7 @@ const MOST_ROWS: usize = 4096;
 /// Lines shorter than this, in corners of the net, are dropped.
 const LEAST: usize = 4;
 
-/// Where a line crosses the net: an edge between two corners, or the center of a square in which three territories meet
+/// Where a line crosses the net: an edge between two corners, or the centre of a square in which three territories meet
 /// ([`MET`]).
 type Crossing = (u32, u8);
 /// Marks a square in which three territories meet, or one at the hairline, where lines continue.
@@ -110,7 +110,7 @@ impl<'a> Ground<'a> {
         let section = |p| sections.and_then(|s| s.at(p)).map(|place| place.section);
         let own: Vec<Option<u32>> = rows.iter().map(|row| section(row.spline.at(0.5))).collect();
         let mut ground = Self { scalp, rows, nearest: vec![NONE; SIDE * SIDE] };
-        // Neighboring corners mostly have the same row: farther rows are skipped quickly.
+        // Neighbouring corners mostly have the same row: farther rows are skipped quickly.
         let mut last = 0;
         for corner in 0..SIDE * SIDE {
             if corner % SIDE == 0 {
@@ -149,7 +149,7 @@ impl<'a> Ground<'a> {
         row.far(self.scalp, p, row.nearest(p).1)
     }
 
-    /// Where two territories meet between two neighboring corners, on the map.
+    /// Where two territories meet between two neighbouring corners, on the map.
     fn crossing(&self, from: usize, to: usize) -> Option<(Pair, Vec2)> {
         let (a, b) = (self.nearest[from], self.nearest[to]);
         if a == b || a == NONE || b == NONE {
@@ -266,7 +266,7 @@ impl Meeting {
     }
 }
 
-/// Moves points toward the midpoint of their neighbors, except for the ends.
+/// Moves points toward the midpoint of their neighbours, except for the ends.
 fn ease(points: &mut [Vec2], closed: bool) {
     let n = points.len();
     for _ in 0..EASED {

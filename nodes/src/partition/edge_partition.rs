@@ -6,8 +6,8 @@
 //! Guarantees: roots lie on the scalp and are bound to it; ends lie within the braid's radius around its row; hairs
 //! stay out of the skin; ends of a group lie within the group's radius. Without `cross_partings`, every root stays half
 //! a parting's width away from the parting and no hair crosses it, whether it is halfway between two rows or a parting
-//! of the scalp. A row's hairs depend on that row and its neighbors only (on a parted scalp, those of its own section),
-//! so that editing one row recomputes its own hairs and those of its neighbors. Not promised: that hairs of one row
+//! of the scalp. A row's hairs depend on that row and its neighbours only (on a parted scalp, those of its own section),
+//! so that editing one row recomputes its own hairs and those of its neighbours. Not promised: that hairs of one row
 //! never overlap, since combed hair does.
 
 use super::pulled::{self, Ground, Home, Middle, Reach, Rules, Wish};
@@ -31,35 +31,35 @@ use std::sync::Arc;
 node! {
     /// Hair pulled from the partings into braids: the combed hair between cornrows.
     ///
-    /// Wire the rows that the braids follow. The parting lies halfway between neighboring rows; hairs are rooted there
+    /// Wire the rows that the braids follow. The parting lies halfway between neighbouring rows; hairs are rooted there
     /// and combed over the scalp into the braid, evenly or gathered at each stitch. On a parted scalp (node Partings),
-    /// only rows of the same section are neighbors, and hairs stay inside the section.
+    /// only rows of the same section are neighbours, and hairs stay inside the section.
     "edge_partition", version 1, label "Edge partition", words "parting part side middle hairs section cornrow canerow braid edge guide partition segments pulled comb line", thins;
     inputs {
         /// The rows, root first: the same curves that the braids follow.
         source: Curves, words("rows braids guides");
         /// The head.
         scalp: Arc<Scalp>;
-        /// Neighbors to part the rows from. By default, the other rows of the source.
+        /// Neighbours to part the rows from. By default, the other rows of the source.
         adjacent: Option<Curves>, words("neighbours adjacent");
-        /// Neighbors on the left of the rows (seen along them from outside the head), instead of detected ones.
+        /// Neighbours on the left of the rows (seen along them from outside the head), instead of detected ones.
         left: Option<Curves>, words("adjacent");
-        /// Neighbors on the right of the rows, instead of detected ones.
+        /// Neighbours on the right of the rows, instead of detected ones.
         right: Option<Curves>, words("adjacent");
         /// Stitches from the braid node, for grouping by stitches.
         stitches: Option<Curves>, words("knots");
         /// Curves whose roots mark where hairs gather along the nearest row, for grouping by picked points.
         picked: Option<Curves>, words("points centroids");
-        /// Set the number of hairs per centimeter of row, or per row.
+        /// Set the number of hairs per centimetre of row, or per row.
         by: By = By::PerCm;
-        /// Hairs per centimeter of row, on each side.
+        /// Hairs per centimetre of row, on each side.
         per_cm: f32 = 80.0, hard(0.0, 2000.0), soft(1.0, 200.0), unit(PerCm), words("density count amount"),
             idle(|of| unless(of, "by", "per_cm", "the number is that of a whole row"));
         /// Hairs per row, both sides together.
         total: i64 = 1000, hard(0.0, 1000000.0), soft(10.0, 5000.0), unit(Count), words("count amount"),
             idle(|of| unless(of, "by", "total", "the number is that of a centimetre"));
-        /// Where hairs are rooted between their row and its neighbor: 0 at the row, 50% halfway, at the parting, 100%
-        /// at the neighbor. Varies along the row.
+        /// Where hairs are rooted between their row and its neighbour: 0 at the row, 50% halfway, at the parting, 100%
+        /// at the neighbour. Varies along the row.
         mediate: FieldInput = 0.5, hard(0.0, 1.0), unit(Ratio), words("mediate midpoint length position");
         /// Diameter of a hair. A ramp runs from root to end.
         width: FieldInput = 0.008, hard(0.0001, 1.0), soft(0.002, 0.02), unit(Length), words("thickness diameter");
@@ -69,7 +69,7 @@ node! {
         cross_partings: bool = false, words("overlap territory");
         /// Width of the bare skin along a parting. Roots stay half of it away from the middle.
         parting_width: f32 = 0.15, hard(0.0, 5.0), soft(0.0, 0.6), unit(Length), words("gap line skin");
-        /// Largest distance to a neighbor. A row without a neighbor on one side is open there.
+        /// Largest distance to a neighbour. A row without a neighbour on one side is open there.
         reach: f32 = 6.0, hard(0.01, 100.0), soft(1.0, 15.0), unit(Length), words("distance neighbour search");
         /// Width of the territory on an open side, measured from the row; it also ends where hair stops growing. 0
         /// leaves that side bare.
@@ -98,7 +98,7 @@ node! {
         /// Hairs per group, when grouping by a fixed count.
         every: i64 = 20, hard(1.0, 100000.0), soft(2.0, 200.0), unit(Count), words("k"),
             idle(|of| unless(of, "grouping", "every_k", "hairs are not grouped by number"));
-        /// Distance of hair ends from the center of their group.
+        /// Distance of hair ends from the centre of their group.
         group_radius: f32 = 0.1, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), handle(Handle::Radius), words("clump spread"),
             idle(|of| matches!(of("grouping"), Some(Value::Text(is)) if *is == *"none").then_some("hairs are not grouped"));
         /// How tightly a group is drawn together, from root to end: 0 meets only at the end, 1 runs as one lock.
@@ -129,7 +129,7 @@ node! {
 choice! {
     /// How the number of hairs is set.
     By {
-        /// Per centimeter of row and side.
+        /// Per centimetre of row and side.
         PerCm = "per_cm",
         /// Per row.
         Total = "total",
@@ -158,7 +158,7 @@ const RIGHT: i32 = 2;
 const STITCHES: i32 = 3;
 const PICKED: i32 = 4;
 
-/// Spacing of the positions along a row at which neighbors are searched, cm: less than the thickness of a braid, so
+/// Spacing of the positions along a row at which neighbours are searched, cm: less than the thickness of a braid, so
 /// that none is missed.
 const LOOK: f32 = 0.4;
 
@@ -205,7 +205,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
     }
     let all = Curves::new(all);
-    // Halfway to the farthest neighbor, and as much again for paths longer than the straight one.
+    // Halfway to the farthest neighbour, and as much again for paths longer than the straight one.
     let reach = rules.reach.max(2.0 * rules.open_side).max(2.0 * inputs.lead * unit);
     let rows = if rules.crossing { 0 } else { inputs.source.curve_count() + all.curve_count() };
     let overs = Overs::new(scalp, rows, reach);
@@ -393,7 +393,7 @@ fn hairs(
                 continue;
             }
         };
-        // Rows of one tuft are neighbors too.
+        // Rows of one tuft are neighbours too.
         let siblings: Vec<&Row> = match inputs.adjacent {
             None => rows.iter().filter(|row| row.id != own.id).collect(),
             Some(_) => vec![],
@@ -505,7 +505,7 @@ fn row_hairs(
     let lift = inputs.lift.on(tuft, scalp)?;
     let pull = inputs.pull_angle.on(tuft, scalp)?;
     let radius = inputs.row_radius.on(tuft, scalp)?;
-    // An attribute holds true centimeters; a typed number is in head units.
+    // An attribute holds true centimetres; a typed number is in head units.
     let radius_unit = match *inputs.row_radius.field {
         Field::Attribute(_) => 1.0,
         _ => unit,

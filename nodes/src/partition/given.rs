@@ -23,7 +23,7 @@ pub(super) struct Maker<'a> {
     /// The head with its sections.
     pub(super) scalp: &'a Scalp,
     pub(super) chart: &'a Chart,
-    /// Centimeters per head unit.
+    /// Centimetres per head unit.
     pub(super) unit: f32,
     pub(super) seed: u64,
     /// The cells of the map that are parted.
@@ -58,7 +58,7 @@ impl Maker<'_> {
         Some(b.build())
     }
 
-    /// The center line of every parted section, starting at the hairline.
+    /// The centre line of every parted section, starting at the hairline.
     pub(super) fn rows(
         &self,
         cx: &EvalCx,
@@ -66,7 +66,7 @@ impl Maker<'_> {
         drawn: &[Vec<Vec2>],
         tied: Option<u32>,
     ) -> Result<Curves, NodeError> {
-        // A pattern knows the center lines of its rows better than the shapes between its lines show.
+        // A pattern knows the centre lines of its rows better than the shapes between its lines show.
         let mut known: BTreeMap<u32, &[Vec2]> = BTreeMap::new();
         for line in drawn {
             if let Some((section, run)) = middles::longest_run(self.chart, sections, line) {

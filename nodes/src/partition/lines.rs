@@ -19,7 +19,7 @@ pub(crate) struct Uneven {
     pub(crate) dice: Dice,
 }
 
-/// Spacing of a line's points on the map, in cells: short compared to bends of a millimeter.
+/// Spacing of a line's points on the map, in cells: short compared to bends of a millimetre.
 const STEP: f32 = 1.5 * CELL;
 
 /// The line through `points`, divided into `n` equal pieces.
@@ -100,13 +100,13 @@ pub(crate) fn uneven(chart: &Chart, line: &mut Flat, how: &Uneven) {
     let last = base.len() - 1;
     let moved = (0..=last).map(|k| {
         let part = k as f32 / last as f32;
-        // Where lines meet, it grows over one centimeter.
+        // Where lines meet, it grows over one centimetre.
         let from = |tied: bool, s: f32| if tied { (s * total).min(1.0) } else { 1.0 };
         let near_end = from(line.tied[0], part).min(from(line.tied[1], 1.0 - part));
         let mut off = 0.0;
         if zigzag {
             let x = part * halves;
-            // 0 at whole halves, alternating 1 and -1 at their centers.
+            // 0 at whole halves, alternating 1 and -1 at their centres.
             let saw = 1.0 - (2.0 * (x - x.floor()) - 1.0).abs();
             off += how.amplitude * if (x.floor() as i64) % 2 == 0 { saw } else { -saw };
         }

@@ -1,4 +1,4 @@
-//! The center line of a section of any shape: the path along it with equal parts of the section on its left and right.
+//! The centre line of a section of any shape: the path along it with equal parts of the section on its left and right.
 //!
 //! The two points of a section that are farthest apart, measured inside it, give an initial direction. The section's
 //! cells are then binned by position along it, and the centroids of the bins form the line. Two more passes along that
@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Spacing of the points of center lines, cm.
+/// Spacing of the points of centre lines, cm.
 const STEP: f32 = 0.5;
 
 /// The cells of every section.
@@ -25,7 +25,7 @@ pub(crate) fn members(sections: &Sections) -> Vec<Vec<u32>> {
     all
 }
 
-/// Points (on the map) along the center of a section with these cells; `None` if it is a speck.
+/// Points (on the map) along the centre of a section with these cells; `None` if it is a speck.
 pub(crate) fn line(
     chart: &Chart,
     sections: &Sections,

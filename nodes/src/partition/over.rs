@@ -6,7 +6,7 @@
 //! the cranium's sphere and paths count [`BARE`] times as long, so that they reach isolated skin but never pass under
 //! an ear.
 //!
-//! Guarantees: within half a millimeter of the geodesic distance over smooth skin, tested up to 8 cm on a ball; the
+//! Guarantees: within half a millimetre of the geodesic distance over smooth skin, tested up to 8 cm on a ball; the
 //! same bits on every machine. Not promised: distances where no hair grows (only which row is nearest), on layers above
 //! the map's skin, or on a mesh without a map; distances there are straight.
 

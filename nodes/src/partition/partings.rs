@@ -39,7 +39,7 @@ node! {
         scalp: Arc<Scalp>;
         /// Drawn partings. Ends near another line or the hairline snap to it.
         lines: Option<Curves>, words("strokes drawn");
-        /// Rows that are already drawn. The hair is parted halfway between neighboring rows, so that each row gets its
+        /// Rows that are already drawn. The hair is parted halfway between neighbouring rows, so that each row gets its
         /// own section. The rows output then returns these rows.
         between: Option<Curves>, words("braids first rows neighbours half-way territory");
         /// Pattern of rows, added to the drawn lines.
@@ -93,7 +93,7 @@ node! {
         scalp: Arc<Scalp>;
         /// The parting lines on the scalp. Over ears and rough skin they run straight.
         partings: Curves;
-        /// Center line of each section, starting at the hairline, as wide as the section, to braid along; or the rows
+        /// Centre line of each section, starting at the hairline, as wide as the section, to braid along; or the rows
         /// given, each with its section. The round section of a gathered pattern has none.
         rows: Curves;
         /// A short curve standing in the middle of each section, for free braids, twists and puffs.
@@ -193,7 +193,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { scalp: parted, partings, rows, middles })
 }
 
-/// Puts drawn lines and pattern lines on the map of a head, and returns the center lines of the pattern's rows.
+/// Puts drawn lines and pattern lines on the map of a head, and returns the centre lines of the pattern's rows.
 fn on_the_map(
     cx: &EvalCx,
     inputs: &Inputs,

@@ -72,7 +72,7 @@ pub(crate) struct Flat {
 #[derive(Debug, Default)]
 pub(crate) struct Drawn {
     pub(crate) lines: Vec<Flat>,
-    /// The center line of each row, from its hairline or front end.
+    /// The centre line of each row, from its hairline or front end.
     pub(crate) middles: Vec<Vec<Vec2>>,
 }
 
@@ -259,7 +259,7 @@ impl Family<'_> {
         }
     }
 
-    /// Draws what is between two levels: the center line of the row there, or its cuts.
+    /// Draws what is between two levels: the centre line of the row there, or its cuts.
     fn row(
         &self,
         wish: &Wish,
@@ -281,7 +281,7 @@ impl Family<'_> {
         }
     }
 
-    /// Cuts a row along one run of its center level into boxes or triangles.
+    /// Cuts a row along one run of its centre level into boxes or triangles.
     fn cuts(
         &self,
         wish: &Wish,
@@ -516,7 +516,7 @@ fn hairline(family: &Family) -> Vec<f32> {
     edge
 }
 
-/// Ends the rows of a gathered pattern at the ring around its center, and draws the ring.
+/// Ends the rows of a gathered pattern at the ring around its centre, and draws the ring.
 fn cut_at_ring(family: &Family, wish: &Wish, out: &mut Drawn) {
     let angle = (wish.gather / family.frame.radius).clamp(0.02, 1.5);
     let ring = ln(tan(0.5 * angle));
@@ -531,7 +531,7 @@ fn cut_at_ring(family: &Family, wish: &Wish, out: &mut Drawn) {
     }
     for middle in &mut out.middles {
         middle.retain(outside);
-        // From the hairline to the center.
+        // From the hairline to the centre.
         middle.reverse();
     }
     let points = (0..=96).map(|k| family.flat(k as f32 / 96.0 * TAU, ring)).collect();

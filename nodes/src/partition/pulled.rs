@@ -1,9 +1,9 @@
 //! One hair of the edge partition: its root, its end, and its path over the scalp.
 //!
-//! A row, its neighbor beside it, and the parting halfway between:
+//! A row, its neighbour beside it, and the parting halfway between:
 //!
 //! ```text
-//!   neighbor   ----------------------------->
+//!   neighbour   ----------------------------->
 //!   parting    . . . . . r . . . . . . . . . .     r  root, at u, half a parting's width inside
 //!   row        ----------u-----------e-------->    e  end in the braid, pulled along from u
 //! ```
@@ -69,7 +69,7 @@ pub(crate) struct Wish {
     /// Fraction of the row beside which it is rooted; below 0 is in front of the row.
     pub(crate) u: f32,
     pub(crate) side: i32,
-    /// 0 at the row, 0.5 halfway, 1 at the neighbor.
+    /// 0 at the row, 0.5 halfway, 1 at the neighbour.
     pub(crate) mediate: f32,
     /// Angle from the perpendicular toward the row's tip, radians.
     pub(crate) pull: f32,
@@ -121,11 +121,11 @@ impl Ground<'_> {
 /// What lies beside a position of a row, on one side.
 #[derive(Clone, Copy)]
 struct Beside {
-    /// Vector to the neighbor, or to where one would be.
+    /// Vector to the neighbour, or to where one would be.
     to: Vec3,
-    /// Whether there is a neighbor.
+    /// Whether there is a neighbour.
     shared: bool,
-    /// Index of the neighbor.
+    /// Index of the neighbour.
     who: usize,
     /// Scalp normal under the row.
     normal: Vec3,
@@ -183,7 +183,7 @@ fn beside(rules: &Rules, ground: &Ground, u: f32, side: i32) -> Option<Beside> {
     let met = neighbour(&station, side, rows, rules.reach);
     let met = met.map(|(who, q)| (q - station.point, true, who));
     let (to, shared, who) = if let Some(home) = &ground.home {
-        // The border of the section takes the place of the parting halfway to a neighbor.
+        // The border of the section takes the place of the parting halfway to a neighbour.
         let inside = |d: &f32| {
             let root = rules.scalp.closest_root(station.point + way * *d);
             root.is_some_and(|root| {
@@ -237,7 +237,7 @@ fn place(
     } else if beside.shared {
         ground.ahead(root.point) - rules.parting
     } else {
-        // No neighbor on this side: the territory ends where the parting would be.
+        // No neighbour on this side: the territory ends where the parting would be.
         let edge = (0.5 - t) * 2.0 * rules.open_side - 0.5 * rules.parting;
         edge.min(ground.ahead(root.point) - rules.parting)
     };
@@ -267,7 +267,7 @@ pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) 
             (station, place(rules, ground, &station, &found, t)?.0)
         }
     };
-    // The pull is measured from beside the root, not from the slanted line to the neighbor.
+    // The pull is measured from beside the root, not from the slanted line to the neighbour.
     let off = (root.point - station.point).reject_from_normalized(station.along).length();
     let pulled = tan(wish.pull) * off / ground.own.length();
     Some(Start { root, end_u: (wish.u + pulled).clamp(0.0, 1.0), pulled })
@@ -345,7 +345,7 @@ impl End {
     }
 }
 
-/// The center hair of a group.
+/// The centre hair of a group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Middle {
     root: Vec3,
@@ -396,8 +396,8 @@ pub(crate) fn way(
     // While the last verified point is farther inside than this, the next one cannot have left.
     let (mut known, mut sure) = (root.point, 0.0f32);
     let fine = rules.cvs + 2;
-    // The center hair is joined at an equal distance from the end, so that a hair rooted closer to the braid does not
-    // first run back to the center hair's root.
+    // The centre hair is joined at an equal distance from the end, so that a hair rooted closer to the braid does not
+    // first run back to the centre hair's root.
     let part =
         group.map_or(1.0, |g| root.point.distance(end) / g.root.distance(g.end.point).max(1e-3));
     // A hair that approaches the end from the other direction would overshoot it, so it runs separately.
@@ -412,7 +412,7 @@ pub(crate) fn way(
         if let Some(group) = group {
             let pulled = rules.tightness.at(s).clamp(0.0, 1.0) * (5.0 * s).min(1.0) * same_way;
             let met = (1.0 - (1.0 - s) * part).max(0.0);
-            // Hairs of a group end beside each other, so they run beside the center hair.
+            // Hairs of a group end beside each other, so they run beside the centre hair.
             let beside = (end - group.end.point) * s;
             p = p.lerp(bow(group.root, group.end.point, met) + beside, pulled);
         }
@@ -426,7 +426,7 @@ pub(crate) fn way(
     }
     points.push(end);
     let mut spline = Spline::default();
-    // Lifting a point makes its neighbors uneven, and evening out may sink one: a few rounds settle both.
+    // Lifting a point makes its neighbours uneven, and evening out may sink one: a few rounds settle both.
     for round in 0..6 {
         if spline.rebuild(points).is_err() {
             return false;

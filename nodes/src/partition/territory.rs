@@ -175,7 +175,7 @@ pub(crate) struct Overs<'a> {
 }
 
 impl<'a> Overs<'a> {
-    /// For this many rows, up to `reach` cm. A single row has no neighbors, and very many rows are so close together
+    /// For this many rows, up to `reach` cm. A single row has no neighbours, and very many rows are so close together
     /// that straight distances suffice.
     pub(crate) fn new(scalp: &'a Scalp, rows: usize, reach: f32) -> Self {
         let reach = (2..=MOST_OVER).contains(&rows).then_some(reach);

@@ -112,7 +112,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves: bundle.go_on(cx, &inputs.curves)? })
 }
 
-/// Center line of the wound hair: out of the tie, over to its side and around it, with the end under earlier turns.
+/// Centre line of the wound hair: out of the tie, over to its side and around it, with the end under earlier turns.
 fn wind(inputs: &Inputs, unit: f32, tie: &Tie) -> Vec<Vec3> {
     let thick = inputs.thickness * unit;
     let hand = if inputs.hand == Hand::Left { 1.0 } else { -1.0 };

@@ -1,9 +1,9 @@
 //! Hair continued past its tie as one bundle: tails and buns.
 //!
-//! A bundle runs along a course, a center line with frames. Every hair keeps its place across the course, in radii of
+//! A bundle runs along a course, a centre line with frames. Every hair keeps its place across the course, in radii of
 //! the bundle; locks draw their hairs together toward the tips and move slightly on their own.
 //!
-//! Guarantees: hair keeps its root and its path to the tie, to less than a millimeter where it bends, and all its
+//! Guarantees: hair keeps its root and its path to the tie, to less than a millimetre where it bends, and all its
 //! attributes; no point below the skin; nothing depends on the number of hairs. Not promised: even points where hair on
 //! the inside of a narrow arch turns about itself.
 
@@ -25,9 +25,9 @@ pub(super) const STEP: f32 = 0.2;
 /// The most locks of a bundle.
 pub(super) const MOST_LOCKS: i64 = 400;
 
-/// Center line of a bundle from its tie on, with frames, at even steps.
+/// Centre line of a bundle from its tie on, with frames, at even steps.
 pub(super) struct Course {
-    /// Center, and two axes across; azimuth 0 is the first.
+    /// Centre, and two axes across; azimuth 0 is the first.
     at: Vec<(Vec3, Vec3, Vec3)>,
     /// Length of a step, cm.
     step: f32,
@@ -53,7 +53,7 @@ impl Course {
         }
         Self { at, step: step.max(1e-6) }
     }
-    /// Center and axes at `s` cm from the tie; past the end, those of the end.
+    /// Centre and axes at `s` cm from the tie; past the end, those of the end.
     #[inline]
     fn at(&self, s: f32) -> (Vec3, Vec3, Vec3) {
         let x = (s / self.step).max(0.0);
@@ -82,7 +82,7 @@ pub(super) struct Bundle<'a> {
     /// Twist of the bundle about its course, degrees per cm.
     pub twist: f32,
     pub locks: usize,
-    /// How far hairs are drawn to the center of their lock at its tip.
+    /// How far hairs are drawn to the centre of their lock at its tip.
     pub clump: f32,
     /// How far locks and hairs wander, cm.
     pub loose: f32,

@@ -1,12 +1,12 @@
 //! The skin around a tie, tabulated by bearing and distance over the skin, so that hair can be combed to the tie
 //! without querying the surface at every point.
 //!
-//! Lines of constant bearing run from the tie in planes through the center of the head: the shortest paths over a
+//! Lines of constant bearing run from the tie in planes through the centre of the head: the shortest paths over a
 //! nearly round head. Bearing and distance are coordinates of the skin: lines that stay apart in them stay apart on the
 //! head.
 //!
 //! Guarantees: at its own samples, the table lies on the skin (on ears, on their outside); in between, it is less than
-//! 0.01 cm below it on a head. Not promised: anything where the skin has no outside as seen from the center of the
+//! 0.01 cm below it on a head. Not promised: anything where the skin has no outside as seen from the centre of the
 //! head, such as under a chin: the table is extrapolated there.
 
 use super::tie::Tie;
@@ -21,13 +21,13 @@ use std::sync::{Arc, OnceLock};
 
 /// Number of tabulated bearings.
 const BEARINGS: usize = 192;
-/// Angles from the foot, seen from the center of the head, at which the skin is sampled.
+/// Angles from the foot, seen from the centre of the head, at which the skin is sampled.
 const ANGLES: usize = 120;
 /// The largest of them: beyond, lines of all bearings converge again.
 const FARTHEST: f32 = 0.94 * PI;
 /// Spacing of samples along a line of constant bearing, cm.
 const STEP: f32 = 0.25;
-/// Skin farther than this many radii from the center of the head no longer belongs to it.
+/// Skin farther than this many radii from the centre of the head no longer belongs to it.
 const HEAD: f32 = 1.3;
 
 /// Skin around a foot.

@@ -49,11 +49,11 @@ node! {
         roots: Option<Curves>, words("section hair");
         /// Curves whose roots are the positions of ties, one tie per root. Without them, one tie sits at `position`.
         placements: Option<Curves>, words("points several");
-        /// Position of the tie in head units from the center of the cranium: the point of the scalp in this direction.
+        /// Position of the tie in head units from the centre of the cranium: the point of the scalp in this direction.
         position: Vec3 = Vec3::new(0.0, 6.5, -7.0), handle(Handle::Point), words("place pick height high low");
-        /// Add a second tie at the mirrored position, with a center parting between them.
+        /// Add a second tie at the mirrored position, with a centre parting between them.
         mirror: bool = false, words("symmetry pigtails bunches two");
-        /// Hairs per square centimeter. People have 130 to 250.
+        /// Hairs per square centimetre. People have 130 to 250.
         density: f32 = 150.0, hard(0.0, 5000.0), soft(20.0, 300.0), unit(PerCm2), words("amount number");
         /// Fraction of hairs to keep; usually a mask or a section.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region section paint");

@@ -26,7 +26,7 @@ fn puff(set: &[(&str, Value)]) -> (Curves, Curves, Vec<String>) {
     (curves_of(&out[0]).clone(), curves_of(&out[1]).clone(), said)
 }
 
-/// The ball's point for a puff, its normal there, and the sphere's center for a radius of 6.
+/// The ball's point for a puff, its normal there, and the sphere's centre for a radius of 6.
 fn middle(scalp: &Scalp) -> (Root, Vec3) {
     let root = super::picked(scalp, Vec3::new(0.0, 8.0, -4.0)).unwrap();
     (root, root.point + root.normal * 6.0)
@@ -217,7 +217,7 @@ fn any_outline_is_met_and_soft_edges_and_neighbours_are_as_asked() {
         let local = Vec3::new(d.dot(right) / 1.2, d.dot(root.normal) / 0.9, d.dot(ahead));
         assert!((local.length() - 1.0).abs() < 1e-3, "{}", local.length());
     }
-    // A mesh of any form: here an egg modeled beside the head, whose own center is the puff's.
+    // A mesh of any form: here an egg modeled beside the head, whose own centre is the puff's.
     let round = sphere(5.0, 32);
     let egg = |p: &Vec3| *p * Vec3::new(1.0, 0.8, 1.2) + centre;
     let mesh = Surface::new(round.points.iter().map(egg).collect(), round.triangles.clone());
@@ -269,7 +269,7 @@ fn a_sphere_in_the_head_is_said() {
     assert!(said.iter().any(|text| text.starts_with(DIPS)), "{said:?}");
 }
 
-/// Distance of each tip from the sphere's center.
+/// Distance of each tip from the sphere's centre.
 fn reaches(hair: &Curves, centre: Vec3) -> Vec<f32> {
     hair.each().map(|(tuft, i)| tuft.curve(i).last().unwrap().distance(centre)).collect()
 }

@@ -50,7 +50,7 @@ fn placed(cx: &EvalCx, scalp: &Scalp, placements: &Curves) -> Result<Vec<(Root, 
     Ok(out)
 }
 
-/// The scalp in a direction (head units) from the center of the cranium: the outermost surface there, or else the
+/// The scalp in a direction (head units) from the centre of the cranium: the outermost surface there, or else the
 /// closest.
 fn picked(scalp: &Scalp, position: Vec3) -> Option<Root> {
     let frame = scalp.frame();

@@ -1,8 +1,8 @@
-//! Outlines of puffs: how far hair reaches in each direction from the puff's center.
+//! Outlines of puffs: how far hair reaches in each direction from the puff's centre.
 //!
 //! Directions are local to the puff: x to its right, y along its axis, z forward. Guarantees: never less than a
 //! hundredth of the sphere's radius, finite, constant for the sphere. Drawn outlines are matched exactly in front and
-//! side view if they go around the center once; in between, the cross-section is part of an ellipse.
+//! side view if they go around the centre once; in between, the cross-section is part of an ellipse.
 
 use crate::data::curves::Curves;
 use crate::maths::closest::Surface;
@@ -25,7 +25,7 @@ pub(crate) enum Outline<'a> {
 }
 
 impl Outline<'_> {
-    /// Distance from the center in a local unit direction, for a sphere of this radius.
+    /// Distance from the centre in a local unit direction, for a sphere of this radius.
     pub(crate) fn reach(&self, d: Vec3, radius: f32) -> f32 {
         let reach = match self {
             Outline::Sphere => return radius,
@@ -53,7 +53,7 @@ impl Outline<'_> {
     }
 
     /// A drawn outline as radii by angle: the outermost crossing in each direction; `radius` where there is none.
-    /// `flat` returns a point's position in the plane (across, along the axis) from the center.
+    /// `flat` returns a point's position in the plane (across, along the axis) from the centre.
     pub(crate) fn drawn(lines: &Curves, radius: f32, flat: impl Fn(Vec3) -> Vec2) -> Vec<f32> {
         let mut out = vec![0.0f32; AROUND];
         for (tuft, i) in lines.each() {

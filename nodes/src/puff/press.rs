@@ -1,6 +1,6 @@
 //! Walls between puffs: the planes at which adjacent puffs end.
 //!
-//! Guarantees: pressed points keep their direction from the puff's center, so that hairs keep their order; points on
+//! Guarantees: pressed points keep their direction from the puff's centre, so that hairs keep their order; points on
 //! their own side of a wall stay; both puffs of a pair use the same plane.
 
 use glam::Vec3;
@@ -8,13 +8,13 @@ use glam::Vec3;
 /// A plane between a puff and one beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Wall {
-    /// Vector from this puff's center to the other's.
+    /// Vector from this puff's centre to the other's.
     towards: Vec3,
     /// Position of the plane along that vector, 0 to 1.
     at: f32,
 }
 
-/// Smallest fraction of the way from either center: a puff inside a much larger one keeps some volume.
+/// Smallest fraction of the way from either centre: a puff inside a much larger one keeps some volume.
 const NEAREST: f32 = 0.1;
 
 impl Wall {
@@ -34,7 +34,7 @@ impl Wall {
     }
 }
 
-/// A point at `off` from the puff's center, pulled back along its direction toward the walls that it crosses, by this
+/// A point at `off` from the puff's centre, pulled back along its direction toward the walls that it crosses, by this
 /// fraction of the excess.
 pub(super) fn pressed(off: Vec3, walls: &[Wall], share: f32) -> Vec3 {
     let mut off = off;

@@ -53,7 +53,7 @@ fn over(hair: &Curves) -> Vec<(f32, f32)> {
         .collect()
 }
 
-/// A ball stretched to an egg, at the puff's center.
+/// A ball stretched to an egg, at the puff's centre.
 fn egg(centre: Vec3) -> Arc<Scalp> {
     let round = sphere(6.0, 32);
     let at = |p: &Vec3| *p * Vec3::new(1.1, 0.9, 1.0) + centre;
@@ -232,7 +232,7 @@ fn a_puff_that_dips_into_the_head_is_flat_there_and_its_tips_do_not_bunch() {
         for (tuft, i) in guides.each().chain(hair.each()) {
             let points = tuft.curve(i);
             let tip = points[points.len() - 1];
-            // The clearance is a tenth of a centimeter; hair rises to it along its second half.
+            // The clearance is a tenth of a centimetre; hair rises to it along its second half.
             let above = skin.distance(tip);
             assert!(above > 0.095, "{above}");
             low += usize::from(above < 0.105);

@@ -1,9 +1,9 @@
 //! Press puffs: puffs of any nodes that meet are flat between each other.
 //!
-//! A puff is described by its hair: the center of its outline, and each hair's distance to the outline. Between every
+//! A puff is described by its hair: the centre of its outline, and each hair's distance to the outline. Between every
 //! two puffs that meet is a plane: for spheres, that of their common circle; for other outlines, the one that balances
 //! their reach toward each other. Hair that crosses it is bent beyond its tie so that its tip reaches the plane, in its
-//! original direction from the center, and slides along the plane.
+//! original direction from the centre, and slides along the plane.
 //!
 //! Guarantees: roots, ids, numbers of points and hair that crosses no plane stay as they are; with `flatten` at 1, no
 //! point past the first quarter of a hair is over a plane by more than 0.001 cm; the order of inputs does not matter;
@@ -51,7 +51,7 @@ const MOST_TOLD: usize = 4096;
 /// Fraction of a hair from its root over which pressing fades in: its root stays.
 const ROOTED: f32 = 0.25;
 
-/// Identifies a puff: its id and the bits of its center, since two nodes may use one id.
+/// Identifies a puff: its id and the bits of its centre, since two nodes may use one id.
 type Which = (u64, [u32; 3]);
 
 /// A puff, as described by its hair.
@@ -61,7 +61,7 @@ struct Puff {
     hairs: usize,
     /// The largest distance of its outline.
     farthest: f32,
-    /// Directions of tips from the center, with the distance of the outline there.
+    /// Directions of tips from the centre, with the distance of the outline there.
     told: Vec<(Vec3, f32)>,
 }
 

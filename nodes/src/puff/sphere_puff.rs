@@ -7,7 +7,7 @@
 //! Any other outline replaces the sphere along the same directions.
 //!
 //! Guarantees: guides end on the sphere to 1e-4 of its radius, leave the scalp along its normal and stay outside it;
-//! more fill only adds hairs; on a parted scalp all of a puff's hair is rooted in the section of its center; with
+//! more fill only adds hairs; on a parted scalp all of a puff's hair is rooted in the section of its centre; with
 //! `flatten` at 1 no tip lies over the plane to another puff of the node, and none closer to the skin than the
 //! clearance. Not promised: that without `flatten`, a sphere low enough to dip into the head keeps its tips outside (a
 //! warning counts them).
@@ -43,12 +43,12 @@ node! {
     inputs {
         /// Head that the puff grows on.
         scalp: Arc<Scalp>;
-        /// Curves whose roots are the centers of puffs, one puff per root. Without them, one puff sits at `position`.
+        /// Curves whose roots are the centres of puffs, one puff per root. Without them, one puff sits at `position`.
         placements: Option<Curves>, words("points roots several");
         /// Ties that puffs grow out of, one puff per tie, from Gather into tie. They set position and direction, and
         /// replace the inputs position, root radius, tie height and tightness.
         ties: Option<Curves>, words("gather base elastic band");
-        /// Position of the puff in head units from the center of the cranium: the point of the scalp in this direction.
+        /// Position of the puff in head units from the centre of the cranium: the point of the scalp in this direction.
         position: Vec3 = Vec3::new(0.0, 8.0, -4.0), handle(Handle::Point), words("place pick centre");
         /// Radius on the scalp within which hair is rooted.
         root_radius: f32 = 3.0, hard(0.01, 30.0), soft(0.5, 8.0), unit(Length), handle(Handle::Radius), words("base section");
@@ -59,7 +59,7 @@ node! {
         /// Hairs per puff, when by count. Raising it only adds hairs.
         count: i64 = 6000, hard(0.0, 1000000.0), soft(500.0, 20000.0), unit(Count), words("amount hairs strands"),
             idle(|of| unless(of, "fill", "count", "the number goes by density"));
-        /// Hairs per square centimeter of root area, when by density.
+        /// Hairs per square centimetre of root area, when by density.
         density: f32 = 200.0, hard(0.0, 5000.0), soft(20.0, 600.0), unit(PerCm2), words("amount hairs strands"),
             idle(|of| unless(of, "fill", "density", "the number goes by count"));
         /// Fraction of length that hair will lose when it is curled; `fibre_length` is lengthened accordingly. A curl
@@ -79,21 +79,21 @@ node! {
         stretch: Vec3 = Vec3::ONE, words("ellipsoid egg oval flat wide tall"),
             idle(|of| unless(of, "shape", "ellipsoid", "the outline is no ellipsoid"));
         /// Closed mesh for the tips, used at its own position: wire a Head node that reads it, with no fit. The puff is
-        /// centered on the mesh.
+        /// centred on the mesh.
         mesh: Option<Arc<Scalp>>, words("volume outline topiary");
-        /// Closed outline in front view, drawn around the sphere's center.
+        /// Closed outline in front view, drawn around the sphere's centre.
         front: Option<Curves>, words("outline silhouette draw stroke");
-        /// Closed outline in side view, drawn around the sphere's center.
+        /// Closed outline in side view, drawn around the sphere's centre.
         side: Option<Curves>, words("outline silhouette draw stroke");
         /// How flat the puffs of this node are where they meet, and where they meet the head: 0 lets them overlap, 1
         /// ends them at the plane between them and just above the skin. Press puffs does this across nodes.
         flatten: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("press collide touch");
-        /// Height of the sphere's center above the scalp. Unset: the sphere's radius, so that it rests on the scalp.
+        /// Height of the sphere's centre above the scalp. Unset: the sphere's radius, so that it rests on the scalp.
         offset: Option<f32>, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), handle(Handle::Length), words("height centre");
         /// Angle from the top of the sphere down to which tips reach: 90 degrees is the upper half, 175 (the largest)
         /// all but the base.
         coverage: f32 = 140.0, hard(10.0, 175.0), soft(60.0, 160.0), unit(Angle), handle(Handle::Angle), words("cap cone");
-        /// Path of the hair from the tie to the sphere, from 0 (straight) to 1 (through the center, ending square to
+        /// Path of the hair from the tie to the sphere, from 0 (straight) to 1 (through the centre, ending square to
         /// the sphere).
         bulge: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("round swell");
 
@@ -151,7 +151,7 @@ choice! {
     Fill {
         /// Per puff.
         Count = "count",
-        /// Per square centimeter of root area.
+        /// Per square centimetre of root area.
         Density = "density",
     }
 }
@@ -205,7 +205,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let puff = &puffs[i / pieces];
         let key = KeyBuilder::new("puff").int(puff.id).vec3(puff.middle.point).vec3(puff.axis);
         let key = key.vec3(puff.right).float(puff.root_radius).float(puff.tie_height);
-        // Drawn outlines and neighboring puffs are read as well.
+        // Drawn outlines and neighbouring puffs are read as well.
         let key =
             [&inputs.front, &inputs.side].into_iter().flatten().fold(key, |k, c| k.key(c.key()));
         let key = puff.walls.iter().map(Wall::told).fold(key, |key, (v, at)| key.vec3(v).float(at));
@@ -238,7 +238,7 @@ const SAMPLES: usize = 64;
 const CLEARANCE: f32 = 0.1;
 /// Largest error of the approximate distance from the skin, cm.
 const ABOUT: f32 = 0.1;
-/// Steps from the center of a puff to a tip at which the skin is sampled, and bisections of the step that contains it.
+/// Steps from the centre of a puff to a tip at which the skin is sampled, and bisections of the step that contains it.
 const STEPS: usize = 32;
 const HALVINGS: usize = 12;
 
@@ -264,9 +264,9 @@ struct Puff<'a> {
     /// One head unit, cm.
     unit: f32,
     outline: Outline<'a>,
-    /// Planes between it and its neighbors.
+    /// Planes between it and its neighbours.
     walls: Vec<Wall>,
-    /// By row and column, from the sphere's center. Unit.
+    /// By row and column, from the sphere's centre. Unit.
     directions: Vec<Vec3>,
 }
 
@@ -333,7 +333,7 @@ impl<'a> Puff<'a> {
         puff
     }
 
-    /// The requested outline; a mesh also sets the center.
+    /// The requested outline; a mesh also sets the centre.
     fn outlined(&mut self) -> Outline<'a> {
         let inputs = self.inputs;
         match inputs.shape {
@@ -360,14 +360,14 @@ impl<'a> Puff<'a> {
         }
     }
 
-    /// Distance of the outline from the center in a direction, cm.
+    /// Distance of the outline from the centre in a direction, cm.
     fn reach(&self, direction: Vec3) -> f32 {
         let d = direction;
         let local = Vec3::new(d.dot(self.right), d.dot(self.axis), d.dot(self.ahead));
         self.outline.reach(local, self.radius)
     }
 
-    /// A tip, pulled back to the planes between this puff and its neighbors, and out of the head.
+    /// A tip, pulled back to the planes between this puff and its neighbours, and out of the head.
     fn pressed(&self, tip: Vec3) -> Vec3 {
         let flatten = self.inputs.flatten;
         if flatten <= 0.0 {
@@ -379,14 +379,14 @@ impl<'a> Puff<'a> {
         self.pressed_on_head(tip)
     }
 
-    /// A tip below the skin as seen from the puff's center, pulled back along that line to just above it: tips keep the
+    /// A tip below the skin as seen from the puff's centre, pulled back along that line to just above it: tips keep the
     /// spread of the outline's directions, where the nearest skin would bunch them up.
     fn pressed_on_head(&self, tip: Vec3) -> Vec3 {
         let (over, off) = (self.over_skin(), tip - self.centre);
         let at = |t: f32| self.centre + off * t;
         let is_low =
             |t: f32| self.skin.about(at(t)) < over + ABOUT && self.skin.distance(at(t)) < over;
-        // From a center inside the head nothing is visible.
+        // From a centre inside the head nothing is visible.
         if is_low(0.0) {
             return self.skin.lift(tip, over).0;
         }
@@ -406,7 +406,7 @@ impl<'a> Puff<'a> {
         CLEARANCE * self.unit * self.inputs.flatten
     }
 
-    /// The point of the outline in a direction from the center.
+    /// The point of the outline in a direction from the centre.
     fn on_outline(&self, direction: Vec3) -> Vec3 {
         self.pressed(self.centre + direction * self.reach(direction))
     }
@@ -416,13 +416,13 @@ impl<'a> Puff<'a> {
         acos(1.0 - area * (1.0 - cos(self.inputs.coverage.to_radians())))
     }
 
-    /// The direction from the sphere's center at an angle from the top and an azimuth in turns.
+    /// The direction from the sphere's centre at an angle from the top and an azimuth in turns.
     fn direction(&self, polar: f32, azimuth: f32) -> Vec3 {
         let ((sin, cos), (y, x)) = (sin_cos(polar), sin_cos_turns(azimuth));
         self.axis * cos + (self.right * x + self.ahead * y) * sin
     }
 
-    /// The root at a position of the unit disc; on a parted scalp, in the section of the center.
+    /// The root at a position of the unit disc; on a parted scalp, in the section of the centre.
     fn root(&self, place: Vec2) -> Option<Root> {
         let place = place * self.root_radius;
         let over = self.middle.point + self.right * place.x + self.ahead * place.y;
@@ -487,7 +487,7 @@ impl<'a> Puff<'a> {
         Ok(out.build(self))
     }
 
-    /// Distance of the outermost tips from the center, as a fraction of the outline's.
+    /// Distance of the outermost tips from the centre, as a fraction of the outline's.
     fn outermost(&self) -> f32 {
         1.0 - self.inputs.depth_from.min(self.inputs.depth_to)
     }
@@ -515,7 +515,7 @@ impl<'a> Puff<'a> {
         (slerp(along(row), along(row + 1), out), (nearest, nearest_column))
     }
 
-    /// Adds the curve from a position of the unit disc to a tip, where the outline is at this distance from the center.
+    /// Adds the curve from a position of the unit disc to a tip, where the outline is at this distance from the centre.
     fn grow(&self, place: Vec2, tip: Vec3, radius: f32, ids: (u64, u64), out: &mut Bundle) {
         let Some(root) = self.root(place) else { return };
         let up = self.axis;
@@ -595,7 +595,7 @@ fn slerp(a: Vec3, b: Vec3, t: f32) -> Vec3 {
     ((a * sin((1.0 - t) * angle) + b * sin(t * angle)) / sin(angle)).normalize_or(a)
 }
 
-/// Puffs with the planes to their neighbors, where they press against each other.
+/// Puffs with the planes to their neighbours, where they press against each other.
 fn beside(mut puffs: Vec<Puff>) -> Vec<Puff> {
     let centres: Vec<Vec3> = puffs.iter().map(|puff| puff.centre).collect();
     for (i, puff) in puffs.iter_mut().enumerate().filter(|(_, puff)| puff.inputs.flatten > 0.0) {
@@ -613,7 +613,7 @@ struct Bundle {
     ids: Vec<(u64, u64)>,
     roots: Vec<Root>,
     fibres: Vec<f32>,
-    /// Distances of the outline from the center.
+    /// Distances of the outline from the centre.
     radii: Vec<f32>,
     path: Vec<Vec3>,
     points: Vec<Vec3>,

@@ -44,7 +44,7 @@ node! {
         sway: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 4.0), unit(Length), words("s curve wave movement");
         /// Length of one full S.
         sway_length: f32 = 28.0, hard(1.0, 200.0), soft(8.0, 60.0), unit(Length), words("s curve wave movement");
-        /// Smallest height of the tail's center above the skin, in its own radii there.
+        /// Smallest height of the tail's centre above the skin, in its own radii there.
         clearance: f32 = 0.8, hard(0.0, 10.0), soft(0.3, 2.0), words("collide rest head neck shoulders");
         /// Twist of the tail about itself, in degrees per cm.
         twist: f32 = 0.0, hard(-90.0, 90.0), soft(-20.0, 20.0), unit(Angle), words("rope turn");
@@ -104,7 +104,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves: bundle.go_on(cx, &inputs.curves)? })
 }
 
-/// Center line of a tail: out of the tie along its axis, then down in an arch, out of the skin by a fraction of its own
+/// Centre line of a tail: out of the tie along its axis, then down in an arch, out of the skin by a fraction of its own
 /// thickness.
 fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
     let frame = inputs.scalp.frame();

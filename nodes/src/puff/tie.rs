@@ -46,7 +46,7 @@ impl Tie {
     pub(super) fn ahead(&self) -> Vec3 {
         self.axis.cross(self.right)
     }
-    /// The center of the ring where hair leaves the tie.
+    /// The centre of the ring where hair leaves the tie.
     pub(super) fn top(&self) -> Vec3 {
         self.foot.point + self.axis * self.height
     }

@@ -1,8 +1,8 @@
 //! The built-in adult bust: head, neck and shoulders, used while no mesh is given.
 //!
 //! [`adult`] decodes a mesh that is part of the program. It is our own, modeled in code by `examples/make_bust` from
-//! published averages of adult heads, and depicts no one in particular. Centimeters, Y up, +Z forward, origin at the
-//! center of the cranium sphere (radius 8.9).
+//! published averages of adult heads, and depicts no one in particular. Centimetres, Y up, +Z forward, origin at the
+//! centre of the cranium sphere (radius 8.9).
 //!
 //! Guarantees, each with a test below: closed, manifold, one part, exactly mirror-symmetric; materials `skin`, `lips`,
 //! `eyes` and `iris`; one UV tile without overlaps; a painted mask `hairline`; eight landmarks. The same bits on every
@@ -73,7 +73,7 @@ fn open() -> (Reader<'static>, [usize; 3], [usize; 4], usize) {
     (read, counts, runs, masks)
 }
 
-/// The built-in adult bust, in centimeters.
+/// The built-in adult bust, in centimetres.
 pub fn adult() -> Mesh {
     let (mut read, [points, wedges, triangles], runs, masks) = open();
     assert_eq!(masks, MASKS.len(), "bust.bin has other masks");
@@ -317,7 +317,7 @@ mod tests {
         println!("centre {c:?}, r {r}");
         assert!(len(c) < 0.05, "{c:?}");
         assert!((r - R).abs() < 0.02, "{r}");
-        // Area-weighted 95th percentile of the distance above the center.
+        // Area-weighted 95th percentile of the distance above the centre.
         let mut off: Vec<(f64, f64)> = faces(&mesh)
             .into_iter()
             .filter(|(q, _)| q[1] > c[1])

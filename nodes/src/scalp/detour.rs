@@ -33,7 +33,7 @@ const FINE: usize = 4;
 pub(crate) enum Towards {
     /// Straight up, as hair is combed.
     Top,
-    /// Toward the crown, the center of the map.
+    /// Toward the crown, the centre of the map.
     Crown,
 }
 
@@ -43,7 +43,7 @@ pub(crate) struct Detour<'a> {
     open: Vec<bool>,
     /// Direction of the top of the head.
     top: Vec3,
-    /// Direction of the center of the map.
+    /// Direction of the centre of the map.
     crown: Vec3,
 }
 
@@ -128,7 +128,7 @@ impl<'a> Detour<'a> {
         let inner = 1..last * FINE;
         let lifted = |i: usize, far: f32| self.above(flat[i], far, towards);
         let mut string = taut(&off);
-        // What was lifted only because of its neighbors may now be under the ear.
+        // What was lifted only because of its neighbours may now be under the ear.
         for _ in 0..ROUNDS {
             let mut under = false;
             for i in inner.clone() {

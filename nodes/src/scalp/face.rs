@@ -1,7 +1,7 @@
 //! Finds the direction of a face, and whether there is one.
 //!
 //! The outline of a head (its extent from the vertical axis through its cranium, level by level, in all directions) is
-//! mirrored in every vertical plane through the center; the plane with the best match passes through the face. Which
+//! mirrored in every vertical plane through the centre; the plane with the best match passes through the face. Which
 //! end of the plane has the face is decided by likeness to the face of the built-in bust: noses, eye sockets and cheeks
 //! have relief that hair does not have. Reach alone would not do: a bun may reach farther than a nose, and so may the
 //! corner of a pair of glasses.
@@ -45,11 +45,11 @@ pub(crate) const FACE: f32 = 0.55;
 /// An end that exceeds the other's likeness by this much has the face, even if both are low: a face with hardly a nose.
 const CLEARLY: f32 = 0.2;
 
-/// Levels of a head's outline, from [`LOW`] to [`HIGH`] around the center, in radii.
+/// Levels of a head's outline, from [`LOW`] to [`HIGH`] around the centre, in radii.
 const LEVELS: usize = 18;
 const LOW: f32 = -1.2;
 const HIGH: f32 = 0.6;
-/// Directions of the outline, and the number of them that a face covers, 48 degrees to each side of its center ...
+/// Directions of the outline, and the number of them that a face covers, 48 degrees to each side of its centre ...
 const DIRECTIONS: usize = 240;
 const WINDOW: usize = 64;
 /// ... and the same for a glimpse, with the size of the cells of its outline, in radii.
@@ -257,7 +257,7 @@ fn mirror(unlike: &[f32]) -> Option<(f32, usize)> {
     if unlike[best] > IS_MIRROR * median(unlike) {
         return None;
     }
-    // Between planes: the minimum of the parabola through it and its neighbors.
+    // Between planes: the minimum of the parabola through it and its neighbours.
     let side = |by: usize| unlike[(best + by) % DIRECTIONS];
     let (before, after) = (side(DIRECTIONS - 1), side(1));
     let bend = before + after - 2.0 * unlike[best];

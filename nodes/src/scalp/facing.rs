@@ -14,7 +14,7 @@ use glam::Vec3;
 
 /// Lines of sight from each side, along both axes of a square around the head ...
 const LINES: usize = 20;
-/// ... that extends this far from the center of the cranium, in radii.
+/// ... that extends this far from the centre of the cranium, in radii.
 const ABOUT: f32 = 2.0;
 /// Less than this fraction of the visible surface may show its back, flipped or not: holes and flaws.
 const FLAWS: f32 = 0.02;
@@ -24,7 +24,7 @@ const PART: f32 = 0.05;
 /// ... with this many times more on one side than on the other.
 const CLEARLY: u32 = 3;
 
-/// For each triangle, whether to flip it, on a head with a cranium of this center and radius, cm; `None` if none is
+/// For each triangle, whether to flip it, on a head with a cranium of this centre and radius, cm; `None` if none is
 /// flipped. `check` is called now and then and may stop the work.
 pub(crate) fn turned(
     surface: &Surface,

@@ -420,7 +420,7 @@ fn only<'t>(
     (kept, own)
 }
 
-/// Parts over the crown count up to this distance from the center, in radii ...
+/// Parts over the crown count up to this distance from the centre, in radii ...
 const REACH: f32 = 2.5;
 /// ... and from this distance off the skin: anything nearer is a second scalp that hair is to grow on.
 const OVER: f32 = 0.04;

@@ -1,4 +1,4 @@
-//! Fits the cranium, and derives how many centimeters a unit of the file has.
+//! Fits the cranium, and derives how many centimetres a unit of the file has.
 //!
 //! methods.md 0.1. The sphere is fitted by integrating over triangles, so that neither mesh density nor a random seed
 //! affects it: large triangles are split into cells of a fortieth of the radius, small ones count by area. Everything
@@ -15,21 +15,21 @@ use std::f32::consts::TAU;
 /// The cranium sphere, and how well the crown fits it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Fit {
-    /// Center, in the mesh's units.
+    /// Centre, in the mesh's units.
     pub(crate) centre: Vec3,
     /// Radius, in the mesh's units.
     pub(crate) radius: f32,
-    /// Half of the surface above the center is within this distance of the sphere, as a fraction of its radius.
+    /// Half of the surface above the centre is within this distance of the sphere, as a fraction of its radius.
     pub(crate) p50: f32,
     /// The same for 95 % of that surface.
     pub(crate) p95: f32,
-    /// Fraction of the sphere above its center with surface near it, 0 to 1.
+    /// Fraction of the sphere above its centre with surface near it, 0 to 1.
     pub(crate) cover: f32,
     /// Whether most triangles of the crown face inward.
     pub(crate) inside_out: bool,
 }
 
-/// A cell of the surface: its triangle, center and area.
+/// A cell of the surface: its triangle, centre and area.
 #[derive(Clone, Copy)]
 pub(crate) struct Cell {
     pub(crate) of: u32,
@@ -199,7 +199,7 @@ fn judged(surface: &[Cell], centre: Vec3, radius: f32, normal: impl Fn(u32) -> V
     }
 }
 
-/// Equal-area patches of the sphere above its center: four bands, each divided into 24 around the axis.
+/// Equal-area patches of the sphere above its centre: four bands, each divided into 24 around the axis.
 pub(crate) struct Patches;
 
 impl Patches {
@@ -207,10 +207,10 @@ impl Patches {
     pub(crate) const COUNT: usize = Self::BANDS * Self::ROUND;
     const BANDS: usize = 4;
     const ROUND: usize = 24;
-    /// Patches more than 30 degrees above the center, one bit each.
+    /// Patches more than 30 degrees above the centre, one bit each.
     pub(crate) const UPPER: u128 = !0 << (Self::BANDS / 2 * Self::ROUND);
 
-    /// The patch in a direction from the center; `None` below it.
+    /// The patch in a direction from the centre; `None` below it.
     pub(crate) fn above(way: Vec3) -> Option<usize> {
         let way = way.try_normalize().filter(|way| way.y > 0.0)?;
         let band = ((way.y * Self::BANDS as f32) as usize).min(Self::BANDS - 1);
@@ -261,8 +261,8 @@ pub(crate) fn cells(points: &[Vec3], triangles: &[[u32; 3]], low: f32, size: f32
     out
 }
 
-/// The sphere |p - c|^2 = r^2 that minimizes the squared error of that equation: one linear system, so it needs no
-/// initial guess and cannot get stuck. (The sphere that minimizes the squared *distance* is 0.7 to 1.7 % larger on
+/// The sphere |p - c|^2 = r^2 that minimises the squared error of that equation: one linear system, so it needs no
+/// initial guess and cannot get stuck. (The sphere that minimises the squared *distance* is 0.7 to 1.7 % larger on
 /// three heads, since it weights brows and ears more.)
 fn least_squares<'a>(cells: impl Iterator<Item = &'a Cell>) -> Option<(Vec3, f32)> {
     let mut sums = Sums::default();
@@ -363,7 +363,7 @@ impl Fit {
 /// Plausible radius of a human cranium, cm.
 pub(crate) const BELIEVED: std::ops::RangeInclusive<f32> = 6.0..=12.0;
 
-/// Units of files, as centimeters and a name, likeliest first.
+/// Units of files, as centimetres and a name, likeliest first.
 const UNITS: [(f32, &str); 4] = [(1.0, "cm"), (100.0, "m"), (0.1, "mm"), (2.54, "in")];
 
 /// The unit in which a cranium of this radius is human.
@@ -371,7 +371,7 @@ pub(crate) fn unit_of_radius(radius: f32) -> Option<(f32, &'static str)> {
     UNITS.into_iter().find(|(cm, _)| BELIEVED.contains(&(radius * cm)))
 }
 
-/// The unit suggested by the height of a mesh's bounding box: meters up to 2, centimeters up to 200, else millimeters.
+/// The unit suggested by the height of a mesh's bounding box: metres up to 2, centimetres up to 200, else millimetres.
 pub(crate) fn unit_of_height(height: f32) -> (f32, &'static str) {
     match height {
         h if h < 2.0 => (100.0, "m"),

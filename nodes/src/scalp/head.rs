@@ -1,6 +1,6 @@
 //! Head: the mesh that hair grows on, with its size, the direction of its face, and its scalp region.
 //!
-//! methods.md 0.1. The mesh stays in place: it is scaled to centimeters about its origin (and rotated to Y up if its
+//! methods.md 0.1. The mesh stays in place: it is scaled to centimetres about its origin (and rotated to Y up if its
 //! file has Z up), and the head frame locates the cranium. Hair stored in that frame fits every head. Every mesh that a
 //! reader accepts gives a scalp; one without a cranium keeps its own coordinates, with a message.
 
@@ -41,7 +41,7 @@ node! {
         /// Built-in head, used while no mesh file is set.
         builtin: Builtin = Builtin::Adult, words("default bust");
         /// Mesh file (.obj, .gltf or .glb) to use instead of the built-in head. UVs are kept; materials and vertex
-        /// colors become masks.
+        /// colours become masks.
         mesh: Option<Arc<FileData>>, holds(Holds::Mesh), words("file import model");
         /// Parts of the mesh to ignore, such as hair, hats and glasses: comma-separated names of meshes, nodes, groups
         /// or materials, or "piece 2" for the second largest piece of a mesh without names. `*` matches any text, as in
@@ -72,7 +72,7 @@ node! {
         /// Length of one unit of the file. Auto reads it from the file, or picks the unit that gives the cranium a
         /// human size.
         units: Units = Units::Auto, words("scale metres centimetres inches");
-        /// Centimeters per unit of the file, when units are custom.
+        /// Centimetres per unit of the file, when units are custom.
         scale: f32 = 1.0, hard(0.000001, 1000000.0), soft(0.1, 100.0), words("size"),
             idle(|of| unless(of, "units", "custom", "the units of the file are known"));
         /// Axis of the file that points up; the mesh is rotated to Y up. If no head is found that way, the other axes
@@ -88,7 +88,7 @@ node! {
         fit: FitBy = FitBy::Cranium, words("sphere cranium animal creature");
         /// Radius of the cranium, instead of the fitted one; 0 keeps the fit.
         radius: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 12.0), unit(Length), handle(Handle::Radius), words("size");
-        /// Offset of the cranium's center, in cm along the head's right, up and forward.
+        /// Offset of the cranium's centre, in cm along the head's right, up and forward.
         centre: Vec3 = Vec3::ZERO, handle(Handle::Point), words("center offset origin");
     }
     outputs {
@@ -110,15 +110,15 @@ choice! {
     Units {
         /// As the file states, or else derived from the size of the cranium.
         Auto = "auto",
-        /// Millimeters.
+        /// Millimetres.
         Millimetre = "mm",
-        /// Centimeters.
+        /// Centimetres.
         Centimetre = "cm",
-        /// Meters.
+        /// Metres.
         Metre = "m",
         /// Inches.
         Inch = "in",
-        /// As many centimeters as scale says.
+        /// As many centimetres as scale says.
         Custom = "custom",
     }
 }
@@ -499,7 +499,7 @@ fn read(file: &FileData) -> Result<Mesh, NodeError> {
         .map_err(|err| NodeError::Refused { file: file.path.clone(), reason: err.to_string() })
 }
 
-/// A number with the sign of the volume enclosed by the triangles, seen from the center of the bounding box.
+/// A number with the sign of the volume enclosed by the triangles, seen from the centre of the bounding box.
 fn volume(points: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
     let first = points.first().copied().unwrap_or_default();
     let (lo, hi) = points.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
@@ -508,7 +508,7 @@ fn volume(points: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
     triangles.iter().map(|t| f64::from(corner(t[0]).dot(corner(t[1]).cross(corner(t[2]))))).sum()
 }
 
-/// Centimeters per unit of the file.
+/// Centimetres per unit of the file.
 fn scale(
     cx: &EvalCx,
     inputs: &Inputs,

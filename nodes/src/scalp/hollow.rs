@@ -1,10 +1,10 @@
 //! The inner wall of a hollow head, such as a bust for 3D printing: no hair grows on it or avoids it.
 //!
-//! A hollow head is a shell of a few millimeters. By distance alone, the air inside looks like the air outside, so that
+//! A hollow head is a shell of a few millimetres. By distance alone, the air inside looks like the air outside, so that
 //! hair that passes through the wall seems clear again, and half of what is scattered over the scalp grows inward.
 //!
-//! Guarantees: a head that is solid around the center of its cranium has no inner wall. Not promised: nooks of the
-//! cavity that are visible neither from its center nor across it, such as in a chin, stay as they are.
+//! Guarantees: a head that is solid around the centre of its cranium has no inner wall. Not promised: nooks of the
+//! cavity that are visible neither from its centre nor across it, such as in a chin, stay as they are.
 
 use crate::define::NodeError;
 use crate::maths::closest::{Hit, Surface};
@@ -13,7 +13,7 @@ use glam::Vec3;
 
 /// Spacing of the viewpoints in the cavity, in radii of the cranium.
 const STEP: f32 = 0.5;
-/// Number of steps of viewpoints from the center: sideways, up, down.
+/// Number of steps of viewpoints from the centre: sideways, up, down.
 const STEPS: (i32, i32, i32) = (5, 2, 7);
 /// If a viewpoint sees a wall in fewer than this many of 26 directions, the cavity is open there.
 const CLOSED: usize = 20;
@@ -28,7 +28,7 @@ const FAR: f32 = 6.0;
 /// How often visibility across the cavity is propagated.
 const ACROSS: usize = 3;
 
-/// For each triangle, whether it belongs to the inner wall of a head with a cranium of this center and radius, cm;
+/// For each triangle, whether it belongs to the inner wall of a head with a cranium of this centre and radius, cm;
 /// `None` without such a wall. `check` is called now and then and may stop the work.
 pub(crate) fn inner_wall(
     surface: &Surface,
@@ -36,7 +36,7 @@ pub(crate) fn inner_wall(
     radius: f32,
     check: impl Fn() -> Result<(), NodeError>,
 ) -> Result<Option<Vec<bool>>, NodeError> {
-    // Whether the crown shows its front: from the center of a solid head, every surface shows its back.
+    // Whether the crown shows its front: from the centre of a solid head, every surface shows its back.
     let mut facing = 0i32;
     for way in round_about().filter(|way| way.y >= 0.0) {
         if let Some(hit) = surface.ray(middle, way, FAR * radius) {
@@ -55,7 +55,7 @@ pub(crate) fn inner_wall(
         })
         .filter(|(_, at, _)| at.distance(middle) < FAR * radius)
         .collect();
-    // Neighbors in sequence, so that what was visited for one is cached for the next.
+    // Neighbours in sequence, so that what was visited for one is cached for the next.
     faces.sort_by_cached_key(|(_, at, _)| {
         let cell = ((*at - middle) / (FAR * radius) + 1.0) * 511.0;
         hilbert(cell.to_array().map(|along| along as u32))

@@ -16,7 +16,7 @@ use crate::maths::closest::{Hit, Surface};
 use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
 
-/// Skin is searched up to this distance from the center, in radii: hair grows within it, and shoulders are farther
+/// Skin is searched up to this distance from the centre, in radii: hair grows within it, and shoulders are farther
 /// away.
 const REACH: f32 = 1.5;
 /// Angle from the middle of the forehead to the temple about the vertical axis, degrees.
@@ -164,7 +164,7 @@ impl Head<'_> {
         hit.or_else(|| self.surface.ray(from + beside, way, reach))
     }
 
-    /// The outermost skin in a unit direction from the center.
+    /// The outermost skin in a unit direction from the centre.
     fn skin(&self, way: Vec3) -> Option<Hit> {
         let reach = REACH * self.frame.radius;
         self.met(self.frame.origin + way * reach, -way, reach)

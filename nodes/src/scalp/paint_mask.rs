@@ -31,7 +31,7 @@ node! {
         scalp: Arc<Scalp>;
         /// Value before the first stroke: a number, a mask of the head, a texture mask or another painted mask.
         base: FieldInput = 0.0, hard(0.0, 1.0), unit(Ratio), words("start texture fill background vertex colour");
-        /// Fraction of the brush radius over which a dab fades: 0 is a hard edge, 1 fades from the center.
+        /// Fraction of the brush radius over which a dab fades: 0 is a hard edge, 1 fades from the centre.
         softness: f32 = 1.0, hard(0.0, 1.0), unit(Ratio), words("hardness falloff feather blur");
         /// Fade width inside a closed stroke. 0 is a sharp edge.
         edge: f32 = 0.3, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("hairline soft fade feather");

@@ -1,6 +1,6 @@
 //! One head saved plain, skinned, and skinned with quantized positions is the same head for what grows on it.
 //!
-//! Floats in meters and in centimeters round differently: at 1.7 m their last bits are 0.00001 cm apart, and quantized
+//! Floats in metres and in centimetres round differently: at 1.7 m their last bits are 0.00001 cm apart, and quantized
 //! positions have steps of 0.0005 cm. Skin and frame follow exactly that. Hair adds its own: rows laid on the plain
 //! head move by 0.0008 cm if the last bit of each coordinate changes, like the tip of a guide over 10 cm when the
 //! normal at its root turns by that much. Scattered hair keeps its roots: last bits do not change which guide is used

@@ -10,11 +10,11 @@ use crate::maths::nearest::Nearest;
 use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
 
-/// Plane of the default region: this far below the center (radii) ...
+/// Plane of the default region: this far below the centre (radii) ...
 const DROP: f32 = 0.30;
 /// ... rising toward the front at this angle.
 const RISE: f32 = 40.0 / 180.0 * std::f32::consts::PI;
-/// The shell of the default region, in radii from the center.
+/// The shell of the default region, in radii from the centre.
 const SHELL: (f32, f32) = (0.8, 1.2);
 
 /// Ears are searched this far to the side, between these heights and depths, in radii ...
@@ -35,7 +35,7 @@ const MOST_RIMS: usize = 4000;
 /// about ears.
 const MOST_THIN: f32 = 0.6;
 
-/// Distance inside the standard hairline of a point at `v` from the center, cm; negative outside.
+/// Distance inside the standard hairline of a point at `v` from the centre, cm; negative outside.
 pub(super) fn within_hairline(frame: &HeadFrame, v: Vec3) -> f32 {
     let (sin, cos) = sin_cos(RISE);
     let p = frame.head_from_vector(v);
@@ -122,7 +122,7 @@ pub(crate) fn outer_skin(
     mask(surface, frame, check, |_| 1.0)
 }
 
-/// The value of `value` for the vertex at `v` from the center, on the outer surface.
+/// The value of `value` for the vertex at `v` from the centre, on the outer surface.
 fn mask(
     surface: &Surface,
     frame: &HeadFrame,
@@ -141,7 +141,7 @@ fn mask(
     Ok(out)
 }
 
-/// 0 to 1 across an edge of this width, centered where `inside` (the signed distance, cm) is 0.
+/// 0 to 1 across an edge of this width, centred where `inside` (the signed distance, cm) is 0.
 pub(crate) fn soft(inside: f32, width: f32) -> f32 {
     if width <= 0.0 {
         return f32::from(inside > 0.0);

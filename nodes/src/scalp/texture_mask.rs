@@ -16,7 +16,7 @@ node! {
     "texture_mask", version 1, label "Texture mask",
         words "texture map image picture png tiff tif uv paint weight density length mari substance ptex grey";
     inputs {
-        /// PNG or TIFF file, 8 or 16 bits per channel, read as raw data without a color space.
+        /// PNG or TIFF file, 8 or 16 bits per channel, read as raw data without a colour space.
         file: Arc<FileData>, holds(Holds::Picture), words("image picture map path");
         /// The head; it needs UVs.
         scalp: Arc<Scalp>;

@@ -1,4 +1,4 @@
-//! Values along hair, for every node that colors or sizes it.
+//! Values along hair, for every node that colours or sizes it.
 //!
 //! Guarantees: values are stored once for all, once per curve or once per point, as few times as the caller allows;
 //! nothing else of the tuft changes or is copied.

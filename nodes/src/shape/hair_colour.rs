@@ -1,9 +1,9 @@
-//! Hair colour: the natural color of hair by its pigment, gray hairs in it, and dye on top.
+//! Hair colour: the natural colour of hair by its pigment, grey hairs in it, and dye on top.
 //!
 //! Guarantees: only the `colour` attribute changes, and it is stored as few times as possible. Everything is mixed as
-//! absorption, like real pigment and dye, and then converted to a color (`maths::hair_colour`); colors therefore blend
+//! absorption, like real pigment and dye, and then converted to a colour (`maths::hair_colour`); colours therefore blend
 //! from root to tip and from hair to hair without turning muddy or pale. Equal ids give equal hairs, whatever else is
-//! there, and raising `grey` only adds gray hairs.
+//! there, and raising `grey` only adds grey hairs.
 
 use super::along::{Held, lay};
 use crate::data::attributes::COLOUR;
@@ -18,18 +18,18 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Colors hair by its pigment, from white through blond and brown to black, with gray hairs and dye.
+    /// Colours hair by its pigment, from white through blond and brown to black, with grey hairs and dye.
     ///
     /// Melanin 0.97 is black, 0.87 brown, 0.3 blond, 0.02 white. Add a second node with a mask for highlights or dipped
     /// tips.
     "hair_colour", version 1, label "Hair colour",
         words "color melanin ombre balayage grey gray white highlights dye tint bleach natural eumelanin pheomelanin pigment black brown blond blonde red ginger";
     inputs {
-        /// Hair to color.
+        /// Hair to colour.
         curves: Curves;
         /// The head; only masks need it.
         scalp: Option<Arc<Scalp>>;
-        /// Base color, before variation between hairs, gray and dye.
+        /// Base colour, before variation between hairs, grey and dye.
         from: Base = Base::Melanin, words("own keep inherit base cluster painted");
         /// Pigment at the root, 0 (white) to 1 (black).
         melanin_root: f32 = 0.9, hard(0.0, 1.0), unit(Ratio), words("eumelanin pigment darkness");
@@ -37,17 +37,17 @@ node! {
         melanin_tip: f32 = 0.87, hard(0.0, 1.0), unit(Ratio), words("eumelanin pigment darkness ombre balayage");
         /// Fraction of the pigment that is red: 0 is ash, 0.2 warm, 1 ginger.
         redness: f32 = 0.1, hard(0.0, 1.0), unit(Ratio), words("pheomelanin warm red ginger auburn");
-        /// Blend from the root color (0) to the tip color (1), along the hair.
+        /// Blend from the root colour (0) to the tip colour (1), along the hair.
         profile: Arc<Ramp> = Ramp::smooth(0.0, 1.0), words("gradient blend falloff ombre");
-        /// Fraction of hairs that are gray, that is, white among the others. A mask grays the temples first.
+        /// Fraction of hairs that are grey, that is, white among the others. A mask greys the temples first.
         grey: FieldInput = 0.0, hard(0.0, 1.0), unit(Ratio), words("gray white salt pepper age silver");
-        /// Fraction of hairs between gray and not: 0 makes each hair one or the other.
+        /// Fraction of hairs between grey and not: 0 makes each hair one or the other.
         grey_softness: f32 = 0.15, hard(0.0, 1.0), unit(Ratio), words("gray blend");
-        /// Color of the dye; white is no dye. Dye only darkens: lower the melanin to bleach first.
+        /// Colour of the dye; white is no dye. Dye only darkens: lower the melanin to bleach first.
         dye: Colour = Vec3::ONE, words("color tint henna");
         /// Strength of the dye. A ramp dyes only the tips, or leaves grown-out roots.
         dye_amount: FieldInput = 1.0, hard(0.0, 4.0), soft(0.0, 1.0), unit(Ratio), words("strength roots tips");
-        /// Blend from the old color (0) to the new one (1). A mask makes streaks.
+        /// Blend from the old colour (0) to the new one (1). A mask makes streaks.
         amount: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("mix opacity mask highlights");
 
         [Randomness]
@@ -57,17 +57,17 @@ node! {
         seed: i64 = 0;
     }
     outputs {
-        /// The same hair, colored.
+        /// The same hair, coloured.
         curves: Curves;
     }
 }
 
 choice! {
-    /// Base color.
+    /// Base colour.
     Base {
         /// The pigment below, from root to tip.
         Melanin = "melanin",
-        /// The hair's own color: from its cluster, the pen that implanted it, or an earlier node.
+        /// The hair's own colour: from its cluster, the pen that implanted it, or an earlier node.
         Own = "own",
     }
 }
@@ -128,8 +128,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// How gray a hair is, 0 to 1, that drew `chance` (0 to 1) where the fraction of gray hairs is `share`. It grows with
-/// `share`; a share of 0 grays none and a share of 1 all, at any softness.
+/// How grey a hair is, 0 to 1, that drew `chance` (0 to 1) where the fraction of grey hairs is `share`. It grows with
+/// `share`; a share of 0 greys none and a share of 1 all, at any softness.
 fn greyness(share: f32, softness: f32, chance: f32) -> f32 {
     if softness == 0.0 {
         return if chance < share { 1.0 } else { 0.0 };
@@ -190,7 +190,7 @@ mod tests {
         let with = |more: (&'static str, Value)| [plain(0.87, 0.87), vec![more]].concat();
         let half = with(("amount", Value::Float(0.5)));
         check(&half, 2, 4, colour_of((brown + absorption_of(COLOUR.default)) * 0.5));
-        // All gray: slightly more than a fiftieth of the pigment.
+        // All grey: slightly more than a fiftieth of the pigment.
         check(&with(("grey", Value::Float(1.0))), 2, 1, colour_of(brown * 0.04));
         check(&with(("grey", Value::Float(0.0))), 1, 1, colour_of(brown));
         let red = Vec3::new(0.5, 0.05, 0.05);
@@ -198,7 +198,7 @@ mod tests {
         check(&dye, 1, 1, colour_of(blond + absorption_of(red)));
         let weak = ("dye_amount", Field::Attribute("half".into()).into());
         check(&[dye, vec![weak]].concat(), 2, 1, colour_of(blond + absorption_of(red) * 0.5));
-        // The hair's own color is kept, and varied and dyed all the same.
+        // The hair's own colour is kept, and varied and dyed all the same.
         let own = ("from", Value::Text("own".into()));
         check(&with(own.clone()), 2, 4, COLOUR.default);
         let dye = [plain(0.3, 0.3), vec![own, ("dye", Value::Vec3(red))]].concat();

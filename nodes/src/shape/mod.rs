@@ -1,4 +1,4 @@
-//! Nodes that change curves: length, position, width, color; by hand, single hairs, or remove them.
+//! Nodes that change curves: length, position, width, colour; by hand, single hairs, or remove them.
 
 use crate::define::NodeDef;
 

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 node! {
-    /// Changes single hairs by hand: remove, shorten, turn, lift, thicken or color them.
+    /// Changes single hairs by hand: remove, shorten, turn, lift, thicken or colour them.
     ///
     /// The spreadsheet and the viewport show a hair's id. An override affects that hair only, and stays with it at any
     /// density.

@@ -1,6 +1,6 @@
-//! Set colour: the color of hair from root to tip.
+//! Set colour: the colour of hair from root to tip.
 //!
-//! Guarantees: nothing else changes and nothing else is copied; a constant color is stored once. Colors are linear
+//! Guarantees: nothing else changes and nothing else is copied; a constant colour is stored once. Colours are linear
 //! Rec.709.
 
 use super::along::{Held, lay};
@@ -15,20 +15,20 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Colors hair from root to tip, with variation from hair to hair.
+    /// Colours hair from root to tip, with variation from hair to hair.
     "set_colour", version 1, label "Set colour", words "color flat rgb paint dye highlights tint ombre";
     inputs {
-        /// Hair to color.
+        /// Hair to colour.
         curves: Curves;
         /// The head; only masks need it.
         scalp: Option<Arc<Scalp>>;
-        /// Color at the root.
+        /// Colour at the root.
         root: Colour = COLOUR.default, words("color");
-        /// Color at the tip.
+        /// Colour at the tip.
         tip: Colour = COLOUR.default, words("color ombre");
-        /// Blend from the root color (0) to the tip color (1), along the hair.
+        /// Blend from the root colour (0) to the tip colour (1), along the hair.
         profile: Arc<Ramp> = Ramp::smooth(0.0, 1.0), words("gradient blend falloff");
-        /// Blend from the old color (0) to the new one (1). A mask makes streaks.
+        /// Blend from the old colour (0) to the new one (1). A mask makes streaks.
         amount: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("mix opacity mask highlights");
         /// Random variation in brightness between hairs: 0.3 means up to about a third.
         variation: f32 = 0.15, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("random vary");
@@ -36,7 +36,7 @@ node! {
         seed: i64 = 0;
     }
     outputs {
-        /// The same hair, colored.
+        /// The same hair, coloured.
         curves: Curves;
     }
 }

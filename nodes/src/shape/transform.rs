@@ -45,9 +45,9 @@ node! {
 choice! {
     /// Axes and units of the values.
     Space {
-        /// The head frame: x to the head's left, y up, z forward, from the center of the cranium, in head units.
+        /// The head frame: x to the head's left, y up, z forward, from the centre of the cranium, in head units.
         Head = "head",
-        /// World axes and true centimeters.
+        /// World axes and true centimetres.
         World = "world",
     }
 }

@@ -6,7 +6,7 @@
 //! Guarantees: roots, ids and everything inside stay; a cut hair ends on the outline, or as far from it as `softness`
 //! says, to 1e-3 of its length, or on the skin above it; it keeps the spacing of its points, and a `fibre_length` in
 //! proportion; no point becomes deeper below the skin than the hair allows. Not promised: shapes that are hollow or
-//! have arms: outlines are seen from their center, and the outermost wall in each direction counts.
+//! have arms: outlines are seen from their centre, and the outermost wall in each direction counts.
 
 use crate::data::attributes::{ALLOW_DEPTH, Attribute, Domain, FIBRE};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -34,19 +34,19 @@ node! {
         scalp: Arc<Scalp>;
         /// Shape to cut the hair to.
         shape: Shape = Shape::Ellipsoid, words("outline silhouette ellipsoid mesh drawn");
-        /// Center of the shape, in head units (cm on a head of average size) from the center of the cranium.
+        /// Centre of the shape, in head units (cm on a head of average size) from the centre of the cranium.
         centre: Vec3 = Vec3::new(0.0, 1.5, -1.5), handle(Handle::Point), words("middle position place");
         /// Half axes of the ellipsoid: sideways, up, forward.
         size: Vec3 = Vec3::new(14.0, 14.0, 14.0), unit(Length), words("radius width height depth ellipsoid"),
             idle(|of| unless(of, "shape", "ellipsoid", "the shape is no ellipsoid"));
-        /// How far the shape leans back about its center.
+        /// How far the shape leans back about its centre.
         tilt: f32 = 0.0, hard(-180.0, 180.0), soft(-60.0, 60.0), unit(Angle), words("lean rotate");
         /// Closed mesh to cut to, used at its own position: wire a Head node that reads it, with no fit. The shape is
-        /// centered on the mesh.
+        /// centred on the mesh.
         mesh: Option<Arc<Scalp>>, words("volume outline topiary");
-        /// Closed outline in front view, drawn around the shape's center.
+        /// Closed outline in front view, drawn around the shape's centre.
         front: Option<Curves>, words("outline silhouette draw stroke");
-        /// Closed outline in side view, drawn around the shape's center.
+        /// Closed outline in side view, drawn around the shape's centre.
         side: Option<Curves>, words("outline silhouette draw stroke");
         /// How far ends may lie inside or outside the outline; most lie close to it. 0 is a clean cut.
         softness: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), words("fuzzy uneven natural edge point");

@@ -10,7 +10,7 @@ use super::seen::steps;
 use crate::data::gestures::Tool;
 use glam::Vec2;
 
-/// Lift of one step of a puff under the center of the brush, head units.
+/// Lift of one step of a puff under the centre of the brush, head units.
 const LIFT: f32 = 0.12;
 /// Fraction of the way to smooth or straight per step there.
 const SHARE: f32 = 0.35;
@@ -31,7 +31,7 @@ pub(super) fn brush(hand: &Hand, sketch: &mut Sketch) {
     }
 }
 
-/// 1 under the center of the brush, 0 at its edge, flat at both.
+/// 1 under the centre of the brush, 0 at its edge, flat at both.
 fn falloff(off: f32, size: f32) -> f32 {
     let t = (1.0 - off / size).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

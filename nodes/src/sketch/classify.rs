@@ -41,14 +41,14 @@ pub struct Around {
 const TAP_TIME: f32 = 0.25;
 /// Longest pause between two taps, seconds.
 const TAP_PAUSE: f32 = 0.4;
-/// Largest distance of a tap's samples from its center, in `rho`.
+/// Largest distance of a tap's samples from its centre, in `rho`.
 const TAP_SIZE: f32 = 0.2;
 /// Largest distance of two taps, in `rho`.
 const TAPS_APART: f32 = 0.4;
 /// A stroke that stays within this distance of its start, in `rho`, has no usable shape.
 const SHORT: f32 = 0.3;
 
-/// Whether a stroke is a tap: within 6 pixels of its center (for a `rho` of 30), and at most 0.25 s long.
+/// Whether a stroke is a tap: within 6 pixels of its centre (for a `rho` of 30), and at most 0.25 s long.
 pub fn is_tap(samples: &[PenSample], rho: f32) -> bool {
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return false };
     let middle = middle(samples);

@@ -34,7 +34,7 @@ fn within(hand: &Hand, sketch: &Sketch, line: &[Vec2]) -> Vec<usize> {
     let locks = sketch.locks.iter().enumerate().filter(|(_, lock)| lock.is_curve());
     match hand.gesture.layer {
         Layer::Nearest => {
-            // The curve nearest to the circle's center; of equally near ones, the one nearest to the eye.
+            // The curve nearest to the circle's centre; of equally near ones, the one nearest to the eye.
             if let Some((i, _)) = hand.met(sketch, middle).first() {
                 return vec![*i];
             }

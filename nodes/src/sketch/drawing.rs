@@ -73,7 +73,7 @@ fn line(at: impl Fn(f32) -> Vec2) -> Vec<Vec2> {
 }
 
 /// Turns clockwise (negative: counterclockwise) on an ellipse with half axes `radius` and `radius * flat`, tilted, with
-/// a phase and a center that drifts by `drift` per turn.
+/// a phase and a centre that drifts by `drift` per turn.
 pub(crate) fn coil(
     radius: f32,
     flat: f32,

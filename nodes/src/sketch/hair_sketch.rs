@@ -40,16 +40,16 @@ node! {
         scalp: Arc<Scalp>;
         /// Radius of an implant.
         radius: f32 = 1.0, hard(0.001, 100.0), soft(0.1, 3.0), unit(Length), words("width size thickness cluster");
-        /// Density of an implant with no cluster nearby; otherwise it takes the density of its neighbors.
+        /// Density of an implant with no cluster nearby; otherwise it takes the density of its neighbours.
         density: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("fullness default");
         /// Radius of the comb in pixels of the view it was drawn in, and the length of the pieces that a stroke is cut
         /// into.
         rho: f32 = 30.0, hard(2.0, 1000.0), soft(10.0, 100.0), words("comb radius pixels force size");
 
         [Shape]
-        /// Distance within which neighboring curves set the depth and density of a new one.
+        /// Distance within which neighbouring curves set the depth and density of a new one.
         tau: f32 = 4.0, hard(0.01, 100.0), soft(1.0, 10.0), unit(Length), words("neighbours reach distance depth");
-        /// Largest angle in the view between a new curve and a neighbor that sets its depth.
+        /// Largest angle in the view between a new curve and a neighbour that sets its depth.
         angle: f32 = 30.0, hard(0.0, 180.0), soft(5.0, 60.0), unit(Angle), words("neighbours similar direction");
         /// How far combed hair also turns toward the depth of the curves around it: 0 keeps its own depth.
         follow: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("comb neighbours direction side view");
@@ -63,7 +63,7 @@ node! {
         seed: i64 = 0;
     }
     outputs {
-        /// The curves as the pen left them, one tuft each, with radius, density, frizz, roll, color and pins.
+        /// The curves as the pen left them, one tuft each, with radius, density, frizz, roll, colour and pins.
         curves: Curves;
     }
 }
@@ -195,7 +195,7 @@ fn say(cx: &EvalCx, replayed: &[Arc<Replayed>]) {
         let named: usize = replayed.iter().map(|one| one.named).sum();
         cx.warn(format!("of {named} curves that gestures name {lost} are not there any more"));
     }
-    // A hundredth of a millimeter, or of a degree, is rounding.
+    // A hundredth of a millimetre, or of a degree, is rounding.
     if let Some((median, most, at)) = spread(replayed, |one| one.drift).filter(|all| all.1 > 1e-3) {
         cx.remark(format!(
             "implants stand on this head {median:.2} cm from where they were drawn in the median, {most:.2} cm at most (gesture {at})"

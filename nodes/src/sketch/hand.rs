@@ -17,16 +17,16 @@ use std::sync::Arc;
 pub(super) struct Settings {
     pub radius: f32,
     pub segment: f32,
-    /// Search radius for neighbors, cm.
+    /// Search radius for neighbours, cm.
     pub tau: f32,
     /// Reach of a comb, pixels.
     pub rho: f32,
-    /// Cosine of the largest angle to neighbors that count.
+    /// Cosine of the largest angle to neighbours that count.
     pub alike: f32,
     pub density: f32,
-    /// How much a comb turns with the neighbors, 0 to 1.
+    /// How much a comb turns with the neighbours, 0 to 1.
     pub follow: f32,
-    /// Centimeters per head unit.
+    /// Centimetres per head unit.
     pub unit: f32,
     pub seed: u64,
 }
@@ -199,7 +199,7 @@ impl Hand<'_> {
     }
 
     /// Curves under the pen's start or, if it touched down beside hair and then moved back and forth across it, under
-    /// the stroke's center.
+    /// the stroke's centre.
     pub(super) fn under_start_or_middle(&self, sketch: &Sketch) -> Vec<usize> {
         let found = self.under_start(sketch);
         if !found.is_empty() {

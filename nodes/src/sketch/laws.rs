@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// A gesture from the front, where a pixel covers 0.03 cm at the center of the ball.
+/// A gesture from the front, where a pixel covers 0.03 cm at the centre of the ball.
 pub(super) fn drawn(tool: Tool, layer: Layer, line: &[Vec2]) -> Gesture {
     let sample = |(i, at): (usize, &Vec2)| PenSample {
         at: *at,
@@ -113,7 +113,7 @@ fn an_implant_grows_from_the_head_along_the_stroke_in_segments_of_two_cm() {
     let (curves, said) = sketch(None, &[one_lock()]);
     assert!(said.is_empty(), "{said:?}");
     let (cvs, scalp) = (only(&curves), shared_ball());
-    // The ray through 150 pixels above the center, for 8.9 cm of ball seen from 60 cm with 0.0005 cm per pixel and cm:
+    // The ray through 150 pixels above the centre, for 8.9 cm of ball seen from 60 cm with 0.0005 cm per pixel and cm:
     // on the ball.
     assert!(scalp.skin().distance(cvs[0]).abs() < 1e-4, "{}", cvs[0]);
     assert!((cvs[0].y - 150.0 * 0.0005 * (60.0 - cvs[0].z)).abs() < 1e-3 && cvs[0].x.abs() < 1e-3);
@@ -366,7 +366,7 @@ fn a_cut_ends_the_nearest_all_or_takes_out_what_is_rooted_there() {
     let (cut, said) = with(&through);
     assert!(said.is_empty(), "{said:?}");
     let ends = tips(&cut);
-    // 100 pixels below the center: at 51 cm, 2.6 cm down.
+    // 100 pixels below the centre: at 51 cm, 2.6 cm down.
     assert!(ends[..3].iter().all(|y| (y + 2.55).abs() < 0.15) && ends[3] < -4.0, "{ends:?}");
     // From side to side of a single one.
     let mut one = drawn(Tool::Cut, Layer::Nearest, &line([-55.0, 100.0], [55.0, 100.0]));
@@ -614,7 +614,7 @@ fn a_cut_on_a_bias_ends_each_strand_on_the_stroke() {
             .map(|(tuft, i)| off(tuft.curve(i).last().unwrap()))
             .collect();
         assert!(ends.len() > 200);
-        // Half a pixel is a fifth of a millimeter; points pushed out of the head may be off.
+        // Half a pixel is a fifth of a millimetre; points pushed out of the head may be off.
         let near = ends.iter().filter(|off| **off < 0.5).count();
         assert!(100 * near >= 95 * ends.len(), "{near} of {}", ends.len());
     }

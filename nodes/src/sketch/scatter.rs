@@ -220,7 +220,7 @@ mod tests {
     use crate::data::scalp::tests::shared_ball;
     use crate::testing::head;
 
-    /// Position of a root on the ball, from the front, this many cm to the right of the center.
+    /// Position of a root on the ball, from the front, this many cm to the right of the centre.
     fn on_ball(scalp: &Scalp, x: f32) -> Vec3 {
         let p = Vec3::new(x, 0.0, (8.9f32 * 8.9 - x * x).sqrt());
         scalp.closest_root(p).unwrap().point

@@ -62,13 +62,13 @@ impl Seen {
         (p - self.eye).dot(self.ahead)
     }
 
-    /// Centimeters per pixel at a depth.
+    /// Centimetres per pixel at a depth.
     pub fn cm_per_pixel(&self, depth: f32) -> f32 {
         let far = if self.parallel { 1.0 } else { depth.max(NEAR) };
         2.0 * self.half_height * far / self.pixels
     }
 
-    /// Position of a point in the picture, in pixels from its center, to the right and down; `None` behind the eye.
+    /// Position of a point in the picture, in pixels from its centre, to the right and down; `None` behind the eye.
     pub fn pixel(&self, p: Vec3) -> Option<Vec2> {
         let depth = self.depth(p);
         // Written so that NaN is rejected.

@@ -303,7 +303,7 @@ mod tests {
         let cut = drawn(Tool::Cut, Layer::Through, &line([-250.0, 50.0], [250.0, 50.0]));
         let (combed, said) = sketch_on(&scalp, None, &[kept.clone(), comb]);
         assert!(said.is_empty() && points(&combed) != b && radii(&combed.tufts()[0]) == is);
-        // The pen grabs it by its flank, 1.5 cm off its center where it is 2 wide, and a half at its root.
+        // The pen grabs it by its flank, 1.5 cm off its centre where it is 2 wide, and a half at its root.
         let flank = drawn(Tool::Comb, Layer::Nearest, &line([60.0, 50.0], [-90.0, 50.0]));
         let (taken, said) = sketch_on(&scalp, None, &[kept.clone(), flank]);
         assert!(said.is_empty() && points(&taken) != b, "{said:?}");

@@ -134,7 +134,7 @@ impl Dabs {
         let piece = &self.pieces[number as usize];
         let [a, b] = piece.ends.map(|dab| dab.point);
         let steps = (a.distance(b) / (2.0 * self.side)).ceil().clamp(1.0, 4.0 * MOST) as usize;
-        // Distance from the center of a cell to its corner.
+        // Distance from the centre of a cell to its corner.
         let near = piece.reach + 0.8661 * self.side;
         for step in 0..steps {
             let [from, to] = [step, step + 1].map(|k| a.lerp(b, k as f32 / steps as f32));

@@ -3,7 +3,7 @@
 //! Means of means would cost more with each stroke, so they are computed once, on a grid with a spacing of a quarter of
 //! the radius, and interpolated in between.
 //!
-//! Guarantees: results stay within the minimum and maximum of the neighborhood; constant areas stay constant.
+//! Guarantees: results stay within the minimum and maximum of the neighbourhood; constant areas stay constant.
 
 use super::Painted;
 use crate::data::scalp::Root;
@@ -23,7 +23,7 @@ pub struct Even {
 
 /// Grid cells per radius.
 const FINE: f32 = 4.0;
-/// Radius of the neighborhood, as a fraction of the brush radius.
+/// Radius of the neighbourhood, as a fraction of the brush radius.
 const ABOUT: f32 = 0.5;
 /// A longer path, in grid cells, makes the grid coarser.
 const LONGEST: f64 = 6_000.0;

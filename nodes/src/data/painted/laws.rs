@@ -109,7 +109,7 @@ fn any_stroke(id: u64) -> Stroke {
 
 #[test]
 fn a_dab_is_full_in_its_middle_half_way_out_and_nothing_beyond_its_radius() {
-    // At the crown, which is 8.9 cm from the center: 1 cm from the middle of a dab of 2 cm, smoothstep(0.5) = 0.5; at
+    // At the crown, which is 8.9 cm from the centre: 1 cm from the middle of a dab of 2 cm, smoothstep(0.5) = 0.5; at
     // full pressure and half strength, the middle is 0.5.
     let ball = crate::data::scalp::tests::shared_ball();
     let sample = Sample { position: Vec3::Y * 8.9, pressure: 1.0, ..Sample::default() };
@@ -423,7 +423,7 @@ fn smoothing_over_a_closed_line_evens_it_out() {
     };
     let smooth = stroke(2, &[beside(25.0)], brush(Mode::Smooth, 2.0, 1.0));
     let on = painted(&head(), &[line, smooth]);
-    // 3 degrees are about half a centimeter, outside the line's own edge of 1.5 mm.
+    // 3 degrees are about half a centimetre, outside the line's own edge of 1.5 mm.
     let (inside, outside) = (at(&on, beside(22.0)), at(&on, beside(28.0)));
     assert!((0.5..0.95).contains(&inside) && (0.05..0.5).contains(&outside), "{inside} {outside}");
     assert_eq!((at(&on, CROWN), at(&on, beside(45.0))), (1.0, 0.0));

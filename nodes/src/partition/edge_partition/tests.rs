@@ -255,12 +255,12 @@ fn no_hair_crosses_a_hair_of_another_row() {
             assert_eq!(crossings(&curves), 0, "{what} {grouping}");
         }
     }
-    // The law can fail: with crossing allowed and roots at the neighbor, hairs do cross.
+    // The law can fail: with crossing allowed and roots at the neighbour, hairs do cross.
     let set = [few, ("cross_partings", true.into()), ("mediate", Value::Float(0.9))];
     assert!(crossings(&parted(&scalp, &rows(&scalp, 6), &set)) > 100);
 }
 
-/// Pairs of crossing segments of hairs of different rows, seen from the center of the ball.
+/// Pairs of crossing segments of hairs of different rows, seen from the centre of the ball.
 fn crossings(curves: &Curves) -> usize {
     let mut all: Vec<(u64, Vec3, Vec3)> = vec![];
     for (tuft, i) in curves.each() {
@@ -479,7 +479,7 @@ fn lengths_grow_with_the_head() {
         let off = points.iter().zip(&two[id]).map(|(a, b)| a.distance(*b * 0.5));
         far += usize::from(off.fold(0.0, f32::max) > 0.02);
     }
-    // Searches step in true centimeters, so a few hairs at the ends of rows differ.
+    // Searches step in true centimetres, so a few hairs at the ends of rows differ.
     assert!(far * 100 < one.len(), "{far} of {}", one.len());
 }
 
@@ -519,7 +519,7 @@ fn what_is_no_row_is_left_out_and_named() {
     let (out, said) = run(&NODE, &set);
     assert_eq!(said.len(), 3, "{said:?}");
     let curves = curves_of(&out[0]);
-    // Rows of one tuft are each other's neighbors.
+    // Rows of one tuft are each other's neighbours.
     assert!(curves.curve_count() > 400);
     assert!(curves.tufts().iter().all(|t| t.points().iter().all(|p| p.is_finite())));
 }

@@ -1,4 +1,4 @@
-//! Messages and behavior for meshes that are not plain heads: inverted parts, two heads, flat things, things worn.
+//! Messages and behaviour for meshes that are not plain heads: inverted parts, two heads, flat things, things worn.
 
 use super::laws::{adult, bust_shape, named, on_the_bust};
 use super::worn::Shape;

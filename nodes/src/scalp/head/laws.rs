@@ -365,7 +365,7 @@ pub(super) fn named(shapes: &[(&str, &Shape)], place: impl Fn(Vec3) -> Vec3) -> 
     Value::File(Arc::new(FileData { path, extension, bytes, sides: BTreeMap::new() }))
 }
 
-/// The face is along +z, and the sphere is that of the bust alone: its center and radius to 1 % of the radius.
+/// The face is along +z, and the sphere is that of the bust alone: its centre and radius to 1 % of the radius.
 fn check_worn(ids: std::ops::Range<u64>) {
     let bust = bust_shape();
     let alone = fit::cranium(&bust.points, &bust.triangles, &mut 0, || Ok(())).unwrap().unwrap();
@@ -486,7 +486,7 @@ fn a_head_is_found_with_whatever_axis_up() {
 
 #[test]
 fn where_no_hairline_is_known_or_the_region_is_no_scalp_it_is_told_with_its_size() {
-    // A cube of 2 units, read as meters: 6 sides of 40,000 cm2.
+    // A cube of 2 units, read as metres: 6 sides of 40,000 cm2.
     let cube =
         b"v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
                  f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";

@@ -1,7 +1,7 @@
 //! Things worn on heads, for tests: buns, tails, bangs, caps of hair, helmets, hats, glasses, of any size and
 //! direction.
 //!
-//! A head here has its cranium's center at the origin, radius 1, and faces +z.
+//! A head here has its cranium's centre at the origin, radius 1, and faces +z.
 
 use crate::maths::hash::Dice;
 use crate::maths::transcendental::{sin_cos, sin_cos_turns};
@@ -53,7 +53,7 @@ impl Shape {
     }
 }
 
-/// The direction at these degrees to the head's left of its face and above its center.
+/// The direction at these degrees to the head's left of its face and above its centre.
 pub(super) fn way(aside: f32, above: f32) -> Vec3 {
     let ((s, c), (high, out)) = (sin_cos(aside.to_radians()), sin_cos(above.to_radians()));
     Vec3::new(s * out, high, c * out)

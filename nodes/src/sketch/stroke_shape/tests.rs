@@ -67,7 +67,7 @@ fn full_circles_count_clockwise_less_counter_clockwise_ones_once_each_is_closed(
 
 #[test]
 fn each_turn_of_a_twirl_is_a_loop_with_its_place_and_way_round() {
-    // A coil of radius 20 that advances by 60 per turn: it crosses itself below each center where the hand moves back.
+    // A coil of radius 20 that advances by 60 per turn: it crosses itself below each centre where the hand moves back.
     for n in 1..=6 {
         let line = coil(20.0, 1.0, 0.0, n as f32, 0.75, Vec2::X * 60.0);
         for seed in 0..4 {
